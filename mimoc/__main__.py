@@ -1,0 +1,5 @@
+"""`python -m mimoc` is `mimo`."""
+
+from mimoc.cli import main
+
+main()

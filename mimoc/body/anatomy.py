@@ -1,0 +1,483 @@
+"""The reference body: which parts, joints and muscles an infant has, and MIMo's figures for them at 18 months.
+
+Names with `{side}` stand for a right and a left part; figures are those of the right side (the left is
+its mirror image in y). Sizes and positions are not here: they follow from measurements (`geometry`).
+Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
+"""
+
+from dataclasses import dataclass
+
+from mimoc.body.tree import GeomType, Vec3
+
+REFERENCE_AGE_MONTHS = 18.0
+"""Age at which masses and gears are MIMo's own."""
+
+ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
+ALONG_X: Vec3 = (0.0, 90.0, 0.0)
+UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class GeomFigures:
+    """What does not grow about a geom, and what its size follows."""
+
+    name: str
+    type: GeomType
+    mass_kg: float
+    """At 18 months."""
+    follows: tuple[str, ...]
+    """The measurements its size comes from."""
+    rule: str
+    """How its size comes from them, for people."""
+    euler_deg: Vec3 = UPRIGHT
+    friction: Vec3 = (1.0, 0.005, 0.0002)
+    contype: int = 1
+    conaffinity: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class JointFigures:
+    """A hinge of the right side; none of its figures grow."""
+
+    name: str
+    axis: Vec3
+    range_deg: tuple[float, float]
+    stiffness_nm_per_rad: float
+    damping_nms_per_rad: float
+    frictionloss_nm: float
+    armature_kgm2: float
+    springref_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A body of the reference model."""
+
+    name: str
+    parent: str | None
+    geoms: tuple[GeomFigures, ...]
+    joints: tuple[JointFigures, ...] = ()
+    euler_deg: Vec3 = UPRIGHT
+    follows: tuple[str, ...] = ()
+    """The measurements its place in its parent comes from."""
+    rule: str = "at the origin of its parent"
+    """How its place comes from them, for people."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotorFigures:
+    """What moves a joint, at 18 months."""
+
+    name: str
+    joint: str
+    gear_nm: float
+    force_range: tuple[float, float]
+    mover: str
+
+
+_CROWN_RUMP = ("crown_rump_length", "head_circumference", "hip_circumference")
+_AXIAL = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
+_LEG_SHARE = "leg length (crown_sole_length less all above the hip), shared as rump_knee_length to knee_sole_length"
+_HAND_GRIP = (5.0, 0.02, 0.01)
+_SOLE_GRIP = (2.0, 0.02, 0.01)
+
+TRUNK = (
+    Part(
+        "hip",
+        None,
+        (
+            GeomFigures(
+                "lb",
+                "capsule",
+                1.1584,
+                ("hip_breadth", "hip_circumference"),
+                "as wide as hip_breadth, radius in proportion to hip_circumference",
+                ALONG_Y,
+            ),
+        ),
+    ),
+    Part(
+        "lower_body",
+        "hip",
+        (
+            GeomFigures(
+                "cb",
+                "capsule",
+                1.3245,
+                ("hip_breadth", "chest_breadth", "waist_circumference"),
+                "as wide as the mean of hip_breadth and chest_breadth, radius in proportion to waist_circumference",
+                ALONG_Y,
+                contype=0,
+                conaffinity=0,
+            ),
+        ),
+        (
+            JointFigures("robot:hip_lean1", (1, 0, 0), (-14, 14), 3.38, 0.77, 0.049, 0.01),
+            JointFigures("robot:hip_rot1", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
+            JointFigures("robot:hip_bend1", (0, 1, 0), (-17, 30.5), 2.20, 0.84, 0.040, 0.01),
+        ),
+        follows=_CROWN_RUMP,
+        rule=_AXIAL,
+    ),
+    Part(
+        "upper_body",
+        "lower_body",
+        (
+            GeomFigures(
+                "ub1",
+                "capsule",
+                1.0882,
+                ("chest_breadth", "chest_circumference"),
+                "as wide as chest_breadth, radius in proportion to chest_circumference",
+                ALONG_Y,
+            ),
+            GeomFigures(
+                "ub2",
+                "capsule",
+                0.9499,
+                ("chest_breadth", "chest_circumference"),
+                "as wide as chest_breadth, radius in proportion to chest_circumference",
+                ALONG_Y,
+            ),
+            GeomFigures(
+                "neck",
+                "capsule",
+                0.0,
+                ("head_circumference", *_CROWN_RUMP[:1]),
+                "massless filler between chest and head, in proportion to the head",
+                contype=0,
+                conaffinity=0,
+            ),
+        ),
+        (
+            JointFigures("robot:hip_lean2", (1, 0, 0), (-27, 27), 1.69, 0.38, 0.024, 0.01),
+            JointFigures("robot:hip_rot2", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
+            JointFigures("robot:hip_bend2", (0, 1, 0), (-17, 30.5), 2.20, 0.84, 0.040, 0.01),
+        ),
+        follows=_CROWN_RUMP,
+        rule=_AXIAL,
+    ),
+    Part(
+        "chest",
+        "upper_body",
+        (
+            GeomFigures(
+                "ub3",
+                "capsule",
+                0.7217,
+                ("shoulder_breadth", "upper_arm_circumference", "chest_circumference"),
+                "from shoulder to shoulder between the upper arms, radius in proportion to chest_circumference",
+                ALONG_Y,
+            ),
+        ),
+        follows=_CROWN_RUMP,
+        rule=_AXIAL,
+    ),
+)
+
+ARM = (
+    Part(
+        "{side}_upper_arm",
+        "chest",
+        (
+            GeomFigures(
+                "{side}_uarm1",
+                "capsule",
+                0.2684,
+                ("upper_arm_circumference", "shoulder_elbow_length", "forearm_circumference"),
+                "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow",
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_shoulder_horizontal", (0, 1, -4), (-28, 118), 0.09, 0.05, 0.0009, 0.004),
+            JointFigures("robot:{side}_shoulder_ad_ab", (-1, 0, 0), (-84, 183), 0.11, 0.10, 0.0014, 0.004),
+            JointFigures("robot:{side}_shoulder_rotation", (0, 0, -1), (-99, 67), 0.12, 0.07, 0.0008, 0.004),
+        ),
+        euler_deg=(170.0, 0.0, 0.0),
+        follows=("shoulder_breadth",),
+        rule="half of shoulder_breadth to the side",
+    ),
+    Part(
+        "{side}_lower_arm",
+        "{side}_upper_arm",
+        (
+            GeomFigures(
+                "{side}_larm",
+                "capsule",
+                0.1853,
+                ("forearm_circumference", "elbow_hand_length", "hand_length", "hand_breadth"),
+                "radius = forearm_circumference / 2 pi, from the elbow to half a hand's thickness past the wrist",
+            ),
+        ),
+        (JointFigures("robot:{side}_elbow", (0, -1, 0), (-146, 5), 0.13, 0.11, 0.030, 0.002, -20),),
+        follows=("shoulder_elbow_length",),
+        rule="elbow at .699 x shoulder_elbow_length, the reference body's share between the joints",
+    ),
+    Part(
+        "{side}_hand",
+        "{side}_lower_arm",
+        (
+            GeomFigures(
+                "geom:{side}_hand1",
+                "box",
+                0.04315,
+                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
+                "as wide as maximum_fist_breadth, half of hand_length less the fingertip's radius",
+            ),
+            GeomFigures(
+                "geom:{side}_hand2",
+                "cylinder",
+                0.01602,
+                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
+                "rounds the palm off at the knuckles",
+                ALONG_X,
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_hand1", (0, 0, -1), (-90, 90), 0.22, 0.03, 0.007, 0.001, -20),
+            JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
+            JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
+        ),
+        follows=("elbow_hand_length", "hand_length"),
+        rule="wrist at .763 x (elbow_hand_length - hand_length), the reference body's share between the joints",
+    ),
+    Part(
+        "{side}_fingers",
+        "{side}_hand",
+        (
+            GeomFigures(
+                "geom:{side}_fingers1",
+                "box",
+                0.03494,
+                ("hand_breadth", "hand_length"),
+                "as wide as hand_breadth, half of hand_length less the fingertip's radius",
+                friction=_HAND_GRIP,
+            ),
+            GeomFigures(
+                "geom:{side}_fingers2",
+                "cylinder",
+                0.01323,
+                ("hand_breadth", "hand_length"),
+                "rounds the fingertips off at hand_length from the wrist",
+                ALONG_X,
+                _HAND_GRIP,
+            ),
+        ),
+        (JointFigures("robot:{side}_fingers", (-1, 0, 0), (-160, 8), 0.017, 0.018, 0.0023, 0.0001, -40),),
+        follows=("hand_length",),
+        rule="at the knuckles, half of hand_length less the fingertip's radius",
+    ),
+)
+
+HEAD = (
+    Part(
+        "head",
+        "upper_body",
+        (GeomFigures("head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi"),),
+        (
+            JointFigures("robot:head_swivel", (0, 0, 1), (-111, 111), 0.23, 0.29, 0.018, 0.005),
+            JointFigures("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
+            JointFigures("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
+        ),
+        follows=_CROWN_RUMP,
+        rule=_AXIAL,
+    ),
+)
+
+EYE = (
+    Part(
+        "{side}_eye",
+        "head",
+        (GeomFigures("geom:{side}_eye1", "sphere", 0.006275, ("head_circumference",), "in proportion to the head"),),
+        (
+            JointFigures("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
+            JointFigures("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
+            JointFigures("robot:{side}_eye_torsional", (1, 0, 0), (-8, 8), 0.00267, 0.00042, 0.000037, 0.0002),
+        ),
+        follows=("head_circumference",),
+        rule="in proportion to the head",
+    ),
+)
+
+LEG = (
+    Part(
+        "{side}_upper_leg",
+        "hip",
+        (
+            GeomFigures(
+                "geom:{side}_upper_leg1",
+                "capsule",
+                0.7998,
+                ("mid_thigh_circumference", "rump_knee_length", "calf_circumference"),
+                "radius = mid_thigh_circumference / 2 pi, from the hip to one calf radius past the knee",
+                contype=2,
+                conaffinity=3,
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_hip1", (0, 1, 0), (-133, 20), 1.72, 1.27, 0.08, 0.005, -10),
+            JointFigures("robot:{side}_hip2", (1, 0, 0), (-51, 17), 3.51, 1.99, 0.062, 0.005),
+            JointFigures("robot:{side}_hip3", (0, 0, -1), (-32, 41), 2.16, 0.75, 0.027, 0.005),
+        ),
+        follows=("hip_breadth", "hip_circumference"),
+        rule="in proportion to the pelvis",
+    ),
+    Part(
+        "{side}_lower_leg",
+        "{side}_upper_leg",
+        (
+            GeomFigures(
+                "geom:{side}_lower_leg1",
+                "capsule",
+                0.3341,
+                ("calf_circumference", "knee_sole_length"),
+                "radius = calf_circumference / 2 pi, upper half of the shank",
+            ),
+            GeomFigures(
+                "geom:{side}_lower_leg2",
+                "capsule",
+                0.1160,
+                ("ankle_circumference", "knee_sole_length"),
+                "radius = ankle_circumference / 2 pi, lower half of the shank, into the foot",
+            ),
+        ),
+        (JointFigures("robot:{side}_knee", (0, -1, 0), (-145, 4), 1.63, 0.53, 0.065, 0.003, -30),),
+        follows=("crown_sole_length", "crown_rump_length", "rump_knee_length", "knee_sole_length"),
+        rule=_LEG_SHARE,
+    ),
+    Part(
+        "{side}_foot",
+        "{side}_lower_leg",
+        (
+            GeomFigures(
+                "geom:{side}_foot1",
+                "cylinder",
+                0.03219,
+                ("foot_breadth", "foot_length"),
+                "heel, as wide as foot_breadth",
+            ),
+            GeomFigures(
+                "geom:{side}_foot2",
+                "box",
+                0.05850,
+                ("foot_breadth", "foot_length"),
+                "sole, as wide as foot_breadth",
+                friction=_SOLE_GRIP,
+            ),
+            GeomFigures(
+                "geom:{side}_foot3",
+                "cylinder",
+                0.01268,
+                ("foot_breadth", "foot_length"),
+                "ball of the foot, as wide as foot_breadth",
+                ALONG_Y,
+                _SOLE_GRIP,
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
+            JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
+            JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
+        ),
+        follows=("crown_sole_length", "crown_rump_length", "rump_knee_length", "knee_sole_length"),
+        rule=_LEG_SHARE,
+    ),
+    Part(
+        "{side}_toes",
+        "{side}_foot",
+        (
+            GeomFigures(
+                "geom:{side}_toes1",
+                "box",
+                0.01084,
+                ("foot_breadth", "foot_length"),
+                "toes, as wide as foot_breadth",
+                friction=_SOLE_GRIP,
+            ),
+            GeomFigures(
+                "geom:{side}_toes2",
+                "cylinder",
+                0.01226,
+                ("foot_breadth", "foot_length"),
+                "rounds the toes off at foot_length from the heel",
+                ALONG_Y,
+                _SOLE_GRIP,
+            ),
+        ),
+        (JointFigures("robot:{side}_toes", (0, -1, 0), (-60, 80), 0.106, 0.04, 0.005, 0.0005),),
+        follows=("foot_length", "foot_breadth"),
+        rule="in proportion to the foot",
+    ),
+)
+
+GROUPS: tuple[tuple[tuple[Part, ...], tuple[str, ...]], ...] = (
+    (TRUNK, ("",)),
+    (ARM, ("right", "left")),
+    (HEAD, ("",)),
+    (EYE, ("left", "right")),
+    (LEG, ("right", "left")),
+)
+"""Parts and the sides they come on, in the order of MIMo's bodies."""
+
+TRUNK_MOTORS = (
+    MotorFigures("act:hip_bend", "robot:hip_bend1", 10.58, (-1, 0.765), "cb"),
+    MotorFigures("act:hip_twist", "robot:hip_rot1", 3.63, (-1, 1), "cb"),
+    MotorFigures("act:hip_lean", "robot:hip_lean1", 7.25, (-1, 1), "cb"),
+)
+HEAD_MOTORS = (
+    MotorFigures("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), "head"),
+    MotorFigures("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), "head"),
+    MotorFigures("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), "head"),
+)
+EYE_MOTORS = (
+    MotorFigures("act:{side}_eye_horizontal", "robot:{side}_eye_horizontal", 0.0054, (-1, 1), "geom:{side}_eye1"),
+    MotorFigures("act:{side}_eye_vertical", "robot:{side}_eye_vertical", 0.0054, (-1, 1), "geom:{side}_eye1"),
+    MotorFigures("act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), "geom:{side}_eye1"),
+)
+ARM_MOTORS = (
+    MotorFigures("act:{side}_shoulder_horizontal", "robot:{side}_shoulder_horizontal", 1.8, (-1, 1), "{side}_uarm1"),
+    MotorFigures("act:{side}_shoulder_abduction", "robot:{side}_shoulder_ad_ab", 4, (-0.6875, 1), "{side}_uarm1"),
+    MotorFigures("act:{side}_shoulder_internal", "robot:{side}_shoulder_rotation", 2.5, (-1, 0.64), "{side}_uarm1"),
+    MotorFigures("act:{side}_elbow", "robot:{side}_elbow", 3.6, (-1, 0.83), "{side}_larm"),
+    MotorFigures("act:{side}_wrist_rotation", "robot:{side}_hand1", 0.7, (-1, 1), "geom:{side}_hand1"),
+    MotorFigures("act:{side}_wrist_flexion", "robot:{side}_hand2", 1.24, (-1, 0.57), "geom:{side}_hand1"),
+    MotorFigures("act:{side}_wrist_ulnar", "robot:{side}_hand3", 0.95, (-0.87, 1), "geom:{side}_hand1"),
+    MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), "geom:{side}_hand1"),
+)
+LEG_MOTORS = (
+    MotorFigures("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), "geom:{side}_upper_leg1"),
+    MotorFigures("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), "geom:{side}_upper_leg1"),
+    MotorFigures("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), "geom:{side}_upper_leg1"),
+    MotorFigures("act:{side}_knee", "robot:{side}_knee", 10, (-0.65, 1), "geom:{side}_lower_leg1"),
+    MotorFigures("act:{side}_foot_flexion", "robot:{side}_foot1", 3.78, (-1, 0.5), "geom:{side}_foot2"),
+    MotorFigures("act:{side}_foot_inversion", "robot:{side}_foot2", 1.16, (-0.91, 1), "geom:{side}_foot2"),
+    MotorFigures("act:{side}_foot_rotation", "robot:{side}_foot3", 1.2, (-1, 1), "geom:{side}_foot2"),
+    MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), "geom:{side}_foot2"),
+)
+MOTOR_GROUPS: tuple[tuple[tuple[MotorFigures, ...], tuple[str, ...]], ...] = (
+    (TRUNK_MOTORS, ("",)),
+    (HEAD_MOTORS, ("",)),
+    (EYE_MOTORS, ("left", "right")),
+    (ARM_MOTORS, ("right", "left")),
+    (LEG_MOTORS, ("right", "left")),
+)
+"""Motors and the sides they come on, in the order of MIMo's actuators."""
+
+TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
+    ("hip_bend", 0.01, (("robot:hip_bend1", 1), ("robot:hip_bend2", -1))),
+    ("hip_rotation", 0.01, (("robot:hip_rot1", 1), ("robot:hip_rot2", -1))),
+    ("hip_lean", 0.01, (("robot:hip_lean1", 1), ("robot:hip_lean2", -0.5))),
+    ("head_limits1", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt_side", 1))),
+    ("head_limits2", 2.1, (("robot:head_tilt", 1), ("robot:head_tilt_side", 1))),
+    ("head_limits3", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt", 1))),
+    ("head_limits1_sym", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt_side", -1))),
+    ("head_limits2_sym", 2.1, (("robot:head_tilt", 1), ("robot:head_tilt_side", -1))),
+    ("head_limits3_sym", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt", -1))),
+)
+"""Couplings of the lumbar joints and combined limits of the head: name, half range in [rad], factors."""
+
+EXCLUDED = (("left_eye", "upper_body"), ("right_eye", "upper_body"), ("chest", "head"))
+"""Bodies that pass through each other."""
+
+FRICTIONLESS = (("lb", "ub1"),)
+"""Geoms that slide on each other when the trunk bends."""

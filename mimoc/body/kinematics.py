@@ -1,0 +1,100 @@
+"""Where the parts of a body are in a given pose, and where it touches the ground."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.body.tree import Body, BodyTree, Geom
+from mimoc.units import deg_to_rad
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Posed:
+    """The geoms of a body in a pose, in the frame of its hip."""
+
+    geoms: tuple[Geom, ...]
+    centres: FloatArray
+    """Shape (n, 3), [m]."""
+    turns: FloatArray
+    """Hip from geom, shape (n, 3, 3)."""
+
+    @property
+    def centre_of_mass(self) -> FloatArray:
+        """Shape (3,), [m]; exact, for every geom is symmetric."""
+        masses = np.array([geom.mass_kg for geom in self.geoms])
+        return masses @ self.centres / masses.sum()
+
+    def extent(self, direction: FloatArray) -> float:
+        """Return how far the body reaches from the hip along a unit vector of the hip frame, in [m]."""
+        local = np.einsum("nij,i->nj", self.turns, direction)
+        return float(np.max(self.centres @ direction + reach(self.geoms, local)))
+
+
+def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
+    """Return the body with some joints turned; joints that are not named stay at zero."""
+    frames: dict[str | None, tuple[FloatArray, FloatArray]] = {None: (np.zeros(3), np.eye(3))}
+    geoms, centres, turns = [], [], []
+    for body in tree.bodies:
+        origin, turn = frames[body.name] = _frame(body, angles_rad, *frames[body.parent])
+        for geom in body.geoms:
+            geoms.append(geom)
+            centres.append(origin + turn @ geom.pos_m)
+            turns.append(turn @ euler_matrix(geom.euler_deg))
+    return Posed(tuple(geoms), np.array(centres), np.array(turns))
+
+
+def reach(geoms: Sequence[Geom], directions: FloatArray) -> FloatArray:
+    """Return how far each geom reaches from its centre, in [m], shape (n,).
+
+    A box reaches by its edges, a capsule by its axis and its radius everywhere, a cylinder by its
+    axis and its disc.
+
+    Args:
+        geoms: The n geoms.
+        directions: Unit vectors in the frame of each geom, shape (n, 3).
+    """
+    edges, balls, discs = (np.array(column) for column in zip(*map(_extent, geoms), strict=True))
+    along = np.abs(directions)
+    return (along * edges).sum(axis=1) + balls + discs * np.sqrt(np.maximum(0.0, 1 - along[:, 2] ** 2))
+
+
+def _extent(geom: Geom) -> tuple[tuple[float, ...], float, float]:
+    """Return the half edges, the radius of the ball and the radius of the disc that make up a geom."""
+    if geom.type == "box":
+        return geom.size_m, 0.0, 0.0
+    if geom.type == "sphere":
+        return (0.0, 0.0, 0.0), geom.size_m[0], 0.0
+    radius_m, half_m = geom.size_m
+    return (0.0, 0.0, half_m), *((radius_m, 0.0) if geom.type == "capsule" else (0.0, radius_m))
+
+
+def euler_matrix(euler_deg: tuple[float, float, float]) -> FloatArray:
+    """Return the rotation of intrinsic x-y-z angles, shape (3, 3)."""
+    x, y, z = (axis_matrix(axis, deg_to_rad(angle)) for axis, angle in zip(np.eye(3), euler_deg, strict=True))
+    return x @ y @ z
+
+
+def axis_matrix(axis: npt.ArrayLike, angle_rad: float) -> FloatArray:
+    """Return the rotation about an axis of any length, shape (3, 3) (Rodrigues)."""
+    x, y, z = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle_rad) * cross + (1 - np.cos(angle_rad)) * cross @ cross
+
+
+def _frame(
+    body: Body, angles_rad: Mapping[str, float], parent_origin: FloatArray, parent_turn: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return origin and rotation of a body: its joints turn it one after another about their anchors."""
+    origin = parent_origin + parent_turn @ body.pos_m
+    turn = parent_turn @ euler_matrix(body.euler_deg)
+    for joint in body.joints:
+        angle_rad = angles_rad.get(joint.name, 0.0)
+        if angle_rad:
+            anchor = origin + turn @ joint.anchor_m
+            turn = turn @ axis_matrix(joint.axis, angle_rad)
+            origin = anchor - turn @ joint.anchor_m
+    return origin, turn

@@ -1,0 +1,23 @@
+"""Volumes and masses: a part keeps the density it has at 18 months."""
+
+import math
+
+from mimoc.body.tree import GeomType
+
+
+def volume(kind: GeomType, size_m: tuple[float, ...]) -> float:
+    """Return the volume of a geom, in m³, from its size as MuJoCo wants it."""
+    if kind == "box":
+        x, y, z = size_m
+        return 8 * x * y * z
+    radius = size_m[0]
+    ball = 4 / 3 * math.pi * radius**3
+    if kind == "sphere":
+        return ball
+    cylinder = math.pi * radius**2 * 2 * size_m[1]
+    return cylinder if kind == "cylinder" else cylinder + ball
+
+
+def grown(reference: float, volume_m3: float, reference_volume_m3: float) -> float:
+    """Return a reference mass or gear, scaled with the volume it belongs to (paper, section "Body growth")."""
+    return reference * volume_m3 / reference_volume_m3

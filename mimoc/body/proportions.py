@@ -1,0 +1,184 @@
+"""The lengths and radii of an infant's segments, from measurements on a child.
+
+A measurement is taken on the outside of a child, a model's segment runs between joints. Where the
+two differ, the segment keeps the share of the measurement that it has in the reference body, whose
+own measurements are the means of the 16-19 months group of AnthroKids.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mimoc.errors import GeometryError
+
+REFERENCE_M: Mapping[str, float] = {
+    "chest_circumference": 0.468,
+    "elbow_hand_length": 0.207,
+    "foot_breadth": 0.050,
+    "foot_length": 0.119,
+    "hand_breadth": 0.046,
+    "hand_length": 0.093,
+    "hip_breadth": 0.171,
+    "hip_circumference": 0.477,
+    "knee_sole_length": 0.216,
+    "rump_knee_length": 0.213,
+    "shoulder_elbow_length": 0.154,
+    "waist_circumference": 0.431,
+}
+"""The reference child, about 18 months old (AnthroKids, 16-19 completed months)."""
+
+CLEARANCE_M = 1e-4
+"""By how much a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trunk:
+    """Pelvis to shoulders: the radius and half width of each capsule, and the spacing of all."""
+
+    axial: float
+    """Spacing of the trunk's bodies along z, 1 in the reference body."""
+    pelvis: tuple[float, float]
+    """Radius and half width, in m; so below."""
+    waist: tuple[float, float]
+    belly: tuple[float, float]
+    ribs: tuple[float, float]
+    girdle: tuple[float, float]
+    shoulder_y_m: float
+    """From the midline to the shoulder joint."""
+    hip_y_m: float
+    """From the midline to the hip joint."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limb:
+    """A segment from joint to joint."""
+
+    length_m: float
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Hand:
+    """A mitten hand: palm and fingers of one thickness."""
+
+    length_m: float
+    """Wrist to fingertips."""
+    half_breadth_m: float
+    """Across the knuckles."""
+    half_fist_m: float
+    """Across the fist, thumb included."""
+    half_thickness_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Foot:
+    """A flat foot."""
+
+    length_m: float
+    half_breadth_m: float
+    half_height_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Proportions:
+    """All that the shapes of an infant are made from."""
+
+    head_radius_m: float
+    trunk: Trunk
+    upper_arm: Limb
+    forearm: Limb
+    hand: Hand
+    thigh: Limb
+    shank: Limb
+    """Knee to the middle of the foot; the radius is that of the calf."""
+    ankle_radius_m: float
+    foot: Foot
+
+
+def proportions(m: Mapping[str, float]) -> Proportions:
+    """Return the proportions of a child.
+
+    Args:
+        m: Measurements in m, by AnthroKids name.
+
+    Raises:
+        GeometryError: If a measurement does not fit the others.
+    """
+    head_radius_m = _radius(m["head_circumference"])
+    upper_arm = Limb(0.1076 * _share(m, "shoulder_elbow_length"), _radius(m["upper_arm_circumference"]))
+    trunk = _trunk(m, head_radius_m, upper_arm.radius_m)
+    foot = _foot(m)
+    thigh_length_m, shank_length_m = _leg(m, trunk, foot)
+    return Proportions(
+        head_radius_m=head_radius_m,
+        trunk=trunk,
+        upper_arm=upper_arm,
+        forearm=Limb(_forearm_length(m), _radius(m["forearm_circumference"])),
+        hand=_hand(m),
+        thigh=Limb(thigh_length_m, _radius(m["mid_thigh_circumference"])),
+        shank=Limb(shank_length_m, _radius(m["calf_circumference"])),
+        ankle_radius_m=_radius(m["ankle_circumference"]),
+        foot=foot,
+    )
+
+
+def _trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
+    """Return the trunk: as wide as its breadths, as thick as its girths, as high as crown-rump less the head.
+
+    The lowest point of the pelvis lies one radius below .005 axial, the head's at .302 axial, both
+    from the hip's origin: that and the crown-rump length give the axial spacing.
+    """
+    pelvis_radius_m = 0.048 * _share(m, "hip_circumference")
+    belly_scale = _share(m, "chest_circumference")
+    shoulder_y_m = m["shoulder_breadth"] / 2
+    axial = (m["crown_rump_length"] - 2 * head_radius_m - pelvis_radius_m) / (0.302 - 0.005)
+    if axial <= 0:
+        raise GeometryError("crown_rump_length leaves no room for a trunk below this head")
+    return Trunk(
+        axial=axial,
+        pelvis=(pelvis_radius_m, m["hip_breadth"] / 2),
+        waist=(0.053 * _share(m, "waist_circumference"), (m["hip_breadth"] + m["chest_breadth"]) / 4),
+        belly=(0.052 * belly_scale, m["chest_breadth"] / 2),
+        ribs=(0.048 * belly_scale, m["chest_breadth"] / 2),
+        girdle=(0.041 * belly_scale, shoulder_y_m - arm_radius_m - CLEARANCE_M),
+        shoulder_y_m=shoulder_y_m,
+        hip_y_m=0.051 * _share(m, "hip_breadth"),
+    )
+
+
+def _forearm_length(m: Mapping[str, float]) -> float:
+    reference_m = REFERENCE_M["elbow_hand_length"] - REFERENCE_M["hand_length"]
+    return 0.087 * (m["elbow_hand_length"] - m["hand_length"]) / reference_m
+
+
+def _hand(m: Mapping[str, float]) -> Hand:
+    thickness = (m["hand_length"] + m["hand_breadth"]) / (REFERENCE_M["hand_length"] + REFERENCE_M["hand_breadth"])
+    return Hand(m["hand_length"], m["hand_breadth"] / 2, m["maximum_fist_breadth"] / 2, 0.01 * thickness)
+
+
+def _foot(m: Mapping[str, float]) -> Foot:
+    height = (m["foot_length"] + m["foot_breadth"]) / (REFERENCE_M["foot_length"] + REFERENCE_M["foot_breadth"])
+    return Foot(m["foot_length"], m["foot_breadth"] / 2, 0.01 * height)
+
+
+def _leg(m: Mapping[str, float], trunk: Trunk, foot: Foot) -> tuple[float, float]:
+    """Return the lengths of thigh and shank: what crown-sole length leaves below the hip joint.
+
+    Thigh and shank share it in proportion to rump-knee and knee-sole length, as in the reference body.
+    """
+    hip_to_rump_m = trunk.pelvis[0] - 0.012 * trunk.axial
+    leg_m = m["crown_sole_length"] - m["crown_rump_length"] + hip_to_rump_m - foot.half_height_m
+    thigh_m = 0.135 * _share(m, "rump_knee_length")
+    shank_m = 0.187 * _share(m, "knee_sole_length") - foot.half_height_m
+    if leg_m <= 0:
+        raise GeometryError("crown_sole_length leaves no room for legs below this trunk")
+    return leg_m * thigh_m / (thigh_m + shank_m), leg_m * shank_m / (thigh_m + shank_m)
+
+
+def _radius(circumference_m: float) -> float:
+    return circumference_m / (2 * math.pi)
+
+
+def _share(m: Mapping[str, float], name: str) -> float:
+    """Return a measurement as a multiple of the reference child's."""
+    return m[name] / REFERENCE_M[name]

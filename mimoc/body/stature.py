@@ -1,0 +1,31 @@
+"""What a tape and a scale would say of a body: the numbers that growth standards are about."""
+
+import math
+from typing import TypedDict
+
+import numpy as np
+
+from mimoc.body.kinematics import pose
+from mimoc.body.tree import BodyTree
+from mimoc.units import m_to_cm
+
+
+class Stature(TypedDict):
+    """The measures that WHO has standards for, under the names of `fits.tables.WHO_FILES`."""
+
+    length_cm: float
+    weight_kg: float
+    head_circumference_cm: float
+    arm_circumference_cm: float
+
+
+def stature(tree: BodyTree) -> Stature:
+    """Return the measures of a body; length is crown to sole, the left arm is measured, as WHO does."""
+    posed = pose(tree, {})
+    up = np.array([0.0, 0.0, 1.0])
+    return Stature(
+        length_cm=m_to_cm(posed.extent(up) + posed.extent(-up)),
+        weight_kg=tree.mass_kg,
+        head_circumference_cm=m_to_cm(2 * math.pi * tree.geoms["head"].size_m[0]),
+        arm_circumference_cm=m_to_cm(2 * math.pi * tree.geoms["left_uarm1"].size_m[0]),
+    )

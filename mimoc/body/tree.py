@@ -1,0 +1,121 @@
+"""The grown body as plain values, in the order and with the names of MIMo's published models."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+Vec3 = tuple[float, float, float]
+GeomType = Literal["sphere", "capsule", "cylinder", "box"]
+
+FREE_JOINT = "mimo_location"
+"""MIMo's name for the joint between the world and the hip."""
+
+
+@dataclass(frozen=True, slots=True)
+class Geom:
+    """One solid of a body part."""
+
+    name: str
+    type: GeomType
+    size_m: tuple[float, ...]
+    """As MuJoCo wants it: radius, then half length; half edges of a box."""
+    pos_m: Vec3
+    """Centre, in the frame of its body."""
+    euler_deg: Vec3
+    """Intrinsic x-y-z angles in the frame of its body."""
+    volume_m3: float
+    mass_kg: float
+    friction: Vec3
+    """Sliding, torsional and rolling."""
+    contype: int
+    conaffinity: int
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A hinge."""
+
+    name: str
+    axis: Vec3
+    anchor_m: Vec3
+    """Where it turns, in the frame of its body."""
+    range_deg: tuple[float, float]
+    stiffness_nm_per_rad: float
+    damping_nms_per_rad: float
+    frictionloss_nm: float
+    armature_kgm2: float
+    springref_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A body part: the segment that moves with its joints."""
+
+    name: str
+    parent: str | None
+    """None for the hip, which hangs in the world."""
+    pos_m: Vec3
+    """Origin, in the frame of its parent."""
+    euler_deg: Vec3
+    """Intrinsic x-y-z angles in the frame of its parent."""
+    joints: tuple[Joint, ...]
+    geoms: tuple[Geom, ...]
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the part."""
+        return sum(geom.mass_kg for geom in self.geoms)
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """What moves one joint, and how strongly."""
+
+    name: str
+    joint: str
+    gear_nm: float
+    """Torque at full command."""
+    force_range: tuple[float, float]
+    """Part of the gear that is reached towards negative and positive angles."""
+    mover: str
+    """The geom whose volume the gear follows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tendon:
+    """A linear combination of joint angles that is kept within a range."""
+
+    name: str
+    range_rad: tuple[float, float]
+    coefficients: tuple[tuple[str, float], ...]
+    """Joint and factor."""
+
+
+@dataclass(frozen=True, slots=True)
+class BodyTree:
+    """An infant's body, standing straight, hip at the origin, x forward, y left, z up."""
+
+    age_months: float
+    bodies: tuple[Body, ...]
+    """Parents before children, in MIMo's order."""
+    motors: tuple[Motor, ...]
+    tendons: tuple[Tendon, ...]
+    excluded: tuple[tuple[str, str], ...]
+    """Pairs of bodies that pass through each other."""
+    frictionless: tuple[tuple[str, str], ...]
+    """Pairs of geoms that slide on each other."""
+
+    @property
+    def geoms(self) -> Mapping[str, Geom]:
+        """Every geom by name."""
+        return {geom.name: geom for body in self.bodies for geom in body.geoms}
+
+    @property
+    def joints(self) -> Mapping[str, Joint]:
+        """Every hinge by name."""
+        return {joint.name: joint for body in self.bodies for joint in body.joints}
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the whole infant."""
+        return sum(body.mass_kg for body in self.bodies)

@@ -1,0 +1,150 @@
+"""The `mimo` command: thin commands over the library, errors as one line each."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mimoc.errors import MimocError, UnknownNameError
+
+BAD_INPUT, FAILED_CHECK, INTERRUPTED = 2, 1, 130
+
+app = typer.Typer(
+    name="mimo",
+    help="Compile simulated infants: from a YAML spec to plain MuJoCo XML and a Gymnasium environment.",
+    epilog="Start with:  mimo build configs/nine_months.yaml -o out/nine_months",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+SpecPath = Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant.")]
+BundlePath = Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle that `mimo build` wrote.")]
+
+
+def main() -> None:
+    """Run the command line; what a user did wrong ends in exit code 2, without a traceback."""
+    try:
+        app(standalone_mode=True)
+    except MimocError as error:
+        print(error, file=sys.stderr)
+        sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:
+        print("interrupted; nothing was left half-written", file=sys.stderr)
+        sys.exit(INTERRUPTED)
+
+
+@app.callback()
+def _options(
+    version: Annotated[bool, typer.Option("--version", help="Say which version this is.", is_eager=True)] = False,
+) -> None:
+    if version:
+        from mimoc.version import __version__
+
+        print(f"mimoc {__version__}")
+        raise typer.Exit
+
+
+@app.command(epilog="Example:  mimo build configs/nine_months.yaml -o out/nine_months")
+def build(
+    spec: SpecPath,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write the bundle to.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace the bundle that is there.")] = False,
+) -> None:
+    """Compile SPEC into a bundle: MuJoCo XML, textures, and all that is known of them."""
+    from mimoc import bundle, console, pipeline
+
+    built = pipeline.build(pipeline.load_spec(spec))
+    folder = bundle.write_bundle(built, out, force=force)
+    console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
+    print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimo run {folder}")
+
+
+@app.command(epilog="Example:  mimo validate --against who --plot growth.png")
+def validate(
+    spec: Annotated[
+        Path | None, typer.Argument(metavar="[SPEC]", help="Infant to grow from 0 to 24 months; the average child.")
+    ] = None,
+    against: Annotated[str, typer.Option("--against", help="Growth standard: who.")] = "who",
+    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
+    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE.png", help="Draw growth against WHO.")] = None,
+) -> None:
+    """Compare the compiled infant with WHO's growth standards, month by month; exit 1 if it is off by over one SD."""
+    from mimoc import console, pipeline, validation
+
+    if against != "who":
+        raise UnknownNameError("growth standard", against, ["who"])
+    infant = pipeline.load_spec(spec) if spec else None
+    with console.progress("growing") as show:
+        report = validation.grow_against_who(infant, progress=show)
+    if plot:
+        from mimoc.plot import plot_growth
+
+        plot_growth(report.series, plot)
+    print(json.dumps(report.to_data(), indent=1)) if as_json else console.print_growth(report)
+    if not report.within_one_sd:
+        raise typer.Exit(FAILED_CHECK)
+
+
+@app.command(epilog="Example:  mimo run out/nine_months --policy random --steps 500 --seed 1")
+def run(
+    out: BundlePath,
+    policy: Annotated[str, typer.Option("--policy", help="What acts: random or zero.")] = "random",
+    steps: Annotated[int, typer.Option("--steps", min=1, help="Control steps to run.")] = 1000,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the policy: the same gives the same.")] = 0,
+) -> None:
+    """Run the infant under a policy, with progress and a closing summary."""
+    from mimoc import bundle, console
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.rollout import Run
+
+    running = Run(InfantEnv(bundle.read_bundle(out)), policy, seed)
+    with console.progress("running") as show:
+        for step in range(steps):
+            running.step()
+            show(step + 1, steps)
+    console.print_run(running.summary())
+
+
+@app.command(epilog="Example:  mimo check out/nine_months")
+def check(out: BundlePath) -> None:
+    """Check that a bundle is whole, compiles, and stays calm under a second of random control from each pose."""
+    from mimoc import bundle, console
+    from mimoc.runtime.check import check_stability
+
+    whole = bundle.read_bundle(out)
+    print(f"ok     all {len(whole.files)} files are as they were written")
+    if not console.print_check(check_stability(whole)):
+        raise typer.Exit(FAILED_CHECK)
+
+
+@app.command(epilog="Example:  mimo explain out/nine_months body.left_foot.mass")
+def explain(
+    out: BundlePath,
+    key: Annotated[str, typer.Argument(metavar="KEY", help="A number: `actuator.act:left_elbow.gear`, ...")],
+) -> None:
+    """Say where a number comes from: table row, growth curve, rule, XML attribute."""
+    from mimoc import bundle, console
+    from mimoc.explain import explain
+
+    console.print_explanation(explain(bundle.read_bundle(out), key))
+
+
+@app.command(epilog="Example:  mimo render out/nine_months -o nine_months.png --pose supine")
+def render(
+    out: BundlePath,
+    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
+    pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; the spec's.")] = None,
+    width: Annotated[int, typer.Option("--width", min=16, max=4096, help="In pixels.")] = 960,
+    height: Annotated[int, typer.Option("--height", min=16, max=4096, help="In pixels.")] = 720,
+) -> None:
+    """Draw a picture of the infant."""
+    from mimoc import bundle, files
+    from mimoc.runtime.portrait import portrait
+    from mimoc.scene.drawing import encode_png
+
+    picture = portrait(bundle.read_bundle(out), pose, width, height)
+    print(files.write_file(file, encode_png(picture)))

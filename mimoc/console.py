@@ -1,0 +1,132 @@
+"""What the commands say on the screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+from rich.tree import Tree
+
+if TYPE_CHECKING:
+    from mimoc.explain import Explanation
+    from mimoc.runtime.check import PoseCheck
+    from mimoc.runtime.rollout import Summary
+    from mimoc.schema.manifest import Manifest
+    from mimoc.validation import GrowthReport, Row
+
+LABELS = {
+    "length_cm": "length [cm]",
+    "weight_kg": "weight [kg]",
+    "head_circumference_cm": "head circumference [cm]",
+    "arm_circumference_cm": "arm circumference [cm]",
+}
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a progress bar on standard error; yields the function that is told how much is done, and of how much."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
+    """Print what a child measures, and where that stands among WHO's children."""
+    measures = manifest.child.model_dump()
+    table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
+    table.add_column("measure")
+    table.add_column("value", justify="right")
+    table.add_column("WHO percentile", justify="right")
+    for name, value in percentiles.items():
+        table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
+    Console(markup=False, highlight=False).print(table)
+
+
+def print_growth(report: GrowthReport) -> None:
+    """Print one table for each indicator, a row for each age, and what it comes to."""
+    console = Console(markup=False, highlight=False)
+    for indicator, worst in report.worst.items():
+        console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
+        console.print(f"furthest from WHO's mean at {worst.age_months:g} months: z = {worst.z['mean']:+.2f}\n")
+    verdict = "within one SD of the mean of WHO's boys and girls at every age"
+    if report.within_one_sd:
+        console.print(Text(f"ok: {verdict}", style="green"))
+    else:
+        outside = sorted({row.indicator for row in report.rows if row.outside})
+        console.print(Text(f"failed: not {verdict}: {', '.join(outside)}", style="red"))
+
+
+def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:
+    table = Table(title=f"{LABELS[indicator]} against WHO", title_justify="left")
+    for heading in ("months", "infant", "z boys", "z girls", "z mean", "% boys", "% girls", "% mean", ""):
+        table.add_column(heading, justify="right")
+    for row in rows:
+        z, percentile = row.z, row.percentile
+        table.add_row(
+            f"{row.age_months:g}",
+            f"{row.value:.2f}",
+            *(_z_text(z[reference]) for reference in ("male", "female", "mean")),
+            *(f"{percentile[reference]:.0f}" for reference in ("male", "female", "mean")),
+            "outside" if row.outside else "",
+        )
+    return table
+
+
+def _z_text(z: float) -> Text:
+    """Return a z-score, marked with a star and in yellow beyond one SD."""
+    return Text(f"{z:+.2f}{'*' if abs(z) > 1 else ' '}", style="yellow" if abs(z) > 1 else "")
+
+
+def print_run(summary: Summary) -> None:
+    """Print what happened in a run, and how fast it went."""
+    table = Table(title=f"{summary.steps} control steps, {summary.simulated_s:g} s simulated", title_justify="left")
+    table.add_column("what")
+    table.add_column("value", justify="right")
+    low, high = summary.head_height_m
+    rows = {
+        "episodes": f"{summary.episodes}",
+        "total reward": f"{summary.total_reward:.6g}",
+        "way of the hip [m]": f"{summary.hip_path_m:.6f}",
+        "height of the head, lowest [m]": f"{low:.6f}",
+        "height of the head, highest [m]": f"{high:.6f}",
+        "mean joint speed [rad/s]": f"{summary.joint_speed_rad_s:.6f}",
+        "stable": "no: the simulation broke down" if summary.unstable else "yes",
+    }
+    for what, value in rows.items():
+        table.add_row(what, value)
+    console = Console(markup=False, highlight=False)
+    console.print(table)
+    rate_hz = summary.steps / summary.wall_s
+    console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+
+
+def print_check(checks: Iterable[PoseCheck]) -> bool:
+    """Print the check of each pose as it comes in; return whether all passed."""
+    console, passed = Console(markup=False, highlight=False), True
+    for check in checks:
+        passed &= check.passed
+        verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
+        warnings = ", ".join(check.warnings) or "no warnings"
+        console.print(verdict, f"{check.pose}: {warnings}, at most {check.energy_j_per_kg:.2f} J/kg of motion")
+    return passed
+
+
+def print_explanation(explanation: Explanation) -> None:
+    """Print where a number comes from, as a tree."""
+    Console(markup=False, highlight=False).print(_branch(explanation))
+
+
+def _branch(explanation: Explanation) -> Tree:
+    value, *reasons = explanation.lines
+    tree = Tree(Text.assemble((explanation.key, "bold"), " = ", (value, "green")))
+    for reason in reasons:
+        tree.add(Text(reason))
+    for source in explanation.sources:
+        tree.children.append(_branch(source))
+    return tree

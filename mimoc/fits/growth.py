@@ -1,0 +1,87 @@
+"""The average child of any age: one growth curve for each measurement."""
+
+from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+from typing import Literal
+
+from mimoc.errors import DataError
+from mimoc.fits.curves import LogCurve, fit_log_curve
+from mimoc.fits.measurements import DataPoint, Measured, Measurements
+from mimoc.fits.tables import GroupMean, GrowthTables, load_tables
+from mimoc.units import cm_to_m
+
+Placement = Literal["middle", "published"]
+"""Where an age group stands on the age axis: in the middle of its months, or where MIMo v2 puts it."""
+
+PUBLISHED_AGES_MONTHS = {0: 1.0, 3: 3.0, 6: 7.0, 9: 10.0, 12: 13.5, 16: 17.5, 20: 21.5, 24: 33.0}
+"""MIMo v2's ages by the first month of the group (reverse-engineered from its coefficients)."""
+
+BIRTH = "inferred birth row"
+"""How a point at age zero is marked: AnthroKids has no newborns."""
+
+Fit = tuple[LogCurve, tuple[DataPoint, ...]]
+
+
+def measure(age_months: float) -> Measurements:
+    """Return the measurements of the average child of *age_months*, 0 to 24.
+
+    The two finger diameters have no group means to fit; their published coefficients stand in.
+    """
+    tables = load_tables()
+    fits = _shipped_fits()
+    fitted = {
+        name: _read_off(curve, points, age_months, f"anthrokids.csv: {name}, log fit")
+        for name, (curve, points) in fits.items()
+    }
+    published = {
+        name: _read_off(curve, (), age_months, f"anthrokids_published_fits.csv: {name}")
+        for name, curve in tables.published.items()
+        if name not in fits
+    }
+    return Measurements(age_months, MappingProxyType(fitted | published))
+
+
+def fit_growth(tables: GrowthTables, placement: Placement = "middle") -> Mapping[str, Fit]:
+    """Return the growth curve of each measurement, in cm by months, and the points it goes through.
+
+    Raises:
+        DataError: If a measurement has too few groups to be fitted.
+    """
+    return MappingProxyType({name: _fit(name, means, tables, placement) for name, means in tables.anthrokids.items()})
+
+
+@cache
+def _shipped_fits() -> Mapping[str, Fit]:
+    return fit_growth(load_tables())
+
+
+def _fit(name: str, means: tuple[GroupMean, ...], tables: GrowthTables, placement: Placement) -> Fit:
+    if len(means) < 3:
+        raise DataError(f"anthrokids.csv: {name} has {len(means)} age groups; a growth curve needs three")
+    points = tuple(DataPoint(_age(mean, placement), mean.mean_cm, f"anthrokids.csv:{mean.line}") for mean in means)
+    if placement == "middle":
+        points = (_birth_point(name, means[0], tables), *points)
+    return fit_log_curve([p.age_months for p in points], [p.value_cm for p in points]), points
+
+
+def _age(mean: GroupMean, placement: Placement) -> float:
+    """Return the age that stands for a group, in months; completed months 0-2 end on the third birthday month."""
+    if placement == "published":
+        return PUBLISHED_AGES_MONTHS[mean.first_month]
+    return (mean.first_month + mean.last_month + 1) / 2
+
+
+def _birth_point(name: str, first: GroupMean, tables: GrowthTables) -> DataPoint:
+    """Return the newborn's value: the first group shrunk to WHO's birth length, the head WHO's own."""
+    if name == "head_circumference":
+        head_cm = tables.who["head_circumference_cm"].value(0, 0, "mean")
+        return DataPoint(0.0, head_cm, f"{BIRTH}: WHO head circumference")
+    shrink = tables.who["length_cm"].value(0, 0, "mean") / tables.anthrokids["crown_sole_length"][0].mean_cm
+    return DataPoint(
+        0.0, first.mean_cm * shrink, f"{BIRTH}: anthrokids.csv:{first.line} x {shrink:.4f} (WHO birth length)"
+    )
+
+
+def _read_off(curve: LogCurve, points: tuple[DataPoint, ...], age_months: float, origin: str) -> Measured:
+    return Measured(cm_to_m(curve(age_months)), origin, curve, points)

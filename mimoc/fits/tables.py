@@ -1,0 +1,105 @@
+"""The anthropometric tables that ship with mimoc, read once."""
+
+import csv
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from mimoc.errors import DataError
+from mimoc.fits.curves import LogCurve
+from mimoc.fits.who import GrowthStandard
+from mimoc.units import MM_PER_CM
+
+WHO_FILES = {
+    "length_cm": "length_for_age.csv",
+    "weight_kg": "weight_for_age.csv",
+    "head_circumference_cm": "head_circumference_for_age.csv",
+    "arm_circumference_cm": "arm_circumference_for_age.csv",
+}
+"""WHO's indicators, by the name and unit mimoc gives them."""
+
+
+@dataclass(frozen=True, slots=True)
+class GroupMean:
+    """The mean of one measurement in one age group of AnthroKids."""
+
+    first_month: int
+    """First completed month of age in the group."""
+    last_month: int
+    """Last completed month of age in the group."""
+    mean_cm: float
+    line: int
+    """Line of the row in anthrokids.csv."""
+
+
+@dataclass(frozen=True, slots=True)
+class GrowthTables:
+    """Everything that is known of how children grow."""
+
+    anthrokids: Mapping[str, tuple[GroupMean, ...]]
+    """Group means by measurement, youngest first."""
+    published: Mapping[str, LogCurve]
+    """MIMo v2's own coefficients by measurement, in cm."""
+    who: Mapping[str, GrowthStandard]
+    """WHO Child Growth Standards by indicator, in the unit of its name."""
+
+
+def data_folder() -> Path:
+    """Return the folder of tables: inside the package when installed, beside it in a checkout.
+
+    Raises:
+        DataError: If neither exists.
+    """
+    package = Path(__file__).resolve().parents[1]
+    for folder in (package / "data", package.parent / "data"):
+        if (folder / "anthrokids.csv").is_file():
+            return folder
+    raise DataError(f"mimoc's tables are not in {package / 'data'}; install mimoc again")
+
+
+@cache
+def data_files() -> dict[str, bytes]:
+    """Return every table that ships with mimoc, by its path in the data folder."""
+    folder = data_folder()
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*.csv"))}
+
+
+@cache
+def load_tables() -> GrowthTables:
+    """Return the tables that ship with mimoc."""
+    folder = data_folder()
+    return GrowthTables(
+        anthrokids=MappingProxyType(_read_anthrokids(folder / "anthrokids.csv")),
+        published=MappingProxyType(dict(_read_published(folder / "anthrokids_published_fits.csv"))),
+        who=MappingProxyType({name: _read_who(folder / "who" / file) for name, file in WHO_FILES.items()}),
+    )
+
+
+def _read_anthrokids(path: Path) -> dict[str, tuple[GroupMean, ...]]:
+    groups: dict[str, list[GroupMean]] = {}
+    for line, row in _rows(path):
+        mean = GroupMean(int(row["first_month"]), int(row["last_month"]), float(row["mean"]), line)
+        groups.setdefault(row["measurement"], []).append(mean)
+    return {name: tuple(sorted(means, key=lambda mean: mean.first_month)) for name, means in groups.items()}
+
+
+def _read_published(path: Path) -> Iterator[tuple[str, LogCurve]]:
+    for _, row in _rows(path):
+        per_cm = MM_PER_CM if row["unit"] == "mm" else 1.0
+        yield row["measurement"], LogCurve(float(row["a"]) / per_cm, float(row["b"]), float(row["c"]) / per_cm)
+
+
+def _read_who(path: Path) -> GrowthStandard:
+    sexes = np.loadtxt(path, delimiter=",", skiprows=1, usecols=0, dtype=str)
+    numbers = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(1, 2, 3, 4))
+    return GrowthStandard({sex: numbers[sexes == sex] for sex in ("male", "female")})
+
+
+def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
+    """Yield the line number and the fields of each row."""
+    with path.open(encoding="utf-8", newline="") as file:
+        yield from enumerate(csv.DictReader(file), start=2)

@@ -1,0 +1,70 @@
+"""From a scene to text: templates and number formats, and the one place where floats are rounded."""
+
+import json
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from mimoc.scene import SceneTree
+
+SIGNIFICANT_DIGITS = 9
+"""Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+def render_scene(scene: SceneTree) -> dict[str, bytes]:
+    """Return the MJCF and assets of a scene, by path in the bundle."""
+    xml = {
+        name: environment().get_template(f"{name}.j2").render(scene=scene).encode()
+        for name in ("infant.xml", "scene.xml")
+    }
+    return {**xml, **scene.assets}
+
+
+def render_text(template: str, **values: Any) -> bytes:
+    """Return a text file of the bundle from its template."""
+    return environment().get_template(template).render(**values).encode()
+
+
+def render_json(data: Any) -> bytes:
+    """Return *data* as JSON with sorted keys and rounded numbers."""
+    return (json.dumps(rounded(data), indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def rounded(data: Any) -> Any:
+    """Return plain data with every float rounded as it is in files."""
+    if isinstance(data, float):
+        return float(num(data))
+    if isinstance(data, Mapping):
+        return {key: rounded(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [rounded(item) for item in data]
+    return data
+
+
+def num(value: float | bool | Iterable[float]) -> str:
+    """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return f"{value + 0.0:.{SIGNIFICANT_DIGITS}g}"  # + 0.0 turns -0.0 into 0.
+    return " ".join(num(item) for item in value)
+
+
+@cache
+def environment() -> Environment:
+    """Return the environment of the templates: strict, escaped for XML, with one filter."""
+    found = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        undefined=StrictUndefined,
+        autoescape=lambda name: name is not None and name.endswith(".xml.j2"),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    found.filters["num"] = num
+    return found

@@ -1,0 +1,35 @@
+"""Actuation: from an action to the controls of the model."""
+
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+import mujoco
+import numpy as np
+
+from mimoc.runtime.actuation.torque import bind_torque
+from mimoc.runtime.senses.sense import FloatArray
+from mimoc.schema.manifest import ActuationEntry
+
+
+class Actuation(Protocol):
+    """What turns an action into controls."""
+
+    @property
+    def low(self) -> FloatArray:
+        """Least command, shape (n,)."""
+        ...
+
+    @property
+    def high(self) -> FloatArray:
+        """Largest command, shape (n,)."""
+        ...
+
+    def __call__(self, action: np.ndarray, data: mujoco.MjData) -> None:
+        """Set the controls for the next physics steps."""
+        ...
+
+
+ACTUATIONS: Mapping[str, Callable[[ActuationEntry, mujoco.MjModel], Actuation]] = {"torque": bind_torque}
+"""By actuation model."""
+
+__all__ = ["ACTUATIONS", "Actuation"]

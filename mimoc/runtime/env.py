@@ -1,0 +1,150 @@
+"""The Gymnasium environment around a compiled infant."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import gymnasium
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle import Bundle, read_bundle
+from mimoc.errors import UnknownNameError
+from mimoc.runtime.actuation import ACTUATIONS
+from mimoc.runtime.model import load_model, simulation_warnings
+from mimoc.runtime.portrait import Painter
+from mimoc.runtime.senses import SENSES, Sense
+from mimoc.schema.manifest import Manifest
+from mimoc.units import to_steps
+
+Observation = dict[str, npt.NDArray[Any]]
+
+UNSTABLE = {"BADQPOS", "BADQVEL", "BADQACC"}
+"""MuJoCo's warnings after which a simulation means nothing."""
+
+
+class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
+    """An infant in its world.
+
+    Observation: a dictionary of one float32 array a sense. Action: one Box, a command for each actuator.
+    The reward is zero: a bundle without a task has no goal. An episode ends only if the simulation
+    becomes unstable, which `info["unstable"]` then says.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
+
+    def __init__(
+        self,
+        bundle: Bundle | str | Path,
+        render_mode: Literal["rgb_array"] | None = None,
+        width: int = 480,
+        height: int = 480,
+    ):
+        """Open a bundle.
+
+        Args:
+            bundle: A bundle, or the folder of one.
+            render_mode: `rgb_array` for pictures from `render()`.
+            width: Of the pictures, in pixels.
+            height: Of the pictures, in pixels.
+
+        Raises:
+            BundleError: If the folder is not a whole bundle.
+            ModelError: If MuJoCo refuses its model.
+            UnknownNameError: If there is no such render mode.
+        """
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise UnknownNameError("render mode", str(render_mode), self.metadata["render_modes"])
+        self.bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+        self.render_mode = render_mode
+        self.model = load_model(self.bundle)
+        self.data = mujoco.MjData(self.model)
+        self._picture_size = width, height
+        self._painter: Painter | None = None
+        self._bind(self.manifest)
+
+    @property
+    def manifest(self) -> Manifest:
+        """What the compiler says of this infant."""
+        return self.bundle.manifest
+
+    def layout(self, sense: str) -> tuple[str, ...]:
+        """Return what each number of a sense is, with its unit, in the order of the observation.
+
+        Raises:
+            UnknownNameError: If this infant has no such sense.
+        """
+        if sense not in self._senses:
+            raise UnknownNameError("sense of this infant", sense, self._senses)
+        return self._senses[sense].layout
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
+        """Start again from a pose: the bundle's own, or `options={"pose": name}`.
+
+        Raises:
+            UnknownNameError: If there is no such pose or option.
+        """
+        super().reset(seed=seed)
+        for key in set(options or {}) - {"pose"}:
+            raise UnknownNameError("reset option", key, ["pose"])
+        pose = (options or {}).get("pose", self.manifest.pose)
+        if pose not in self.manifest.poses:
+            raise UnknownNameError("pose", pose, self.manifest.poses)
+        mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
+        mujoco.mj_forward(self.model, self.data)
+        return self._observe(), {"unstable": False}
+
+    def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Apply an action for one control step."""
+        self._act(action, self.data)
+        mujoco.mj_step(self.model, self.data, self._steps)
+        unstable = not UNSTABLE.isdisjoint(simulation_warnings(self.data))
+        return self._observe(), 0.0, unstable, False, {"unstable": unstable}
+
+    def render(self) -> npt.NDArray[np.uint8] | None:
+        """Return a picture of the infant, shape (height, width, 3), or None without a render mode.
+
+        Raises:
+            RenderingError: If there is no OpenGL here.
+        """
+        if self.render_mode is None:
+            return None
+        if self._painter is None:
+            self._painter = Painter(self.model, self.manifest.root_body, *self._picture_size)
+        return self._painter.paint(self.data)
+
+    def close(self) -> None:
+        """Free the OpenGL context, if there is one."""
+        if self._painter is not None:
+            self._painter.close()
+            self._painter = None
+
+    def _bind(self, manifest: Manifest) -> None:
+        """Find everything the manifest names in the model, once."""
+        self._steps = to_steps(manifest.step_ms, manifest.timestep_ms)
+        self._act = ACTUATIONS[manifest.actuation.model](manifest.actuation, self.model)
+        self._senses: Mapping[str, Sense] = {
+            name: SENSES[name](entry, manifest.actuation, self.model) for name, entry in manifest.senses if entry
+        }
+        self._bounds = {
+            name: (sense.low.astype(np.float32), sense.high.astype(np.float32)) for name, sense in self._senses.items()
+        }
+        self.action_space = gymnasium.spaces.Box(
+            self._act.low.astype(np.float32), self._act.high.astype(np.float32), dtype=np.float32
+        )
+        self.observation_space = gymnasium.spaces.Dict(
+            {name: gymnasium.spaces.Box(low, high, dtype=np.float32) for name, (low, high) in self._bounds.items()}
+        )
+
+    def _observe(self) -> Observation:
+        """Return fresh arrays, clipped to their space; NaN of a simulation that broke down reads as zero."""
+        return {
+            name: np.nan_to_num(np.clip(sense(self.data).astype(np.float32), *self._bounds[name]))
+            for name, sense in self._senses.items()
+        }
+
+
+def make(bundle: Bundle | str | Path, **options: Any) -> gymnasium.Env:
+    """Return the environment of a bundle, as `gymnasium.make("mimoc/Infant-v0", bundle=..., **options)` does."""
+    return gymnasium.make("mimoc/Infant-v0", bundle=bundle, **options)

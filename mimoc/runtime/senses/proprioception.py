@@ -1,0 +1,127 @@
+"""Proprioception: where the joints are, how they move, what loads them and what drives them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.runtime.senses.sense import FloatArray, IntArray
+from mimoc.schema.manifest import ActuationEntry, ProprioceptionEntry
+
+LIMIT_MARGIN_RAD = 0.035
+"""How near a joint's limit is felt (MIMo v2)."""
+
+MAX_SPEED_RAD_S = 1e3
+MAX_TORQUE_NM = 1e3
+MAX_LIMIT = 1e2
+"""Bounds of the observation, far beyond what a stable simulation reaches."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One kind of number that is felt, for every joint, sensor or actuator."""
+
+    read: Callable[[mujoco.MjData], FloatArray]
+    high: FloatArray
+    """Largest reading, shape (n,); the least is its negative."""
+    layout: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Proprioception:
+    """Joint angles, then the other channels in their order, shape (n,)."""
+
+    channels: tuple[Channel, ...]
+
+    @property
+    def low(self) -> FloatArray:
+        """Least reading, shape (n,)."""
+        return -self.high
+
+    @property
+    def high(self) -> FloatArray:
+        """Largest reading, shape (n,)."""
+        return np.concatenate([channel.high for channel in self.channels])
+
+    @property
+    def layout(self) -> tuple[str, ...]:
+        """What each number is."""
+        return tuple(name for channel in self.channels for name in channel.layout)
+
+    def __call__(self, data: mujoco.MjData) -> FloatArray:
+        """Return all channels."""
+        return np.concatenate([channel.read(data) for channel in self.channels])
+
+
+def bind_proprioception(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Proprioception:
+    """Find the joints, sensors and actuators of *entry* in *model*."""
+    bound = (CHANNELS[name](entry, actuation, model) for name in entry.include)
+    return Proprioception((_angles(entry, model), *bound))
+
+
+def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Channel:
+    addresses = _addresses(model, entry.joints, "qposadr")
+    return Channel(
+        lambda data: data.qpos[addresses], np.full(len(addresses), 4 * np.pi), _names(entry.joints, "angle", "rad")
+    )
+
+
+def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    addresses = _addresses(model, entry.joints, "dofadr")
+    return Channel(
+        lambda data: data.qvel[addresses],
+        np.full(len(addresses), MAX_SPEED_RAD_S),
+        _names(entry.joints, "velocity", "rad/s"),
+    )
+
+
+def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    addresses = np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name in entry.torque_sensors])
+    sensors = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
+    return Channel(
+        lambda data: data.sensordata[addresses],
+        np.full(len(addresses), MAX_TORQUE_NM),
+        _names(sensors, "torque", "N m"),
+    )
+
+
+def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    addresses = _addresses(model, entry.joints, "qposadr")
+    low, high = np.array([model.joint(name).range for name in entry.joints]).T
+    start, stop = low + LIMIT_MARGIN_RAD, high - LIMIT_MARGIN_RAD
+
+    def read(data: mujoco.MjData) -> FloatArray:
+        """Return 0 until the margin, 1 at the limit, above 1 beyond."""
+        angles = data.qpos[addresses]
+        return np.maximum(np.maximum(start - angles, angles - stop), 0.0) / LIMIT_MARGIN_RAD
+
+    return Channel(read, np.full(len(addresses), MAX_LIMIT), _names(entry.joints, "limit", "1 at the limit"))
+
+
+def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    names = tuple(actuator.name for actuator in actuation.actuators)
+    ids = np.array([model.actuator(name).id for name in names])
+    gears = model.actuator_gear[ids, 0].copy()
+    return Channel(
+        lambda data: np.concatenate([data.ctrl[ids], data.actuator_force[ids] * gears]),
+        np.concatenate([np.ones(len(ids)), gears]),
+        _names(names, "command", "1") + _names(names, "torque", "N m"),
+    )
+
+
+CHANNELS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Channel]] = {
+    "velocity": _velocities,
+    "torque": _torques,
+    "limits": _limits,
+    "actuation": _actuation,
+}
+"""What can be felt besides angles."""
+
+
+def _addresses(model: mujoco.MjModel, joints: tuple[str, ...], kind: str) -> IntArray:
+    return np.array([getattr(model.joint(name), kind)[0] for name in joints])
+
+
+def _names(things: tuple[str, ...], quantity: str, unit: str) -> tuple[str, ...]:
+    return tuple(f"{thing} {quantity} [{unit}]" for thing in things)

@@ -1,0 +1,109 @@
+"""The whole scene: an infant with its senses, motors and clothes, in its world."""
+
+from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
+from mimoc.scene import instruments
+from mimoc.scene.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
+from mimoc.scene.motors import MOTORS
+from mimoc.scene.poses import keyframes, standing_height
+from mimoc.scene.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver
+from mimoc.scene.world import WORLDS
+from mimoc.schema import InfantSpec
+from mimoc.units import deg_to_rad, ms_to_s
+
+BODY_GROUP, LOOKS_GROUP = 0, 1
+
+
+def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
+    """Return the scene of a spec around a grown body."""
+    fovy_deg = spec.senses.vision.fovy_deg if spec.senses.vision else 60.0
+    sites, cameras = instruments.sites(tree), instruments.cameras(tree, fovy_deg)
+
+    def node(body: Body) -> Node:
+        is_root = body.parent is None
+        return Node(
+            name=body.name,
+            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
+            euler_rad=_radians(body.euler_deg),
+            free_joints=(FREE_JOINT,) if is_root else (),
+            joints=tuple(map(_joint, body.joints)),
+            geoms=(*map(_geom, body.geoms), *_features(body)),
+            sites=sites.get(body.name, ()),
+            cameras=cameras.get(body.name, ()),
+            children=tuple(node(child) for child in tree.bodies if child.parent == body.name),
+        )
+
+    return SceneTree(
+        name=spec.name,
+        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms)),
+        roots=tuple(node(body) for body in tree.bodies if body.parent is None),
+        appearance=dress(spec.body.expression),
+        tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
+        frictionless=tree.frictionless,
+        excluded=tree.excluded,
+        actuators=MOTORS[spec.actuation.model](tree),
+        sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.TORQUE_SENSORS),
+        world=WORLDS[spec.scene.kind](),
+        keyframes=keyframes(tree),
+    )
+
+
+def _joint(joint: Joint) -> PrintedJoint:
+    low, high = joint.range_deg
+    return PrintedJoint(
+        name=joint.name,
+        axis=joint.axis,
+        pos_m=joint.anchor_m,
+        range_rad=(deg_to_rad(low), deg_to_rad(high)),
+        stiffness_nm_per_rad=joint.stiffness_nm_per_rad,
+        damping_nms_per_rad=joint.damping_nms_per_rad,
+        frictionloss_nm=joint.frictionloss_nm,
+        armature_kgm2=joint.armature_kgm2,
+        springref_rad=deg_to_rad(joint.springref_deg),
+    )
+
+
+def _geom(geom: Geom) -> PrintedGeom:
+    return PrintedGeom(
+        name=geom.name,
+        type=geom.type,
+        size_m=geom.size_m,
+        pos_m=geom.pos_m,
+        euler_rad=_radians(geom.euler_deg),
+        mass_kg=geom.mass_kg,
+        material=GEOM_MATERIALS.get(geom.name, "skin"),
+        friction=geom.friction,
+        contype=geom.contype,
+        conaffinity=geom.conaffinity,
+        group=BODY_GROUP,
+    )
+
+
+def _features(body: Body) -> tuple[PrintedGeom, ...]:
+    """Return what the head shows and physics does not know: nose, ears, lids."""
+    if body.name != "head":
+        return ()
+    (head,) = body.geoms
+    return tuple(_feature(feature, head) for feature in HEAD_FEATURES)
+
+
+def _feature(feature: HeadFeature, head: Geom) -> PrintedGeom:
+    radius_m = head.size_m[0]
+    x, y, z = (middle + radius_m * offset for middle, offset in zip(head.pos_m, feature.pos, strict=True))
+    return PrintedGeom(
+        name=feature.name,
+        type=feature.type,
+        size_m=tuple(radius_m * size for size in feature.size),
+        pos_m=(x, y, z),
+        euler_rad=_radians(feature.euler_deg),
+        mass_kg=0.0,
+        material=feature.material,
+        friction=(1.0, 0.005, 0.0002),
+        contype=0,
+        conaffinity=0,
+        group=LOOKS_GROUP,
+    )
+
+
+def _radians(euler_deg: tuple[float, float, float]) -> tuple[float, float, float]:
+    x, y, z = map(deg_to_rad, euler_deg)
+    return x, y, z

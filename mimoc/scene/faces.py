@@ -1,0 +1,35 @@
+"""What the seven expressions do to mouth and brows."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Face:
+    """One expression, seen from the front; lengths in head radii, heights from the middle of the head."""
+
+    smile: float = 0.04
+    """How far the corners of the mouth stand above its middle."""
+    opening: float = 0.0
+    """Half of the gap between the lips."""
+    mouth_width: float = 0.15
+    """Half of the mouth's width."""
+    mouth_height: float = -0.50
+    """Middle of the mouth."""
+    brow_height: float = 0.165
+    """Middle of the brows."""
+    brow_tilt: float = -0.01
+    """How far the outer end of a brow stands above its middle."""
+
+
+FACES = {
+    "neutral": Face(),
+    "happy": Face(smile=0.10, opening=0.035, mouth_width=0.25, brow_height=0.19, brow_tilt=-0.02),
+    "sad": Face(smile=-0.08, mouth_width=0.2, brow_height=0.18, brow_tilt=-0.055),
+    "surprised": Face(
+        smile=0.0, opening=0.085, mouth_width=0.12, mouth_height=-0.54, brow_height=0.25, brow_tilt=-0.01
+    ),
+    "angry": Face(smile=-0.05, opening=0.02, mouth_width=0.2, brow_height=0.14, brow_tilt=0.06),
+    "disgusted": Face(smile=-0.06, opening=0.012, mouth_width=0.17, brow_height=0.14, brow_tilt=0.035),
+    "scared": Face(smile=-0.04, opening=0.055, mouth_width=0.23, brow_height=0.24, brow_tilt=-0.06),
+}
+"""Expression name to face."""

@@ -1,0 +1,186 @@
+"""A scene as the templates print it: SI units, angles in radians, every value decided."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mimoc.body.tree import Vec3
+from mimoc.scene.appearance import Appearance, Material
+
+
+@dataclass(frozen=True, slots=True)
+class Solver:
+    """MuJoCo's options for the physics; `benchmarks/solver.py` shows why these."""
+
+    timestep_s: float
+    integrator: str = "Euler"
+    cone: str = "elliptic"
+    jacobian: str = "sparse"
+    solver: str = "Newton"
+    iterations: int = 100
+    ls_iterations: int = 50
+    tolerance: float = 1e-13
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedJoint:
+    """A hinge."""
+
+    name: str
+    axis: Vec3
+    pos_m: Vec3
+    range_rad: tuple[float, float]
+    stiffness_nm_per_rad: float
+    damping_nms_per_rad: float
+    frictionloss_nm: float
+    armature_kgm2: float
+    springref_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedGeom:
+    """A solid of the infant."""
+
+    name: str
+    type: str
+    size_m: tuple[float, ...]
+    pos_m: Vec3
+    euler_rad: Vec3
+    mass_kg: float
+    material: str
+    friction: Vec3
+    contype: int
+    conaffinity: int
+    group: int
+    """0 for the body, 1 for what only shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A marked point of a body."""
+
+    name: str
+    pos_m: Vec3
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """An eye's, or an onlooker's, camera."""
+
+    name: str
+    pos_m: Vec3
+    euler_rad: Vec3
+    fovy_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A body with all that is fixed to it."""
+
+    name: str
+    pos_m: Vec3
+    euler_rad: Vec3
+    free_joints: tuple[str, ...]
+    joints: tuple[PrintedJoint, ...]
+    geoms: tuple[PrintedGeom, ...]
+    sites: tuple[Site, ...]
+    cameras: tuple[Camera, ...]
+    children: tuple["Node", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Actuator:
+    """A motor on a joint."""
+
+    name: str
+    joint: str
+    gear_nm: float
+    control_range: tuple[float, float]
+    force_range: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedTendon:
+    """A fixed tendon."""
+
+    name: str
+    range_rad: tuple[float, float]
+    coefficients: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A MuJoCo sensor at a site."""
+
+    kind: str
+    name: str
+    site: str
+
+
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """A whole state to start from."""
+
+    name: str
+    qpos: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A floor without end."""
+
+    name: str
+    height_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Light:
+    """A directional light."""
+
+    name: str
+    pos_m: Vec3
+    direction: Vec3
+    diffuse: Vec3
+    castshadow: bool
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What is around the infant."""
+
+    gravity_m_s2: Vec3
+    grounds: tuple[Ground, ...]
+    lights: tuple[Light, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SceneTree:
+    """An infant in its world, ready to print."""
+
+    name: str
+    solver: Solver
+    roots: tuple[Node, ...]
+    """The infant's hip, with everything that hangs on it."""
+    appearance: Appearance
+    tendons: tuple[PrintedTendon, ...]
+    frictionless: tuple[tuple[str, str], ...]
+    excluded: tuple[tuple[str, str], ...]
+    actuators: tuple[Actuator, ...]
+    sensors: tuple[Sensor, ...]
+    world: World
+    keyframes: tuple[Keyframe, ...]
+
+    @property
+    def textured_materials(self) -> tuple[Material, ...]:
+        """Materials with a texture."""
+        return tuple(material for material in self.appearance.materials if material.texture)
+
+    @property
+    def plain_materials(self) -> tuple[Material, ...]:
+        """Materials of one colour."""
+        return tuple(material for material in self.appearance.materials if not material.texture)
+
+    @property
+    def assets(self) -> Mapping[str, bytes]:
+        """Binary files by path in the bundle."""
+        return self.appearance.assets

@@ -1,0 +1,40 @@
+"""The spec language: what a user can say about an infant, as frozen data."""
+
+from mimoc.schema.actuation import ActuationSpec
+from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
+from mimoc.schema.control import ControlSpec
+from mimoc.schema.delays import DelaysSpec
+from mimoc.schema.reading import read_spec, to_data
+from mimoc.schema.scene import RoomSpec, SceneSpec, ToysSpec
+from mimoc.schema.senses import (
+    AcuitySpec,
+    ProprioceptionSpec,
+    SensesSpec,
+    TouchSpec,
+    VestibularSpec,
+    VisionSpec,
+)
+from mimoc.schema.spec import InfantSpec
+from mimoc.schema.tasks import TaskSpec
+
+__all__ = [
+    "AcuitySpec",
+    "ActuationSpec",
+    "BodySpec",
+    "ControlSpec",
+    "DelaysSpec",
+    "IndividualSpec",
+    "InfantSpec",
+    "PartSpec",
+    "ProprioceptionSpec",
+    "RoomSpec",
+    "SceneSpec",
+    "SensesSpec",
+    "TaskSpec",
+    "TouchSpec",
+    "ToysSpec",
+    "VestibularSpec",
+    "VisionSpec",
+    "read_spec",
+    "to_data",
+]

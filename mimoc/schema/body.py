@@ -1,0 +1,134 @@
+"""The body an infant has: whose size, which hands, and what is different about it."""
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from mimoc.errors import suggestion
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.names import (
+    ALL_LIMB_BODIES,
+    LIMB_BODIES,
+    MEASUREMENT_KEYS,
+    SIDED_MEASUREMENT_KEYS,
+    SIDES,
+    TRUNK_BODIES,
+)
+from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real
+
+Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
+
+
+def _known_measurement(key: str) -> str:
+    if key in MEASUREMENT_KEYS or key in SIDED_MEASUREMENT_KEYS:
+        return key
+    metric = re.sub("(_mm|_m)?$", "_cm", key, count=1)
+    if metric in MEASUREMENT_KEYS or metric in SIDED_MEASUREMENT_KEYS:
+        raise ValueError(f"unknown measurement; write '{metric}', in cm")
+    side, _, unsided = key.partition("_")
+    if side in SIDES and unsided in MEASUREMENT_KEYS:
+        raise ValueError(f"this is not measured on one side; write '{unsided}'")
+    known = SIDED_MEASUREMENT_KEYS if side in SIDES else MEASUREMENT_KEYS
+    raise ValueError(f"unknown measurement; {suggestion(key, known)}")
+
+
+def _known_part(name: str) -> str:
+    if name in TRUNK_BODIES or name in ALL_LIMB_BODIES:
+        return name
+    raise ValueError(f"unknown part of the body; {suggestion(name, TRUNK_BODIES + ALL_LIMB_BODIES)}")
+
+
+def _removable(name: str) -> str:
+    if name in TRUNK_BODIES:
+        raise ValueError(f"no infant is without '{name}'; remove only limbs and eyes")
+    if name not in ALL_LIMB_BODIES:
+        raise ValueError(f"'{name}' is not a limb; {suggestion(name, ALL_LIMB_BODIES)}")
+    return name
+
+
+MeasurementKey = Annotated[str, AfterValidator(_known_measurement)]
+PartName = Annotated[str, AfterValidator(_known_part)]
+LimbName = Annotated[str, AfterValidator(_removable)]
+Factor = Annotated[Real, Field(ge=0.5, le=2)]
+"""What a part is multiplied by; beyond these it is no child's."""
+
+
+class IndividualSpec(Model):
+    """One child in place of the average one: what is known of it, against WHO's children or measured."""
+
+    sex: Literal["male", "female"] | None = None
+    """Whose WHO tables percentiles are read from; needed where there are any."""
+    length_percentile: Percentile | None = None
+    """Length lying, as WHO percentile for sex and age."""
+    length_cm: Annotated[Centimetres, Field(ge=35, le=110)] | None = None
+    """Length lying, measured."""
+    weight_percentile: Percentile | None = None
+    """Weight, as WHO percentile for sex and age."""
+    weight_kg: Annotated[Kilograms, Field(ge=1, le=25)] | None = None
+    """Weight, measured."""
+    head_percentile: Percentile | None = None
+    """Head circumference, as WHO percentile for sex and age."""
+    head_circumference_cm: Annotated[Centimetres, Field(ge=25, le=60)] | None = None
+    """Head circumference, measured."""
+
+    @model_validator(mode="after")
+    def _is_one_child(self) -> Self:
+        pairs = (
+            ("length_percentile", "length_cm"),
+            ("weight_percentile", "weight_kg"),
+            ("head_percentile", "head_circumference_cm"),
+        )
+        for percentile, measured in pairs:
+            if getattr(self, percentile) is not None and getattr(self, measured) is not None:
+                raise KeyedError((measured,), f"'{percentile}' already says this; keep one of the two")
+        given = [key for pair in pairs for key in pair if getattr(self, key) is not None]
+        if not given:
+            message = (
+                "says nothing of length, weight or head; add one, such as 'length_percentile: 50', or leave it out"
+            )
+            raise KeyedError((), message)
+        percentiles = [key for key in given if key.endswith("_percentile")]
+        if percentiles and self.sex is None:
+            raise KeyedError(("sex",), f"is missing, and '{percentiles[0]}' needs it; add 'sex: female' or 'sex: male'")
+        return self
+
+
+class PartSpec(Model):
+    """What one part of the body is multiplied by, against what the age gives it."""
+
+    length: Factor = 1.0
+    """Along the part, and so where everything attached to it sits."""
+    girth: Factor = 1.0
+    """Across the part."""
+
+
+class BodySpec(Model):
+    """The body of the infant."""
+
+    hands: Literal["mitten", "five_finger"] = "mitten"
+    """Fingers that move as one (44 actuators), or one by one (88)."""
+    chest_joint: Annotated[bool, Field(strict=True)] = False
+    """Whether the chest leans and twists on the upper body, which adds two actuators."""
+    individual: IndividualSpec | None = None
+    """One child; left out, the average child of the AnthroKids tables."""
+    measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(default_factory=dict)
+    """Measurements that replace those of the age, by AnthroKids' name; `left_` or `right_` in front means one side."""
+    parts: Mapping[PartName, PartSpec] = Field(default_factory=dict)
+    """Parts scaled against what the age gives them, by name of the body."""
+    remove: Annotated[tuple[LimbName, ...], Distinct] = ()
+    """Limbs this infant does not have; what is attached to one goes with it."""
+    expression: Expression = "neutral"
+    """What the face shows."""
+
+    @model_validator(mode="after")
+    def _names_parts_it_has(self) -> Self:
+        here = LIMB_BODIES[self.hands]
+        named = [*(("parts", name) for name in self.parts), *(("remove", index) for index in range(len(self.remove)))]
+        for key in named:
+            name = self.remove[key[1]] if isinstance(key[1], int) else key[1]
+            if name not in here and name not in TRUNK_BODIES:
+                message = f"a body with {self.hands} hands has no '{name}'; {suggestion(name, here)}"
+                raise KeyedError(key, message, against=("hands",))
+        return self

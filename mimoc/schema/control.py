@@ -1,0 +1,32 @@
+"""The clock of physics and of control."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.quantities import Milliseconds
+from mimoc.units import to_steps
+
+
+class ControlSpec(Model):
+    """How often physics is computed, and how often an action is taken."""
+
+    step_ms: Annotated[Milliseconds, Field(ge=0.1, le=1000)] = 10.0
+    """One control step; a whole number of physics steps."""
+    timestep_ms: Annotated[Milliseconds, Field(ge=0.1, le=20)] = 5.0
+    """One physics step."""
+
+    @model_validator(mode="after")
+    def _steps_fit(self) -> Self:
+        keys = ("step_ms", "timestep_ms") if "step_ms" in self.model_fields_set else ("timestep_ms", "step_ms")
+        try:
+            if self.step_ms < self.timestep_ms:
+                advice = f"give 'step_ms' {self.timestep_ms:g} or more"
+                raise ValueError(
+                    f"{self.step_ms:g} ms is less than a physics step of {self.timestep_ms:g} ms; {advice}"
+                )
+            to_steps(self.step_ms, self.timestep_ms)
+        except ValueError as error:
+            raise KeyedError(keys[:1], f"a control step of {error}", against=keys[1:]) from None
+        return self

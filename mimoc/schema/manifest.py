@@ -1,0 +1,109 @@
+"""All that the runtime knows of an infant: the contract between the wing that compiles and the wing that runs."""
+
+from typing import Literal
+
+from mimoc.schema.base import Model
+
+MANIFEST_VERSION = 1
+"""Raised when the meaning of a field changes; a new field with a default does not raise it."""
+
+
+class ActuatorEntry(Model):
+    """One actuator of the model, as the action sees it."""
+
+    name: str
+    """Name in the model."""
+    mimo_actuator: str
+    """The actuator of MIMo that it stands for, alone or with others."""
+    joint: str
+    """The hinge it moves."""
+    action_low: float
+    """Least command."""
+    action_high: float
+    """Largest command."""
+
+
+class ActuationEntry(Model):
+    """How the infant is moved."""
+
+    model: Literal["torque"] = "torque"
+    """Actuation model."""
+    actuators: tuple[ActuatorEntry, ...]
+    """In the order of the model and of the action."""
+
+
+class ProprioceptionEntry(Model):
+    """The sense of where one's limbs are and what they do."""
+
+    kind: Literal["proprioception"] = "proprioception"
+    """Which sense this is."""
+    include: tuple[Literal["velocity", "torque", "limits", "actuation"], ...]
+    """What is felt besides joint angles, in this order."""
+    joints: tuple[str, ...]
+    """Hinges, in the order of the observation."""
+    torque_sensors: tuple[str, ...]
+    """Three-axis torque sensors, in the order of the observation."""
+
+
+class VestibularEntry(Model):
+    """The sense of balance."""
+
+    kind: Literal["vestibular"] = "vestibular"
+    """Which sense this is."""
+    accelerometer: str
+    """Sensor of the head's specific force, m/s²."""
+    gyro: str
+    """Sensor of the head's angular velocity, rad/s."""
+
+
+class SensesEntry(Model):
+    """The senses of the infant; one that is None is off."""
+
+    proprioception: ProprioceptionEntry | None = None
+    """Joint angles and what else is felt of them."""
+    vestibular: VestibularEntry | None = None
+    """Balance."""
+
+
+class ChildEntry(Model):
+    """What the child measures, as its model was built."""
+
+    age_months: float
+    """Age of the body."""
+    length_cm: float
+    """Crown to sole."""
+    weight_kg: float
+    """Mass of the whole body."""
+    head_circumference_cm: float
+    """Around the head."""
+    arm_circumference_cm: float
+    """Around the upper arm."""
+
+
+class Manifest(Model):
+    """What travels from the compiler to the runtime."""
+
+    manifest: Literal[1] = MANIFEST_VERSION
+    """Version of this file."""
+    name: str
+    """Name of the infant spec."""
+    child: ChildEntry
+    """What the child measures."""
+    scene: str = "scene.xml"
+    """Entry point of the model."""
+    root_body: str
+    """The body that moves freely."""
+    root_joint: str
+    """Its free joint."""
+    timestep_ms: float
+    """One physics step."""
+    step_ms: float
+    """One control step, a whole number of physics steps."""
+    pose: str
+    """The keyframe a reset starts from."""
+    poses: tuple[str, ...]
+    """Every keyframe."""
+    actuation: ActuationEntry
+    """How it is moved."""
+    senses: SensesEntry
+    """What it senses."""

@@ -1,0 +1,95 @@
+"""The spec language as a tree that can be asked what belongs at a path."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from mimoc.schema.spec import InfantSpec
+from mimoc.source import KeyPath
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What the spec language knows of one value."""
+
+    schema: dict[str, Any]
+    """Its JSON schema."""
+
+    @property
+    def type(self) -> str:
+        """Its JSON type, or empty where there are several."""
+        return self.schema.get("type", "")
+
+    @property
+    def unit(self) -> str | None:
+        """Its unit or that of its items, as the end of a name has it."""
+        first = self.schema
+        while "prefixItems" in first:
+            first = _resolved(first["prefixItems"][0])
+        return first.get("unit")
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of a section."""
+        return tuple(self.schema.get("properties", ()))
+
+    @property
+    def choices(self) -> tuple[Any, ...]:
+        """The words it can be."""
+        return tuple(self.schema.get("enum", ()))
+
+    @property
+    def example(self) -> Any:
+        """A value that is right, for a key that has no default."""
+        if "examples" in self.schema:
+            return self.schema["examples"][0]
+        return (*self.choices, 1)[0]
+
+
+def outline(path: KeyPath) -> Outline:
+    """Return what is known of the value at a path, which may be of no key at all."""
+    node = _language()
+    for step in path:
+        children = _resolved(node).get("properties", {})
+        items = _resolved(node).get("prefixItems", [])
+        if isinstance(step, int):
+            node = items[step] if step < len(items) else _resolved(node).get("items", {})
+        else:
+            node = children.get(step, _resolved(node).get("additionalProperties") or {})
+    return Outline(_resolved(node))
+
+
+def is_known(path: KeyPath) -> bool:
+    """Say whether a path is of an item, of a key of the language, or of a key that its section may name freely."""
+    section = outline(path[:-1])
+    return not section.keys or path[-1] in section.keys
+
+
+def sections_with(key: str) -> list[KeyPath]:
+    """Return the paths of all sections that have a key of this name."""
+    return [path for path, node in _sections(_language(), ()) if key in node["properties"]]
+
+
+def _sections(node: dict[str, Any], path: KeyPath) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
+    node = _resolved(node)
+    if "properties" in node:
+        yield path, node
+        for key, child in node["properties"].items():
+            yield from _sections(child, (*path, key))
+
+
+def _resolved(node: dict[str, Any]) -> dict[str, Any]:
+    """Return what a reference stands for, or all that the alternatives of a value say together."""
+    if "$ref" in node:
+        return _resolved(_language()["$defs"][node["$ref"].rpartition("/")[2]])
+    options = [_resolved(option) for option in (*node.get("anyOf", ()), *node.get("oneOf", ()))]
+    merged = {key: value for option in options if option.get("type") != "null" for key, value in option.items()}
+    if len({option.get("type") for option in options} - {"null"}) > 1:
+        del merged["type"]
+    return {**node, **merged}
+
+
+@cache
+def _language() -> dict[str, Any]:
+    return InfantSpec.model_json_schema()

@@ -1,0 +1,45 @@
+"""Numbers of a spec, each with its unit and the widest range it can have."""
+
+from collections.abc import Sequence
+from typing import Annotated, TypeVar
+
+from pydantic import AfterValidator, Field
+
+Number = TypeVar("Number", int, float)
+
+Real = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Whole = Annotated[int, Field(strict=True)]
+
+Months = Annotated[Real, Field(ge=0, json_schema_extra={"unit": "months"})]
+Centimetres = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "cm"})]
+Metres = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "m"})]
+Kilograms = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "kg"})]
+Degrees = Annotated[Real, Field(json_schema_extra={"unit": "deg"})]
+Milliseconds = Annotated[Real, Field(ge=0, json_schema_extra={"unit": "ms"})]
+Pixels = Annotated[Whole, Field(ge=1, json_schema_extra={"unit": "px"})]
+CyclesPerDegree = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "cpd"})]
+Percentile = Annotated[Real, Field(gt=0, lt=100, json_schema_extra={"unit": "percentile"})]
+"""Of WHO's Child Growth Standards; the ends would be children of endless size."""
+
+Age = Annotated[Months, Field(le=24)]
+"""The ages that infants can be built at."""
+
+
+def _rising(ends: tuple[Number, Number]) -> tuple[Number, Number]:
+    lowest, highest = ends
+    if lowest > highest:
+        raise ValueError(f"the range [{lowest:g}, {highest:g}] falls; write the smaller number first")
+    return ends
+
+
+def _distinct(names: Sequence[str]) -> Sequence[str]:
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ValueError(f"{', '.join(map(repr, repeated))} more than once; name each once")
+    return names
+
+
+Rising = AfterValidator(_rising)
+"""Marks two numbers as a range, the lowest first."""
+Distinct = AfterValidator(_distinct)
+"""Marks a list of names as a set."""

@@ -1,0 +1,93 @@
+"""From the data of a YAML file to a spec, or to all that is wrong with it."""
+
+from collections.abc import Iterator
+from itertools import takewhile
+from typing import Any
+
+from pydantic import ValidationError
+
+from mimoc.errors import SpecError
+from mimoc.schema.outline import is_known, outline
+from mimoc.schema.spec import InfantSpec
+from mimoc.schema.wording import fault, nothing_at
+from mimoc.source import KeyPath, Source
+
+
+def read_spec(source: Source) -> InfantSpec:
+    """Return the spec that a file holds.
+
+    A value that is wrong is reported and taken out, and the rest looked at again, since pydantic compares the keys of
+    a section only once each of them is right.
+
+    Raises:
+        SpecError: If anything is wrong with it, with all that is.
+    """
+    faults = {path: nothing_at(path) for path in _empty(source.data) if path not in source.spoilt}
+    data = _mended(source.data, {*source.spoilt, *faults})
+    spec = None
+    while spec is None:
+        try:
+            spec = InfantSpec.model_validate(data, context=source)
+        except ValidationError as error:
+            found = [fault(details, data) for details in error.errors(include_url=False)]
+            known = {path[:depth] for path in {*source.spoilt, *faults} for depth in range(len(path) + 1)}
+            faults |= {new.path: new for new in reversed(found) if not {new.path, new.against or new.path} & known}
+            before, data = data, _mended(data, {new.path for new in found})
+            if data == before:
+                break
+    if spec is None or source.problems or faults:
+        reported = (source.problem(wrong.path, wrong.message, at=wrong.at) for wrong in faults.values())
+        raise SpecError([*source.problems, *reported])
+    return spec
+
+
+def to_data(spec: InfantSpec) -> dict[str, Any]:
+    """Return a spec as plain data with every default in place, which reads back as an equal spec.
+
+    A key without a value, such as a sense that is off, is left out.
+    """
+    return spec.model_dump(mode="json", exclude_none=True)
+
+
+def _empty(value: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
+    """Yield the paths of all keys and items of the language that say nothing."""
+    if value is None and is_known(path):
+        yield path
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for step, item in items:
+        yield from _empty(item, (*path, step))
+
+
+def _mended(data: dict[str, Any], paths: set[KeyPath]) -> dict[str, Any]:
+    """Return data without what is wrong at some paths, or with examples in its place where it cannot be left out."""
+    for keys in sorted({_keys(path) for path in paths} - {()}):
+        section = keys[:-1]
+        if keys[-1] in outline(section).schema.get("required", ()):
+            data = _replaced(data, keys, outline(keys).example)
+        elif keys[-1] in _section(data, section):
+            data = _replaced(data, keys, None)
+        elif section:
+            data = _replaced(data, section, None)
+    return data
+
+
+def _keys(path: KeyPath) -> tuple[str, ...]:
+    """Return a path up to the first list."""
+    return tuple(map(str, takewhile(lambda step: isinstance(step, str), path)))
+
+
+def _section(data: Any, keys: tuple[str, ...]) -> dict[str, Any]:
+    for key in keys:
+        data = data.get(key) if isinstance(data, dict) else None
+    return data if isinstance(data, dict) else {}
+
+
+def _replaced(data: Any, keys: tuple[str, ...], value: Any) -> Any:
+    """Return data with another value in one place, or with none there."""
+    if not isinstance(data, dict):
+        return data
+    first, *deeper = keys
+    if deeper:
+        value = _replaced(data.get(first, {}), tuple(deeper), value)
+    rest = {key: item for key, item in data.items() if key != first}
+    return rest if value is None else {**rest, first: value}

@@ -1,0 +1,57 @@
+"""The world an infant is in."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, StringConstraints, model_validator
+
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.quantities import Centimetres, Distinct, Metres, Rising, Whole
+
+RoomSide = Annotated[Metres, Field(ge=1, le=20)]
+RoomSideRange = Annotated[tuple[RoomSide, RoomSide], Rising]
+ToyCount = Annotated[Whole, Field(ge=0, le=50)]
+ToySize = Annotated[Centimetres, Field(ge=0.5, le=100)]
+ToyName = Annotated[str, StringConstraints(strict=True, pattern="^[a-z0-9_]+$", max_length=64)]
+
+
+class RoomSpec(Model):
+    """The room of `kind: room`, drawn anew from every seed."""
+
+    size_m: tuple[RoomSideRange, RoomSideRange, RoomSideRange] = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
+    """Ranges of depth, width and height."""
+
+
+class ToysSpec(Model):
+    """The toys around the infant."""
+
+    source: Literal["builtin", "toys4k"] = "builtin"
+    """Those that come with mimoc, or the Toys4K data set."""
+    root: Annotated[str, StringConstraints(strict=True, min_length=1)] | None = None
+    """Folder that Toys4K was unpacked to."""
+    subset: Annotated[tuple[ToyName, ...], Distinct] = ()
+    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all."""
+    count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
+    """Range of how many."""
+    size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)
+    """Range of their longest side."""
+
+    @model_validator(mode="after")
+    def _has_a_root(self) -> Self:
+        if self.source == "toys4k" and self.root is None:
+            raise KeyedError(("root",), "is missing, and 'source: toys4k' needs it; add the folder you unpacked it to")
+        return self
+
+
+class SceneSpec(Model):
+    """The world an infant is in."""
+
+    kind: Literal["empty", "flat", "crib", "room"] = "flat"
+    """Nothing, a floor, a crib, or a furnished room."""
+    seed: Annotated[Whole, Field(ge=0, le=2**53)] = 0
+    """Of everything drawn by chance."""
+    pose: Literal["supine", "prone", "sitting", "standing"] = "supine"
+    """How the infant starts."""
+    room: RoomSpec = Field(default_factory=RoomSpec)
+    """The room, where the kind is room."""
+    toys: ToysSpec | None = None
+    """Toys; left out, there are none."""

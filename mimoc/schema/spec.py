@@ -1,0 +1,77 @@
+"""The whole of what a user says about one infant in one world."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, PrivateAttr, StringConstraints, model_validator
+
+from mimoc.schema.actuation import ActuationSpec
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.body import BodySpec
+from mimoc.schema.control import ControlSpec
+from mimoc.schema.delays import DelaysSpec
+from mimoc.schema.quantities import Age
+from mimoc.schema.scene import SceneSpec
+from mimoc.schema.senses import SensesSpec
+from mimoc.schema.tasks import TaskSpec
+from mimoc.source import Source
+from mimoc.units import to_steps
+
+
+def _known_version(value: Any) -> Any:
+    if type(value) is not int or value != 1:
+        raise ValueError("this mimoc reads version 1 of the spec language; write 'mimo: 1'")
+    return value
+
+
+class InfantSpec(Model):
+    """One infant in one world, as a user wrote it: nothing is computed, and what was left out has its default."""
+
+    mimo: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    """Version of the spec language."""
+    name: Annotated[
+        str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["my_infant"])
+    ]
+    """Name of the infant, and of its model."""
+    age_months: Annotated[Age, Field(examples=[9])]
+    """Age of the body."""
+    body: BodySpec = Field(default_factory=BodySpec)
+    """The body."""
+    actuation: ActuationSpec = Field(default_factory=ActuationSpec)
+    """What moves it."""
+    senses: SensesSpec = Field(default_factory=SensesSpec)
+    """What it perceives."""
+    delays: DelaysSpec = Field(default_factory=DelaysSpec)
+    """How late it perceives and moves."""
+    scene: SceneSpec = Field(default_factory=SceneSpec)
+    """The world it is in."""
+    control: ControlSpec = Field(default_factory=ControlSpec)
+    """The clock."""
+    task: TaskSpec | None = None
+    """What it is to achieve; left out, nothing."""
+
+    _source: Source | None = PrivateAttr(default=None)
+
+    @property
+    def source(self) -> Source | None:
+        """The file this was read from, None where it was written in Python."""
+        return self._source
+
+    def __eq__(self, other: object) -> bool:
+        """Say whether two specs say the same, wherever they were read from."""
+        return isinstance(other, InfantSpec) and self.__dict__ == other.__dict__
+
+    def model_post_init(self, context: Any) -> None:
+        """Remember the source, which is passed as the context of validation."""
+        if isinstance(context, Source):
+            self._source = context
+
+    @model_validator(mode="after")
+    def _delays_are_whole_steps(self) -> Self:
+        for key, delay_ms in self.delays:
+            if not isinstance(delay_ms, float):
+                continue
+            try:
+                to_steps(delay_ms, self.control.timestep_ms)
+            except ValueError as error:
+                raise KeyedError(("delays", key), f"a delay of {error}", against=("control", "timestep_ms")) from None
+        return self

@@ -1,0 +1,177 @@
+"""What pydantic finds wrong with a spec, in words a user can act on."""
+
+import re
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic_core import ErrorDetails
+
+from mimoc.errors import suggestion
+from mimoc.schema.base import KeyedError
+from mimoc.schema.outline import Outline, outline, sections_with
+from mimoc.source import KeyPath, dotted, shown
+
+_UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": ""}
+_UNIT_SUFFIX = re.compile(
+    "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels)$"
+)
+_WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
+_TYPES = {
+    "number": "a number",
+    "integer": "a whole number",
+    "boolean": "true or false",
+    "string": "text",
+    "object": "a section",
+    "array": "a list",
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong with the data of a spec."""
+
+    path: KeyPath
+    at: Literal["key", "value"]
+    message: str
+    """What is wrong; what to do."""
+    against: KeyPath = ()
+    """Another key that it does not go with."""
+
+
+def fault(details: ErrorDetails, data: dict[str, Any]) -> Fault:
+    """Return what pydantic found in the data of a spec, as a fault."""
+    path = _path(details, data)
+    if details["type"] == "value_error":
+        return _own_fault(details, path)
+    if details["type"] == "extra_forbidden":
+        return Fault(path, "key", _unknown_key(path))
+    if details["type"] == "missing" and isinstance(path[-1], str):
+        return Fault(path, "key", f"is missing; add it, such as '{path[-1]}: {outline(path).example}'")
+    if details["type"] in ("missing", "too_long"):
+        path = path[:-1] if details["type"] == "missing" else path
+        return Fault(path, "value", _wrong_count(outline(path), details["input"]))
+    return Fault(path, "value", _wrong_value(details, outline(path)))
+
+
+def nothing_at(path: KeyPath) -> Fault:
+    """Return the fault of a key that was written without a value."""
+    known = outline(path)
+    if path[-1] in outline(path[:-1]).schema.get("required", ()):
+        advice = f"write one, such as {known.example}"
+    elif known.type == "object":
+        advice = "write its keys below it, or {} for all its defaults, or leave it out"
+    else:
+        advice = "write one, or leave it out"
+    return Fault(path, "value", f"has no value; {advice}")
+
+
+def _path(details: ErrorDetails, data: Any) -> KeyPath:
+    """Return pydantic's location without what is no key: the tags of unions, and the mark of a key."""
+    path = []
+    for step in details["loc"]:
+        children: Any = dict(enumerate(data)) if isinstance(data, list) else data if isinstance(data, dict) else {}
+        if step in children:
+            data = children[step]
+            path.append(step)
+        elif details["type"] == "missing" and step == details["loc"][-1]:
+            path.append(step)
+    return tuple(path)
+
+
+def _own_fault(details: ErrorDetails, path: KeyPath) -> Fault:
+    """Return what a validator of ours found."""
+    error = details.get("ctx", {})["error"]
+    if isinstance(error, KeyedError):
+        return Fault(path + error.key, "value", str(error), path + error.against if error.against else ())
+    return Fault(path, "key" if details["loc"][-1] == "[key]" else "value", str(error))
+
+
+def _unknown_key(path: KeyPath) -> str:
+    section, key = path[:-1], re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
+    known = outline(section).keys
+    if not known:
+        return "unknown key; this section has none, write it as {}"
+    same = [name for name in known if _UNIT_SUFFIX.sub("", name) == _UNIT_SUFFIX.sub("", key)]
+    if same and key not in known:
+        return f"unknown key; write '{same[0]}'{_in_unit(outline((*section, same[0])))}"
+    elsewhere = [] if key in known else sections_with(key)
+    if elsewhere:
+        places = " or ".join(f"under '{dotted(place)}'" if place else "at the top" for place in elsewhere)
+        return f"unknown key here; it belongs {places}"
+    return f"unknown key; {suggestion(key, known)}"
+
+
+def _wrong_count(known: Outline, value: Any) -> str:
+    items = known.schema.get("prefixItems", [])
+    one = "[lowest, highest]"
+    advice = f"{len(items)} times {one}" if items[0].get("type") == "array" else one
+    return f"{len(items)} values belong here and this list has {len(value)}; write {advice}"
+
+
+def _wrong_value(details: ErrorDetails, known: Outline) -> str:
+    kind, value = details["type"], _got(details["input"])
+    match kind:
+        case "literal_error":
+            return f"{value} is not a choice; {suggestion(str(details['input'])[:80], known.choices)}"
+        case "greater_than" | "greater_than_equal":
+            return f"{value} is too small; give {_range(known)}"
+        case "less_than" | "less_than_equal":
+            return f"{value} is too large; give {_range(known)}"
+        case "finite_number":
+            return f"{value} is not a number to build from; give {_range(known)}"
+        case "string_pattern_mismatch":
+            return f"{value} is not a name; {_better_name(details['input'])}"
+        case "string_too_short":
+            return "this is empty; write a text, or leave the key out"
+        case "string_too_long":
+            return f"{value} is too long; use {known.schema['maxLength']} characters at most"
+        case "union_tag_not_found":
+            return f"{value} is no acuity; write off, age, a number of months or {{cpd: 4.2}}"
+    return _wrong_type(details["input"], known)
+
+
+def _wrong_type(value: Any, known: Outline) -> str:
+    wanted = _TYPES[known.type]
+    if known.type in ("number", "integer"):
+        written = _WRITTEN_NUMBER.fullmatch(value) if isinstance(value, str) else None
+        if written and not written[2]:
+            return f"{_got(value)} is text, not a number; write {written[1].replace(',', '.')}, without quotes"
+        if written:
+            return f"{_got(value)} is text, not a number; write the bare number{_in_unit(known)}"
+        return f"{_got(value)} is not {wanted}; give {_range(known)}"
+    advice = {
+        "boolean": "write true or false",
+        "string": "write a word, or put it in quotes",
+        "object": f"write its keys below it: {', '.join(known.keys)}" if known.keys else "write its keys below it",
+        "array": "write [lowest, highest]" if "prefixItems" in known.schema else "write [a, b], or [] for none",
+    }
+    return f"{_got(value)} is not {wanted}; {advice[known.type]}"
+
+
+def _better_name(name: str) -> str:
+    better = re.sub("[^a-z0-9]+", "_", name.lower()).strip("_")[:40]
+    return f"write '{better}'" if better[:1].isalpha() else "use a-z, 0-9 and _, and a letter first"
+
+
+def _range(known: Outline) -> str:
+    """Return the numbers that a value can be."""
+    schema = known.schema
+    unit = _UNIT_WORDS.get(known.unit or "", known.unit or "")
+    if "minimum" in schema:
+        return f"{schema['minimum']:.16g} to {schema['maximum']:.16g} {unit}".strip()
+    highest = f"at most {schema['maximum']:g}" if "maximum" in schema else f"less than {schema['exclusiveMaximum']:g}"
+    return f"more than {schema['exclusiveMinimum']:g} and {highest} {unit}".strip()
+
+
+def _in_unit(known: Outline) -> str:
+    words = _UNIT_WORDS.get(known.unit or "", known.unit or "")
+    return f", in {words}" if words else ""
+
+
+def _got(value: Any) -> str:
+    """Return a value as a message shows it."""
+    if isinstance(value, str):
+        return f"'{shown(value)}'"
+    if isinstance(value, dict | list):
+        return "this section" if isinstance(value, dict) else "this list"
+    return shown(str(value).lower())

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mimoc.fits import LogCurve, fit_log_curve
+from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS
+
+AGES_MONTHS = (0.0, 1.5, 4.5, 7.5, 10.5, 14.0, 18.0, 22.0, 33.0)
+
+measured_cm = st.lists(st.floats(1, 100), min_size=len(AGES_MONTHS), max_size=len(AGES_MONTHS))
+
+
+def squares(curve: LogCurve, values: list[float]) -> float:
+    return float(sum((curve(age) - value) ** 2 for age, value in zip(AGES_MONTHS, values, strict=True)))
+
+
+def best_with_shift(b_months: float, values: list[float]) -> LogCurve:
+    """Return the least-squares curve for a given b, by numpy's own linear fit."""
+    a, c = np.polyfit(np.log(np.array(AGES_MONTHS) + b_months), values, 1)
+    return LogCurve(float(a), b_months, float(c))
+
+
+@given(a=st.floats(0.1, 20), b_months=st.floats(B_MIN_MONTHS, 60), c=st.floats(-20, 60))
+def test_an_exact_log_curve_is_recovered(a, b_months, c):
+    true = LogCurve(a, b_months, c)
+    found = fit_log_curve(AGES_MONTHS, [true(age) for age in AGES_MONTHS])
+    assert [found(age) for age in range(25)] == pytest.approx([true(age) for age in range(25)], abs=1e-5)
+    assert found.b_months == pytest.approx(b_months, rel=1e-3)
+
+
+@given(values=measured_cm, factor=st.floats(0.9, 1.1))
+def test_no_nearby_shift_fits_better(values, factor):
+    """Also with the best a and c for that shift; at the limits of b there is no neighbour on one side."""
+    found = fit_log_curve(AGES_MONTHS, values)
+    b_months = min(max(found.b_months * factor, B_MIN_MONTHS), B_MAX_MONTHS)
+    assert squares(found, values) <= squares(best_with_shift(b_months, values), values) + 1e-6
+
+
+@given(values=measured_cm, a=st.floats(-0.1, 0.1), c=st.floats(-0.1, 0.1))
+def test_no_nearby_slope_or_offset_fits_better(values, a, c):
+    found = fit_log_curve(AGES_MONTHS, values)
+    other = LogCurve(found.a + a, found.b_months, found.c + c)
+    assert squares(found, values) <= squares(other, values) + 1e-6
+
+
+@given(values=measured_cm)
+def test_the_shift_stays_within_its_limits(values):
+    """At least 0.1 months, so that the curve is finite at birth (paper, eq. 1)."""
+    found = fit_log_curve(AGES_MONTHS, values)
+    assert B_MIN_MONTHS * (1 - 1e-9) <= found.b_months <= B_MAX_MONTHS * (1 + 1e-9)
+    assert np.isfinite(found(0))
+
+
+@given(values=measured_cm, order=st.permutations(range(len(AGES_MONTHS))))
+def test_the_order_of_the_points_does_not_matter(values, order):
+    found = fit_log_curve(AGES_MONTHS, values)
+    shuffled = fit_log_curve([AGES_MONTHS[i] for i in order], [values[i] for i in order])
+    assert squares(shuffled, values) == pytest.approx(squares(found, values), rel=1e-6, abs=1e-9)
+
+
+def test_equal_values_give_a_flat_curve():
+    found = fit_log_curve(AGES_MONTHS, [7.0] * len(AGES_MONTHS))
+    assert [found(age) for age in AGES_MONTHS] == pytest.approx([7.0] * len(AGES_MONTHS))
+
+
+def test_straight_growth_is_fitted_by_a_large_shift():
+    found = fit_log_curve(AGES_MONTHS, [10 + 0.5 * age for age in AGES_MONTHS])
+    assert found(12) == pytest.approx(16, abs=0.02)

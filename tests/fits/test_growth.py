@@ -1,0 +1,120 @@
+import dataclasses
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mimoc.errors import DataError
+from mimoc.fits import BIRTH, fit_growth, load_tables, measure
+from mimoc.units import cm_to_m
+
+FINGERS = ("middle_finger_diameter", "thumb_diameter")
+"""Known by their published coefficients only."""
+
+QUARTER_MONTHS = [quarter / 4 for quarter in range(97)]
+
+ages_months = st.floats(0, 24)
+
+
+@pytest.mark.parametrize("name", sorted(load_tables().published.keys() - FINGERS))
+def test_published_group_ages_reproduce_the_published_fits(name):
+    """MIMo v2's own curves, within 1e-3 cm from birth to two years."""
+    curve, _ = fit_growth(load_tables(), "published")[name]
+    published = load_tables().published[name]
+    for age_months in QUARTER_MONTHS:
+        assert curve(age_months) == pytest.approx(published(age_months), abs=1e-3)
+
+
+def test_sixteen_measurements_have_published_fits_and_group_means():
+    assert len(load_tables().published.keys() & load_tables().anthrokids.keys()) == 16
+
+
+def test_published_placement_infers_nothing():
+    for _, points in fit_growth(load_tables(), "published").values():
+        assert min(point.age_months for point in points) == 1
+        assert not any(BIRTH in point.origin for point in points)
+
+
+def test_groups_stand_at_the_middle_of_their_completed_months():
+    _, points = fit_growth(load_tables())["hand_length"]
+    assert [point.age_months for point in points] == [0, 1.5, 4.5, 7.5, 10.5, 14, 18, 22, 33]
+
+
+@given(younger=ages_months, older=ages_months)
+def test_no_measurement_ever_decreases(younger, older):
+    younger, older = sorted((younger, older))
+    before, after = measure(younger), measure(older)
+    for name in before:
+        assert before[name] <= after[name] * (1 + 1e-12), name
+
+
+@given(age_months=ages_months)
+def test_measurements_are_lengths_of_a_small_child(age_months):
+    for name, value_m in measure(age_months).items():
+        assert 0.003 < value_m < 1, name
+
+
+@given(age_months=ages_months)
+def test_parts_are_shorter_than_the_whole(age_months):
+    child = measure(age_months)
+    assert child["crown_rump_length"] < child["crown_sole_length"]
+    assert child["hand_length"] < child["elbow_hand_length"]
+    assert child["head_breadth"] < child["head_length"]
+    assert child["knee_sole_length"] + child["crown_rump_length"] < child["crown_sole_length"]
+
+
+def test_newborns_are_inferred_from_who():
+    """WHO's mean newborn is 49.52 cm long with a head of 34.17 cm."""
+    table = measure(0).table
+    length, head = table["crown_sole_length"].points[0], table["head_circumference"].points[0]
+    assert (length.age_months, length.value_cm) == (0, pytest.approx(49.52, abs=0.005))
+    assert (head.age_months, head.value_cm) == (0, pytest.approx(34.17, abs=0.005))
+
+
+def test_every_inferred_point_is_marked_and_only_those():
+    for name, measured in measure(6).table.items():
+        inferred = [point for point in measured.points if point.origin.startswith(BIRTH)]
+        assert [point.age_months for point in inferred] == ([] if name in FINGERS else [0])
+        assert all(point.origin.startswith("anthrokids.csv:") for point in measured.points[1:])
+
+
+def test_newborns_are_the_first_group_made_smaller_but_for_the_head():
+    """Isometrically: every other measurement by one factor."""
+    shrinks = {
+        name: measured.points[0].value_cm / measured.points[1].value_cm
+        for name, measured in measure(0).table.items()
+        if measured.points
+    }
+    head = shrinks.pop("head_circumference")
+    assert list(shrinks.values()) == pytest.approx([49.52 / 56.3] * len(shrinks), abs=1e-4)
+    assert head > max(shrinks.values())
+
+
+def test_a_measurement_is_read_off_its_curve_in_metres():
+    measured = measure(9).table["foot_length"]
+    assert measured.value_m == pytest.approx(cm_to_m(measured.curve(9)))
+    assert measured.origin == "anthrokids.csv: foot_length, log fit"
+    assert measure(9)["foot_length"] == measured.value_m
+
+
+def test_finger_diameters_come_from_the_published_coefficients():
+    child = measure(12)
+    for name in FINGERS:
+        assert child[name] == pytest.approx(cm_to_m(load_tables().published[name](12)))
+        assert child.table[name].origin == f"anthrokids_published_fits.csv: {name}"
+        assert child.table[name].points == ()
+
+
+def test_curves_stay_near_their_points():
+    """The survey's means scatter by a few per cent about any smooth curve."""
+    for name, (curve, points) in fit_growth(load_tables()).items():
+        for point in points:
+            assert math.isclose(curve(point.age_months), point.value_cm, rel_tol=0.06), (name, point)
+
+
+def test_two_groups_are_too_few():
+    tables = load_tables()
+    few = dataclasses.replace(tables, anthrokids={**tables.anthrokids, "nose": tables.anthrokids["hand_length"][:2]})
+    with pytest.raises(DataError, match="nose has 2 age groups"):
+        fit_growth(few)

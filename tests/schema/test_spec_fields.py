@@ -1,0 +1,118 @@
+"""What holds of every field of the spec language."""
+
+import csv
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mimoc import schema
+from mimoc.errors import SpecError
+from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
+from mimoc.schema.names import LIMB_BODIES, MEASUREMENTS, TRUNK_BODIES
+from mimoc.schema.outline import outline
+from mimoc.source import KeyPath, parse
+
+MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
+UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd")
+NO_UNIT = {"mimo", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity"}
+WRONG = [
+    "a word",
+    "9 apples",
+    "1.5",
+    "-1",
+    "1e300",
+    "true",
+    "[]",
+    "[1]",
+    "[a, a]",
+    "[[1]]",
+    "{}",
+    "{x: 1}",
+    "''",
+    ".nan",
+    "",
+]
+
+
+def fields(path: KeyPath = ()) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
+    """Yield the path and JSON schema of every field."""
+    for key in outline(path).keys:
+        field = outline((*path, key))
+        yield (*path, key), field.schema
+        yield from fields((*path, key))
+
+
+FIELDS = dict(fields())
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_every_section_and_field_is_documented(model):
+    assert model.__doc__
+    for name, field in model.model_fields.items():
+        assert field.description, f"{model.__name__}.{name}"
+
+
+def test_every_field_belongs_to_a_public_model():
+    assert {name for model in MODELS for name in model.model_fields} == {str(path[-1]) for path in FIELDS} | {
+        "length",
+        "girth",
+    }
+
+
+@pytest.mark.parametrize("path", FIELDS, ids=".".join)
+def test_units_are_those_in_the_names(path):
+    unit = outline(path).unit
+    suffix = next((end for end in UNITS if re.search(f"(^|_){end}$", path[-1])), None)
+    if path[-1] not in NO_UNIT:
+        assert unit == suffix
+    elif path[-1] != "acuity":
+        assert unit is None
+
+
+@pytest.mark.parametrize("path", FIELDS, ids=".".join)
+def test_numbers_are_bounded_on_both_sides(path):
+    known = FIELDS[path]
+    if known.get("type") in ("number", "integer") and "const" not in known:
+        assert {"minimum", "exclusiveMinimum"} & known.keys()
+        assert {"maximum", "exclusiveMaximum"} & known.keys()
+
+
+@pytest.mark.parametrize("path", FIELDS, ids=".".join)
+def test_any_wrong_value_gets_a_sentence_of_ours(path):
+    """What is wrong, a semicolon, what to do; at the key's own line."""
+    head = "".join(f"{'  ' * depth}{key}:\n" for depth, key in enumerate(path))[:-1]
+    for wrong in WRONG:
+        try:
+            read_spec(parse(f"{head} {wrong}\n", "f"))
+        except SpecError as error:
+            ours = [problem for problem in error.problems if problem.key.startswith(".".join(path))]
+            for problem in ours:
+                assert problem.line == len(path)
+                assert re.fullmatch(r"[^;]+; [^;]+", problem.message), problem.message
+                assert "Input" not in problem.message
+
+
+def test_delays_are_known_for_every_sense():
+    assert {f"{sense}_ms" for sense in SensesSpec.model_fields} == DelaysSpec.model_fields.keys() - {
+        *("preset", "sensory_ms", "motor_ms")
+    }
+
+
+def test_measurements_are_those_of_the_tables():
+    with (Path(__file__).parents[2] / "data" / "anthrokids.csv").open() as table:
+        surveyed = {row["measurement"] for row in csv.DictReader(table)}
+    assert set(MEASUREMENTS) == surveyed | {"middle_finger_diameter", "thumb_diameter"}
+
+
+def test_hands_are_the_kinds_that_bodies_are_known_for():
+    assert set(outline(("body", "hands")).choices) == LIMB_BODIES.keys()
+    assert len(TRUNK_BODIES + LIMB_BODIES["mitten"]) == 23
+    assert len(TRUNK_BODIES + LIMB_BODIES["five_finger"]) == 55
+
+
+def test_the_least_spec_needs_three_keys():
+    assert outline(()).schema["required"] == ["mimo", "name", "age_months"]
+    assert set(InfantSpec.model_fields) > {"mimo", "name", "age_months"}

@@ -1,0 +1,199 @@
+"""What a spec may say, and what it then means."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from mimoc.errors import SpecError
+from mimoc.schema import InfantSpec, PartSpec, VisionSpec, read_spec, to_data
+from mimoc.schema.names import LIMB_BODIES, MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, STRENGTH_GROUPS, TRUNK_BODIES
+from mimoc.source import dump, parse, read
+
+CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+LEAST = {"mimo": 1, "name": "x", "age_months": 9}
+WHOLE_LANGUAGE = """\
+mimo: 1
+name: nine_months
+age_months: 9
+body:
+  hands: mitten
+  chest_joint: false
+  individual: {sex: female, length_percentile: 25, weight_percentile: 50, head_percentile: 50}
+  measurements:
+    foot_length_cm: 11.2
+    left_forearm_circumference_cm: 13.0
+  parts:
+    right_upper_arm: {length: 0.95, girth: 1.05}
+  remove: []
+  expression: neutral
+actuation:
+  model: torque
+  strength_age_months: 9
+  strength: {neck: 0.5}
+senses:
+  proprioception: {include: [velocity, torque, limits, actuation]}
+  vestibular: {}
+  touch: {density: 1.0, quantity: force_vector, response: linear}
+  vision: {width_px: 64, height_px: 64, fovy_deg: 60, acuity: age, foveation: 0}
+delays:
+  preset: none
+  sensory_ms: 50
+  vision_ms: 100
+  motor_ms: 5
+scene:
+  kind: room
+  seed: 7
+  pose: supine
+  room: {size_m: [[2.5, 5], [2.5, 5], [2.2, 3]]}
+  toys:
+    source: builtin
+    root: ~/data/toys4k_obj_files
+    subset: [ball, cup, truck_003]
+    count: [3, 6]
+    size_cm: [4, 12]
+control: {step_ms: 10, timestep_ms: 5}
+task: {kind: reach}
+"""
+
+
+def specs() -> st.SearchStrategy[InfantSpec]:
+    """Specs that say a little of everything."""
+    hands = st.sampled_from(tuple(LIMB_BODIES))
+    timesteps_ms = st.sampled_from((1.0, 2.0, 2.5, 5.0))
+    return st.builds(_spec, hands, timesteps_ms, st.data(), st.floats(0, 24))
+
+
+def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float) -> InfantSpec:
+    keys = st.sampled_from(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
+    factors = st.floats(0.5, 2)
+    delays_ms = st.none() | st.integers(0, 100).map(lambda steps: steps * timestep_ms)
+    acuity = st.sampled_from(("off", "age", {"cpd": 4.2})) | st.floats(0, 36)
+    bodies = st.sampled_from(TRUNK_BODIES + LIMB_BODIES[hands])
+    parts = st.dictionaries(bodies, st.builds(PartSpec, length=factors, girth=factors), max_size=3)
+    return InfantSpec.model_validate(
+        {
+            **LEAST,
+            "age_months": age_months,
+            "body": {
+                "hands": hands,
+                "measurements": data.draw(st.dictionaries(keys, st.floats(0.1, 100), max_size=3)),
+                "parts": data.draw(parts),
+                "remove": data.draw(st.lists(st.sampled_from(LIMB_BODIES[hands]), unique=True, max_size=3)),
+            },
+            "actuation": {"strength": data.draw(st.dictionaries(st.sampled_from(STRENGTH_GROUPS), factors))},
+            "senses": {"touch": data.draw(st.none() | st.just({})), "vision": {"acuity": data.draw(acuity)}},
+            "delays": {key: data.draw(delays_ms) for key in ("sensory_ms", "vision_ms", "motor_ms")},
+            "control": {"timestep_ms": timestep_ms},
+        }
+    )
+
+
+def test_the_whole_language_is_understood():
+    spec = read_spec(parse(WHOLE_LANGUAGE, "f"))
+    assert spec.body.parts["right_upper_arm"].length == 0.95
+    assert spec.senses.vision == VisionSpec()
+    assert spec.scene.room.size_m[2] == (2.2, 3.0)
+    assert spec.task is not None
+
+
+def test_everything_but_version_name_and_age_has_a_default():
+    spec = InfantSpec(mimo=1, name="x", age_months=3)
+    assert spec.actuation.strength_age_months is None
+    assert set(dict(spec.senses).values()) == {None}
+    assert (spec.scene.kind, spec.scene.pose, spec.control.step_ms) == ("flat", "supine", 10)
+    assert spec.source is None
+
+
+def test_to_data_fills_in_every_default():
+    data = to_data(InfantSpec(mimo=1, name="x", age_months=3))
+    assert data["control"] == {"step_ms": 10.0, "timestep_ms": 5.0}
+    assert data["senses"] == {}
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.stem)
+def test_configs_are_specs_named_as_their_files(config):
+    spec = read_spec(read(config))
+    assert spec.name == config.stem
+    assert spec.source is not None
+    assert spec.source.text == config.read_text()
+
+
+def test_configs_cover_the_first_two_years():
+    ages = {read_spec(read(config)).age_months for config in CONFIGS}
+    assert {0, 6, 9, 18, 24} <= ages
+
+
+@given(specs())
+def test_a_spec_reads_back_as_an_equal_one(spec):
+    text = dump(to_data(spec))
+    assert read_spec(parse(text, "f")) == spec
+    assert dump(to_data(read_spec(parse(text, "f")))) == text
+
+
+def test_specs_are_equal_when_they_say_the_same():
+    written = read_spec(parse("mimo: 1\nname: x\nage_months: 9\n", "one"))
+    spelled_out = read_spec(parse("{age_months: 9.0, mimo: 1, name: x, scene: {kind: flat}}", "two"))
+    assert written == spelled_out == InfantSpec(mimo=1, name="x", age_months=9)
+    assert written != read_spec(parse("{age_months: 10, mimo: 1, name: x}", "one"))
+    assert written.source != spelled_out.source
+
+
+def test_specs_share_nothing_that_can_change():
+    one, other = InfantSpec(mimo=1, name="x", age_months=9), InfantSpec(mimo=1, name="x", age_months=9)
+    assert one.body.measurements is not other.body.measurements
+    with pytest.raises(ValidationError, match="frozen"):
+        one.body.__setattr__("hands", "five_finger")
+
+
+@pytest.mark.parametrize("acuity", ["off", "age", "0", "4.5", "{cpd: 4.2}"])
+def test_acuity_takes_four_forms(acuity):
+    spec = read_spec(parse(f"{{mimo: 1, name: x, age_months: 9, senses: {{vision: {{acuity: {acuity}}}}}}}", "f"))
+    assert read_spec(parse(dump(to_data(spec)), "f")) == spec
+
+
+@pytest.mark.parametrize(
+    ("section", "wrong"),
+    [
+        *[("age_months", "9"), ("age_months", True), ("body", {"chest_joint": 1}), ("body", {"chest_joint": "yes"})],
+        *[
+            ("scene", {"seed": 1.0}),
+            ("scene", {"seed": True}),
+            ("name", 9),
+            ("mimo", True),
+            ("mimo", 1.0),
+            ("mimo", "1"),
+        ],
+        *[("age_months", float("nan")), ("body", {"hands": 1}), ("delays", {"motor_ms": "5"}), ("task", "reach")],
+    ],
+)
+def test_no_type_is_taken_for_another(section, wrong):
+    with pytest.raises(ValidationError):
+        InfantSpec.model_validate({**LEAST, section: wrong})
+
+
+@pytest.mark.parametrize("timestep_ms", [1, 2.5, 5])
+def test_delays_are_whole_physics_steps_of_the_spec_s_own_clock(timestep_ms):
+    control = {"timestep_ms": timestep_ms}
+    InfantSpec.model_validate({**LEAST, "control": control, "delays": {"touch_ms": 3 * timestep_ms}})
+    with pytest.raises(ValidationError, match="nearest that works"):
+        InfantSpec.model_validate({**LEAST, "control": control, "delays": {"touch_ms": 3.3 * timestep_ms}})
+
+
+@given(st.data())
+def test_mutilated_specs_are_read_or_refused(data):
+    lines = WHOLE_LANGUAGE.splitlines(keepends=True)
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(lines) - 1))
+        scrap = data.draw(st.sampled_from(["", "x", "[]", ": 1", "-1\n", "{}", "'", "\t", "null\n", "&a ", "  "]))
+        cut = data.draw(st.integers(0, len(lines[at])))
+        lines[at] = lines[at][:cut] + scrap + lines[at][cut + data.draw(st.integers(0, 5)) :]
+    try:
+        read_spec(parse("".join(lines), "f"))
+    except SpecError as error:
+        for line in str(error).splitlines():
+            assert line.isprintable()
+            assert line.startswith("f:")
+            assert "Input should" not in line

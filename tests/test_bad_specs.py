@@ -1,0 +1,152 @@
+"""What a user reads who wrote something wrong: golden texts, in `__snapshots__/test_bad_specs.ambr`.
+
+Renew them with `pytest tests/test_bad_specs.py --snapshot-update`, and read the difference.
+"""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mimoc.errors import SpecError
+from mimoc.schema import read_spec
+from mimoc.source import read
+
+HEAD = "mimo: 1\nname: x\nage_months: 9\n"
+
+AGES = ["-1", "24.5", ".nan", ".inf", "1e400", "nine", "'9'", "9 months", "9,5", "true", "[9]", "{months: 9}", ""]
+
+SPECS = {
+    # The file and its text.
+    "an empty file": "",
+    "only a comment": "# nothing yet\n",
+    "only the start of a document": "---\n",
+    "a list": "- mimo: 1\n",
+    "a word": "infant\n",
+    "UTF-16": "mimo: 1\n".encode("utf-16"),
+    "Latin-1": HEAD.encode() + "# Säugling\n".encode("latin-1"),
+    "zeros": b"\x00" * 1000,
+    "a PNG": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR",
+    "control characters": HEAD + "task: \x1b[31m{kind: reach}\n",
+    "a tab for indentation": HEAD + "body:\n\thands: mitten\n",
+    "a tab after a value": "mimo: 1\nname: x\nage_months: 9\t# months\n",
+    "a byte order mark and a wrong age": "\ufeffmimo: 1\nname: x\nage_months: 99\n".encode(),
+    "CRLF and a wrong age": b"mimo: 1\r\nname: x\r\nage_months: 99\r\n",
+    "two documents": HEAD + "---\n" + HEAD,
+    "an open bracket": HEAD + "body: {remove: [left_hand, right_hand}\n",
+    "an open brace": HEAD + "body: {hands: mitten\n",
+    "an open quote": HEAD.replace("name: x", "name: 'x"),
+    "crooked indentation": HEAD + "body:\n    hands: mitten\n  expression: happy\n",
+    "a colon too many": HEAD.replace("name: x", "name: x: y"),
+    "no colon": HEAD + "task\n",
+    "a value that starts with @": HEAD.replace("name: x", "name: @x"),
+    "an unknown escape": HEAD.replace("name: x", r'name: "\q"'),
+    "an escape that is no character": HEAD.replace("name: x", r'name: "\UFFFFFFFF"'),
+    "an escape that is no text": HEAD.replace("name: x", r'name: "\0"'),
+    "deep nesting": HEAD + "body: " + "[" * 100 + "\n",
+    "an alias bomb": "a: &a [x,x,x,x,x,x,x,x]\n"
+    + "".join(f"{b}: &{b} [{','.join([f'*{a}'] * 8)}]\n" for a, b in zip("abcdefg", "bcdefgh", strict=True)),
+    "an alias of nothing": HEAD + "body: *usual\n",
+    "an alias inside itself": HEAD + "body: &body {parts: *body}\n",
+    "a tag that would run code": HEAD + "body: !!python/object/apply:os.system ['true']\n",
+    "tags": "mimo: !!int 1\nname: !my x\nage_months: !!float 9\n",
+    "merge keys": HEAD + "body: &usual {hands: mitten}\nscene:\n  <<: *usual\n",
+    "keys that are no words": HEAD + "1: a\n[b]: c\ntrue: e\nno: f\n",
+    "repeated keys": HEAD + "age_months: 10\nbody:\n  hands: mitten\n  hands: five_finger\n",
+    # Versions, names, ages.
+    "nothing that is needed": "body: {}\n",
+    "a newer language": HEAD.replace("mimo: 1", "mimo: 2"),
+    "the version as text": HEAD.replace("mimo: 1", "mimo: '1'"),
+    "a name with capitals": HEAD.replace("name: x", "name: Nine Months"),
+    "a name that is a number": HEAD.replace("name: x", "name: 9"),
+    "a name that starts with a digit": HEAD.replace("name: x", "name: 9_months"),
+    "a long name": HEAD.replace("name: x", f"name: {'x' * 100}"),
+    **{f"an age of {age or 'nothing'}": f"mimo: 1\nname: x\nage_months: {age}\n" for age in AGES},
+    # Keys.
+    "unknown keys at every level": HEAD
+    + "sense: {}\nbody: {hand: mitten, individual: {gender: male}, parts: {left_hand: {lenght: 1}}}\n"
+    + "actuation: {kind: torque}\nsenses: {vestibular: {noise: 1}, touch: {densty: 1}, vision: {acuity: {cpm: 1}}}\n"
+    + "delays: {motors_ms: 5}\nscene: {room: {dimensions: 1}, toys: {number: 3}}\n"
+    + "control: {frame_skip: 2}\ntask: {reward: sparse}\n",
+    "keys without their unit or in another": HEAD.replace("age_months", "age")
+    + "body:\n  individual: {sex: male, length_m: 0.7, weight_g: 7400}\n"
+    + "  measurements: {foot_length: 11, hand_length_mm: 9}\n"
+    + "senses: {vision: {fovy: 60, width: 64, height_pixels: 64}}\n"
+    + "delays: {vision: 10, motor_s: 0.005}\nscene: {room: {size: 1}, toys: {size_mm: [4, 12]}}\n"
+    + "control: {timestep: 5, step_s: 0.01}\n",
+    "keys in the wrong section": HEAD + "hands: mitten\nseed: 3\nfovy_deg: 60\nkind: flat\nscene: {name: x}\n",
+    "keys in another spelling": HEAD.replace("name", "Name") + "senses: {vision: {Width-px: 64}}\n",
+    # Values.
+    "wrong types": HEAD
+    + "body: {chest_joint: yes, individual: 50, measurements: [9], parts: {left_hand: 0.9}, remove: left_hand}\n"
+    + "actuation: strong\nsenses: [vision]\ndelays: 50\nscene: {seed: 1.5, toys: {root: 4, subset: [1], count: 3}}\n"
+    + "control: {step_ms: fast}\ntask: reach\n",
+    "numbers with units": HEAD
+    + "senses: {vision: {fovy_deg: 60 deg, width_px: 64px}}\ndelays: {motor_ms: 10ms}\n"
+    + "scene: {toys: {size_cm: [4 cm, 0.1 m]}}\n",
+    "values left empty": HEAD + "body:\n  hands:\nsenses:\n  touch:\n  vision: ~\nbody_2: null\n",
+    "wrong choices": HEAD
+    + "body: {hands: mittens, expression: joyful}\nactuation: {model: muscles}\n"
+    + "senses: {proprioception: {include: [speed, torque]}, touch: {quantity: 3}, vision: {acuity: of}}\n"
+    + "delays: {preset: Paper}\nscene: {kind: nursery, pose: sit}\ntask: {kind: reech}\n",
+    "numbers out of range": HEAD
+    + "body: {individual: {sex: male, length_percentile: 0, weight_kg: 74}, measurements: {foot_length_cm: 0},"
+    + " parts: {head: {girth: 3}}}\n"
+    + "actuation: {strength_age_months: 25, strength: {legs: -1}}\n"
+    + "senses: {vision: {width_px: 0, fovy_deg: 180, acuity: 48}, touch: {density: 0}}\n"
+    + "delays: {motor_ms: -5}\nscene: {seed: -1, toys: {count: [0, 51]}}\ncontrol: {timestep_ms: 0}\n",
+    "an acuity that is none": HEAD + "senses: {vision: {acuity: true}}\n",
+    "an acuity without its number": HEAD + "senses: {vision: {acuity: {}}}\n",
+    "ranges": HEAD + "scene: {room: {size_m: [[5, 2.5], [2.5, 5]]}, toys: {count: [3], size_cm: [12, 4]}}\n",
+    "ranges of rooms": HEAD + "scene: {room: {size_m: [2.5, 2.5, 2.2]}}\n",
+    "names twice": HEAD + "body: {remove: [left_hand, left_hand]}\nscene: {toys: {subset: [ball, cup, ball]}}\n",
+    "a toy in capitals": HEAD + "scene: {toys: {subset: [Ball]}}\n",
+    # Keys against each other.
+    "two lengths": HEAD + "body: {individual: {sex: male, length_percentile: 50, length_cm: 70}}\n",
+    "a percentile of no sex": HEAD + "body:\n  individual:\n    length_percentile: 50\n",
+    "an individual of whom nothing is known": HEAD + "body: {individual: {sex: male}}\n",
+    "Toys4K from nowhere": HEAD + "scene: {toys: {source: toys4k}}\n",
+    "a measurement of no table": HEAD + "body: {measurements: {nose_length_cm: 2, foot_lenght_cm: 11}}\n",
+    "one side of the trunk": HEAD + "body: {measurements: {left_head_circumference_cm: 40}}\n",
+    "a group of no muscles": HEAD + "actuation: {strength: {left_arms: 0.5}}\n",
+    "an infant without a head": HEAD + "body: {remove: [head, hip, left_elbow]}\n",
+    "a part of no body": HEAD + "body: {parts: {left_forearm: {length: 1}}}\n",
+    "fingers of a mitten": HEAD + "body: {remove: [left_thdistal], parts: {left_lfmiddle: {girth: 1}}}\n",
+    "delays between physics steps": HEAD + "delays: {vision_ms: 12, touch_ms: 3}\ncontrol: {timestep_ms: 2.5}\n",
+    "a control step between physics steps": HEAD + "control: {step_ms: 12}\n",
+    "a control step shorter than physics": HEAD + "control: {step_ms: 2}\n",
+    "a physics step that does not fit": HEAD + "control: {timestep_ms: 3}\n",
+    "problems of all kinds": "mimo: 1\nname: Nine\nage_months: .nan\nbody:\n  hands: miten\n  hands: mitten\n"
+    + "senses:\n  vision: {fovy: 60, acuity: !!str off}\ndelays: {vision_ms: 7}\ntask: {kind: reech}\n",
+}
+
+
+@pytest.mark.parametrize("case", SPECS)
+def test_bad_specs_get_these_texts(case, snapshot, tmp_path, monkeypatch):
+    content = SPECS[case]
+    monkeypatch.chdir(tmp_path)
+    Path("spec.yaml").write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(SpecError) as refusal:
+        read_spec(read("spec.yaml"))
+    readable = isinstance(content, str) and "\x1b" not in content
+    shown = content if readable else f"{content[:60]!r}\n"
+    assert f"{shown}\n{refusal.value}" == snapshot
+
+
+FILES: dict[str, Callable[[Path], object]] = {
+    "a missing file": lambda path: None,
+    "a folder": lambda path: path.mkdir(),
+    "100 MB of YAML": lambda path: (path.touch(), os.truncate(path, 100_000_000)),
+    "a pipe": os.mkfifo,
+    "a link to itself": lambda path: path.symlink_to(path),
+}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_what_is_no_spec_file_gets_these_texts(case, snapshot, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    FILES[case](tmp_path / "spec.yaml")
+    with pytest.raises(SpecError) as refusal:
+        read("spec.yaml")
+    assert str(refusal.value) == snapshot
