@@ -3,6 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from mimoc.registration import register_envs
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ __all__ = [
     "read_bundle",
     "write_bundle",
 ]
+
+register_envs()
 
 
 def __getattr__(name: str) -> Any:

@@ -49,7 +49,12 @@ class BundleError(MimocError):
 
 
 class ModelError(MimocError):
-    """MuJoCo refuses or warns about a compiled model."""
+    """MuJoCo refuses a compiled model."""
+
+    def __init__(self, message: str, element: str | None = None):
+        super().__init__(message)
+        self.element = element
+        """Name of the element that it refuses, if it says so."""
 
 
 class RenderingError(MimocError):

@@ -1,7 +1,7 @@
 """Single files, written whole or not at all."""
 
 import os
-import tempfile
+import secrets
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,24 +15,13 @@ def write_file(path: str | Path, content: bytes) -> Path:
         OutputError: If it cannot be written.
     """
     path = Path(path).expanduser()
+    beside = path.parent / f".mimoc-{secrets.token_hex(8)}.tmp"
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(content)
-            os.chmod(temporary, 0o666 & ~_umask())
-            os.replace(temporary, path)
-        except BaseException:
-            with suppress(FileNotFoundError):
-                os.unlink(temporary)
-            raise
+        beside.write_bytes(content)
+        os.replace(beside, path)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another file") from None
+        raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another place") from None
+    finally:
+        with suppress(OSError):
+            beside.unlink()
     return path
-
-
-def _umask() -> int:
-    """Return the process's umask, which can only be read by setting it."""
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask

@@ -43,16 +43,20 @@ def build(spec: InfantSpec) -> bundle.Bundle:
     tree = body.grow(measurements)
     world = scene.compose(spec, tree)
     manifest = Manifest.model_validate(render.rounded(describe(spec, tree, world).model_dump()))
-    written = spec.source.text if spec.source else source.dump(to_data(spec))
+    written = _as_written(spec)
+    provenance = {**_trace_spec(spec, written), **trace_body(measurements, tree)}
     files = {
         **render.render_scene(world),
-        SPEC_FILE: written.encode(),
+        SPEC_FILE: written.text.encode(),
         "resolved.yaml": source.dump(render.rounded(to_data(spec))).encode(),
-        "provenance.json": render.render_json({**_trace_spec(spec), **trace_body(measurements, tree)}),
+        "provenance.json": render.render_json(provenance),
         "manifest.json": render.render_json(manifest.model_dump()),
         "README.md": render.render_text("README.md.j2", manifest=manifest, version=__version__),
     }
-    compile_model(files)
+    try:
+        compile_model(files)
+    except ModelError as error:
+        raise _blame(error, written, provenance) from None
     return bundle.seal(files, versions={"mimoc": __version__}, inputs=data_files())
 
 
@@ -73,46 +77,55 @@ def compile_model(files: Mapping[str, bytes]) -> mujoco.MjModel:
     """Return the compiled scene of a bundle's files.
 
     Raises:
-        ModelError: If MuJoCo refuses it; the message names the element and where in the XML it stands.
+        ModelError: If MuJoCo refuses it.
     """
     try:
         return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
     except ValueError as error:
-        raise ModelError(_explain_refusal(str(error), files)) from None
+        message = " ".join(str(error).split())
+        raise ModelError(f"MuJoCo refuses the model: {message}", _element(message, files)) from None
 
 
-def _explain_refusal(message: str, files: Mapping[str, bytes]) -> str:
-    """Return MuJoCo's message with the name of the element it means and the numbers behind it."""
-    text = " ".join(message.split())
-    names = (name for name in re.findall(r"'([^']+)'", text) if name.encode() in files["infant.xml"])
-    name = next(names, None) or _name_on_line(text, files["infant.xml"].decode())
-    advice = f"see what its numbers come from with 'mimo explain', keys ending in '{name}'" if name else "report this"
-    return f"infant.xml: MuJoCo refuses the model: {text}; {advice}"
-
-
-def _name_on_line(message: str, xml: str) -> str | None:
-    """Return the name of the element on the line that a message speaks of."""
+def _element(message: str, files: Mapping[str, bytes]) -> str | None:
+    """Return the name of the element that MuJoCo's message is about: it gives the name, or the line in the XML."""
+    xml = files["infant.xml"].decode()
     line = re.search(r"line (\d+)", message)
-    lines = xml.splitlines()
-    if not line or int(line[1]) > len(lines):
-        return None
-    name = re.search(r'name="([^"]+)"', lines[int(line[1]) - 1])
-    return name and name[1]
+    on_line = re.search(r'name="([^"]+)"', "".join(xml.splitlines()[int(line[1]) - 1 : int(line[1])])) if line else None
+    quoted = (name for name in re.findall(r"'([^']+)'", message) if f'name="{name}"' in xml)
+    return next(quoted, on_line and on_line[1])
 
 
-def _trace_spec(spec: InfantSpec) -> dict[str, dict[str, Any]]:
+def _blame(error: ModelError, written: source.Source, provenance: Mapping[str, Mapping[str, Any]]) -> ModelError:
+    """Return the error with the element it is about, and the places of the spec that made the element what it is."""
+    if error.element is None:
+        return ModelError(f"{written.file}: {error}; please report this")
+    pending = [key for key, entry in provenance.items() if f"[@name='{error.element}']" in entry.get("xml", "")]
+    seen: set[str] = set()
+    while pending:
+        key = pending.pop()
+        if key not in seen:
+            seen.add(key)
+            pending += provenance[key].get("from", ())
+    keys = sorted(tuple(key.split(".")[1:]) for key in seen if key.startswith("spec."))
+    problems = [written.problem(key, f"'{error.element}' follows from this, and {error}") for key in keys]
+    return ModelError("\n".join(map(str, problems)) or f"{written.file}: '{error.element}': {error}", error.element)
+
+
+def _as_written(spec: InfantSpec) -> source.Source:
+    """Return the file a spec was read from, or, if it was made or changed since, the file it would be read from."""
+    if spec.source and read_spec(spec.source) == spec:
+        return spec.source
+    return source.parse(source.dump(to_data(spec)), SPEC_FILE)
+
+
+def _trace_spec(spec: InfantSpec, written: source.Source) -> dict[str, dict[str, Any]]:
     """Return where each value of the spec was written, by key; `spec.age_months`."""
-    return {
-        ".".join(("spec", *map(str, path))): {"value": value, "rule": _written(spec, path)}
-        for path, value in _leaves(to_data(spec))
-    }
-
-
-def _written(spec: InfantSpec, path: tuple[str | int, ...]) -> str:
-    if spec.source is None or path not in spec.source.value_places:
-        return "default"
-    line, column = spec.source.locate(path)
-    return f"{SPEC_FILE}:{line}:{column}"
+    found = {}
+    for path, value in _leaves(to_data(spec)):
+        line, column = written.locate(path)
+        rule = f"{SPEC_FILE}:{line}:{column}" if path in written.value_places else "default"
+        found[".".join(("spec", *path))] = {"value": value, "rule": rule}
+    return found
 
 
 def _leaves(data: Mapping[str, Any], above: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Any]]:

@@ -1,17 +1,15 @@
 """Pictures of growth, as in figure 2 of the paper: an infant among WHO's children."""
 
 import io
-import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING
-from uuid import uuid4
 
 import numpy as np
 
 from mimoc.errors import MissingExtraError, OutputError
+from mimoc.files import write_file
 from mimoc.fits import BIRTH, GrowthStandard, load_tables, measure
 from mimoc.fits.measurements import DataPoint
 
@@ -62,7 +60,7 @@ def plot_growth(series: Series, path: str | Path) -> None:
     path = Path(path)
     if path.suffix.lower() != ".png":
         raise OutputError(f"{path}: the picture is a PNG; give a name that ends in .png")
-    _write(path, _png(draw_growth(series)))
+    write_file(path, _png(draw_growth(series)))
 
 
 def draw_growth(series: Series) -> "Figure":
@@ -144,16 +142,3 @@ def _png(figure: "Figure") -> bytes:
     picture = io.BytesIO()
     FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})
     return picture.getvalue()
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all: beside its place first, then renamed."""
-    beside = path.with_name(f".{uuid4().hex}.tmp")
-    try:
-        beside.write_bytes(content)
-        os.replace(beside, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror}; choose another place") from None
-    finally:
-        with suppress(OSError):
-            beside.unlink()

@@ -28,6 +28,12 @@ class Posed:
         masses = np.array([geom.mass_kg for geom in self.geoms])
         return masses @ self.centres / masses.sum()
 
+    @property
+    def solid(self) -> "Posed":
+        """The same without the geoms that collide with nothing."""
+        kept = [index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity]
+        return Posed(tuple(self.geoms[index] for index in kept), self.centres[kept], self.turns[kept])
+
     def extent(self, direction: FloatArray) -> float:
         """Return how far the body reaches from the hip along a unit vector of the hip frame, in [m]."""
         local = np.einsum("nij,i->nj", self.turns, direction)

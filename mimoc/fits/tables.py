@@ -1,18 +1,22 @@
 """The anthropometric tables that ship with mimoc, read once."""
 
 import csv
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeVar
 
 import numpy as np
 
 from mimoc.errors import DataError
 from mimoc.fits.curves import LogCurve
-from mimoc.fits.who import GrowthStandard
+from mimoc.fits.who import SEXES, GrowthStandard
 from mimoc.units import MM_PER_CM
+
+Table = TypeVar("Table")
 
 WHO_FILES = {
     "length_cm": "length_for_age.csv",
@@ -70,33 +74,56 @@ def data_files() -> dict[str, bytes]:
 
 @cache
 def load_tables() -> GrowthTables:
-    """Return the tables that ship with mimoc."""
+    """Return the tables that ship with mimoc.
+
+    Raises:
+        DataError: If one is missing or damaged.
+    """
     folder = data_folder()
     return GrowthTables(
-        anthrokids=MappingProxyType(_read_anthrokids(folder / "anthrokids.csv")),
-        published=MappingProxyType(dict(_read_published(folder / "anthrokids_published_fits.csv"))),
-        who=MappingProxyType({name: _read_who(folder / "who" / file) for name, file in WHO_FILES.items()}),
+        anthrokids=MappingProxyType(_read(_read_anthrokids, folder / "anthrokids.csv")),
+        published=MappingProxyType(_read(_read_published, folder / "anthrokids_published_fits.csv")),
+        who=MappingProxyType({name: _read(_read_who, folder / "who" / file) for name, file in WHO_FILES.items()}),
     )
+
+
+def _read(reader: Callable[[Path], Table], path: Path) -> Table:
+    try:
+        return reader(path)
+    except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
+        raise DataError(f"{path}: this table is missing or damaged ({error}); install mimoc again") from None
 
 
 def _read_anthrokids(path: Path) -> dict[str, tuple[GroupMean, ...]]:
     groups: dict[str, list[GroupMean]] = {}
     for line, row in _rows(path):
-        mean = GroupMean(int(row["first_month"]), int(row["last_month"]), float(row["mean"]), line)
+        mean = GroupMean(int(row["first_month"]), int(row["last_month"]), _finite(row["mean"]), line)
         groups.setdefault(row["measurement"], []).append(mean)
     return {name: tuple(sorted(means, key=lambda mean: mean.first_month)) for name, means in groups.items()}
 
 
-def _read_published(path: Path) -> Iterator[tuple[str, LogCurve]]:
+def _read_published(path: Path) -> dict[str, LogCurve]:
+    curves = {}
     for _, row in _rows(path):
         per_cm = MM_PER_CM if row["unit"] == "mm" else 1.0
-        yield row["measurement"], LogCurve(float(row["a"]) / per_cm, float(row["b"]), float(row["c"]) / per_cm)
+        a, b, c = (_finite(row[coefficient]) for coefficient in "abc")
+        curves[row["measurement"]] = LogCurve(a / per_cm, b, c / per_cm)
+    return curves
 
 
 def _read_who(path: Path) -> GrowthStandard:
     sexes = np.loadtxt(path, delimiter=",", skiprows=1, usecols=0, dtype=str)
     numbers = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(1, 2, 3, 4))
-    return GrowthStandard({sex: numbers[sexes == sex] for sex in ("male", "female")})
+    if not np.isfinite(numbers).all() or not set(SEXES) <= set(sexes):
+        raise ValueError("not a number for every sex and day")
+    return GrowthStandard({sex: numbers[sexes == sex] for sex in SEXES})
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"'{text}' is not a measurement")
+    return number
 
 
 def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:

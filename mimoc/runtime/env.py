@@ -12,16 +12,14 @@ import numpy.typing as npt
 from mimoc.bundle import Bundle, read_bundle
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.actuation import ACTUATIONS
-from mimoc.runtime.model import load_model, simulation_warnings
+from mimoc.runtime.model import broke_down, load_model
 from mimoc.runtime.portrait import Painter
 from mimoc.runtime.senses import SENSES, Sense
+from mimoc.runtime.senses.sense import FloatArray
 from mimoc.schema.manifest import Manifest
 from mimoc.units import to_steps
 
 Observation = dict[str, npt.NDArray[Any]]
-
-UNSTABLE = {"BADQPOS", "BADQVEL", "BADQACC"}
-"""MuJoCo's warnings after which a simulation means nothing."""
 
 
 class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
@@ -96,11 +94,19 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._observe(), {"unstable": False}
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Apply an action for one control step."""
+        """Apply an action for one control step; what lies beyond its range is clipped.
+
+        Raises:
+            ValueError: If the action is not one number for each actuator.
+        """
         self._act(action, self.data)
         mujoco.mj_step(self.model, self.data, self._steps)
-        unstable = not UNSTABLE.isdisjoint(simulation_warnings(self.data))
-        return self._observe(), 0.0, unstable, False, {"unstable": unstable}
+        unstable = broke_down(self.data)
+        observation = self._observe()
+        if unstable:
+            for reading in observation.values():
+                np.nan_to_num(reading, copy=False)
+        return observation, 0.0, unstable, False, {"unstable": unstable}
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """Return a picture of the infant, shape (height, width, 3), or None without a render mode.
@@ -127,22 +133,27 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._senses: Mapping[str, Sense] = {
             name: SENSES[name](entry, manifest.actuation, self.model) for name, entry in manifest.senses if entry
         }
-        self._bounds = {
-            name: (sense.low.astype(np.float32), sense.high.astype(np.float32)) for name, sense in self._senses.items()
-        }
+        self._bounds = {name: (sense.low, sense.high) for name, sense in self._senses.items()}
         self.action_space = gymnasium.spaces.Box(
             self._act.low.astype(np.float32), self._act.high.astype(np.float32), dtype=np.float32
         )
         self.observation_space = gymnasium.spaces.Dict(
-            {name: gymnasium.spaces.Box(low, high, dtype=np.float32) for name, (low, high) in self._bounds.items()}
+            {
+                name: gymnasium.spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
+                for name, (low, high) in self._bounds.items()
+            }
         )
 
     def _observe(self) -> Observation:
-        """Return fresh arrays, clipped to their space; NaN of a simulation that broke down reads as zero."""
-        return {
-            name: np.nan_to_num(np.clip(sense(self.data).astype(np.float32), *self._bounds[name]))
-            for name, sense in self._senses.items()
-        }
+        """Return fresh arrays, clipped to their space."""
+        return {name: _clipped(sense(self.data), *self._bounds[name]) for name, sense in self._senses.items()}
+
+
+def _clipped(reading: FloatArray, low: FloatArray, high: FloatArray) -> npt.NDArray[np.float32]:
+    """Return a reading within its bounds; unlike `np.clip`, in two calls that cost next to nothing."""
+    np.maximum(reading, low, out=reading)
+    np.minimum(reading, high, out=reading)
+    return reading.astype(np.float32)
 
 
 def make(bundle: Bundle | str | Path, **options: Any) -> gymnasium.Env:

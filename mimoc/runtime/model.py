@@ -1,5 +1,6 @@
 """From a bundle to a compiled MuJoCo model."""
 
+import logging
 import warnings
 
 import mujoco
@@ -9,6 +10,12 @@ from mimoc.errors import ModelError
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver is wrong in rare states when the Jacobian is sparse (design.md, section 6)."""
+
+BREAKDOWNS = tuple(
+    int(kind)
+    for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+)
+"""MuJoCo's warnings after which a simulation means nothing."""
 
 
 def load_model(bundle: Bundle) -> mujoco.MjModel:
@@ -28,7 +35,14 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
             stacklevel=2,
         )
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    _keep_mujoco_quiet()
     return model
+
+
+def broke_down(data: mujoco.MjData) -> bool:
+    """Return whether a simulation has become unstable since its reset; MuJoCo then starts it anew by itself."""
+    counts = data.warning.number
+    return any(counts[kind] for kind in BREAKDOWNS)
 
 
 def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
@@ -38,3 +52,12 @@ def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
         for kind in range(mujoco.mjtWarning.mjNWARNING)
         if data.warning[kind].number
     )
+
+
+def _keep_mujoco_quiet() -> None:
+    """Send MuJoCo's warnings to Python's log; it would print them, and write MUJOCO_LOG.TXT wherever one stands.
+
+    None is lost: each is counted in its `MjData`, and `info["unstable"]` says when it matters.
+    """
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(logging.getLogger(__name__).info)

@@ -16,7 +16,7 @@ Picture = npt.NDArray[np.uint8]
 FloatArray = npt.NDArray[np.float64]
 
 MAX_GEOMS = 2000
-AZIMUTH_DEG, ELEVATION_DEG = 150.0, -20.0
+AZIMUTH_DEG, ELEVATION_DEG = 160.0, -15.0
 """From where an infant is looked at: from before it and a little above."""
 
 
@@ -61,7 +61,7 @@ class Painter:
         camera.lookat[:] = (low + high) / 2
         camera.azimuth, camera.elevation = AZIMUTH_DEG, ELEVATION_DEG
         half_fovy = np.radians(self._model.vis.global_.fovy) / 2
-        camera.distance = 0.55 * float(np.linalg.norm(high - low)) / np.tan(half_fovy)
+        camera.distance = 0.46 * float(np.linalg.norm(high - low)) / np.tan(half_fovy)
         return camera
 
     def _corners(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:

@@ -97,17 +97,17 @@ def _state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
     angles = pose_angles(tree, wanted)
     posed = pose(tree, angles)
     pitch = _resting_pitch(posed, deg_to_rad(wanted.pitch_deg))
-    height_m = posed.extent(_down(pitch)) - CONTACT_DEPTH_M
+    height_m = posed.solid.extent(_down(pitch)) - CONTACT_DEPTH_M
     return (0.0, 0.0, height_m, math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0, *angles.values())
 
 
 def _resting_pitch(posed: Posed, start_rad: float) -> float:
     """Return the pitch at which a body that starts at *start_rad* comes to rest: downhill, then golden sections."""
-    centre = posed.centre_of_mass
+    centre, solid = posed.centre_of_mass, posed.solid
 
     def height(pitch: float) -> float:
         down = _down(pitch)
-        return posed.extent(down) - float(centre @ down)
+        return solid.extent(down) - float(centre @ down)
 
     step = deg_to_rad(_STEP_DEG)
     if height(start_rad - step) < height(start_rad + step):

@@ -6,7 +6,7 @@ from mimoc.scene.tree import Ground, Light, World
 
 GRAVITY_M_S2 = (0.0, 0.0, -9.81)
 
-_SUN = Light("sun", (0.5, 0.5, 3.0), (-0.15, -0.15, -1.0), (0.55, 0.55, 0.55), castshadow=True)
+_SUN = Light("sun", (1.2, -0.6, 3.0), (-0.4, 0.2, -1.0), (0.55, 0.55, 0.55), castshadow=True)
 
 
 def empty_world() -> World:

@@ -102,7 +102,6 @@ DAMAGE = {
 }
 
 
-@pytest.mark.xfail(strict=True, reason="tables.py does not check what it reads yet")
 @pytest.mark.parametrize("damage", DAMAGE)
 @pytest.mark.filterwarnings("ignore:.*input contained no data")
 def test_a_damaged_table_is_a_data_error_that_names_it(damage, folder):
@@ -113,7 +112,6 @@ def test_a_damaged_table_is_a_data_error_that_names_it(damage, folder):
         reload()
 
 
-@pytest.mark.xfail(strict=True, reason="tables.py does not check what it reads yet")
 @pytest.mark.parametrize("file", ["anthrokids_published_fits.csv", "who/arm_circumference_for_age.csv"])
 def test_a_single_missing_table_is_a_data_error_that_names_it(file, folder):
     (folder / file).unlink()

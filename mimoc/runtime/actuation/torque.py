@@ -18,7 +18,13 @@ class Torque:
     high: FloatArray
 
     def __call__(self, action: np.ndarray, data: mujoco.MjData) -> None:
-        """Set the controls; MuJoCo clips them to their range."""
+        """Set the controls; MuJoCo clips them to their range.
+
+        Raises:
+            ValueError: If the action is not one number for each actuator.
+        """
+        if np.shape(action) != self.low.shape or np.isnan(action).any():
+            raise ValueError(f"an action is {len(self.low)} numbers, one for each actuator, and none of them NaN")
         data.ctrl[self.actuators] = action
 
 

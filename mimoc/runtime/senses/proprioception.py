@@ -89,12 +89,12 @@ def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoc
 def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
     addresses = _addresses(model, entry.joints, "qposadr")
     low, high = np.array([model.joint(name).range for name in entry.joints]).T
-    start, stop = low + LIMIT_MARGIN_RAD, high - LIMIT_MARGIN_RAD
+    middle, reach = (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD
 
     def read(data: mujoco.MjData) -> FloatArray:
         """Return 0 until the margin, 1 at the limit, above 1 beyond."""
-        angles = data.qpos[addresses]
-        return np.maximum(np.maximum(start - angles, angles - stop), 0.0) / LIMIT_MARGIN_RAD
+        beyond = np.abs(data.qpos[addresses] - middle) - reach
+        return np.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
 
     return Channel(read, np.full(len(addresses), MAX_LIMIT), _names(entry.joints, "limit", "1 at the limit"))
 

@@ -1,0 +1,63 @@
+# Everything that is done with mimoc's source; `make help` lists it. Each goal sets itself up in .venv.
+
+PYTHON ?= python3
+VENV ?= .venv
+OUT ?= out
+
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+INFANT := $(OUT)/nine_months
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test golden bench opengl clean
+
+help: ## Say what there is to make.
+	@sed -n 's/^\([a-z]*\):[^#]*## /  make \1#/p' Makefile | column -t -s '#'
+
+demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine months.
+	$(BIN)/mimo build configs/nine_months.yaml -o $(INFANT) --force
+	$(BIN)/mimo validate --against who --plot $(OUT)/growth.png
+	$(BIN)/mimo check $(INFANT)
+	$(BIN)/mimo run $(INFANT) --policy random
+	$(BIN)/mimo render $(INFANT) -o $(OUT)/nine_months.png
+	@echo
+	@echo "the infant   $(INFANT)/scene.xml   ($(BIN)/python -m mujoco.viewer --mjcf=$(INFANT)/scene.xml)"
+	@echo "its picture  $(OUT)/nine_months.png"
+	@echo "its growth   $(OUT)/growth.png"
+
+test: $(READY) opengl ## Lint, check types and run every test.
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/pytest -n 2 --benchmark-disable
+
+golden: $(READY) ## Renew the golden files; read the difference before you commit it.
+	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
+
+bench: $(READY) ## Measure speed and the solver (minutes).
+	set -e; for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
+
+clean: ## Remove what was built here: .venv, out, caches.
+	rm -rf $(VENV) $(OUT) dist build .pytest_cache .ruff_cache .hypothesis .benchmarks
+	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
+
+$(READY): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "mimoc needs Python 3.11 or later; name one with: make PYTHON=/path/to/python3.12"; exit 1; }
+	@$(PYTHON) -m venv $(VENV) || { echo "python's venv is missing (Debian: apt-get install python3-venv)"; exit 1; }
+	$(BIN)/pip install --quiet --editable '.[report,test,dev]'
+	@touch $@
+
+# Pictures need OpenGL without a screen. It is tried rather than looked up: a library may be there and not work.
+opengl: $(READY)
+	@$(draw) || { $(install_opengl) && $(draw); } || \
+		echo "No OpenGL: pictures will fail. Install EGL or OSMesa (Debian: $(OPENGL_PACKAGES))."
+
+OPENGL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libosmesa6
+draw = $(BIN)/python -c 'from mimoc.runtime.opengl import open_context; open_context(8, 8).free()' 2>/dev/null
+install_opengl = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && echo "installing $(OPENGL_PACKAGES)" && \
+	export DEBIAN_FRONTEND=noninteractive && apt-get update -qq </dev/null && \
+	apt-get install -y -qq --no-install-recommends $(OPENGL_PACKAGES) </dev/null >/dev/null
