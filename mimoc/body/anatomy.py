@@ -5,75 +5,10 @@ its mirror image in y). Sizes and positions are not here: they follow from measu
 Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 """
 
-from dataclasses import dataclass
-
-from mimoc.body.tree import GeomType, Vec3
+from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, JointFigures, Part
 
 REFERENCE_AGE_MONTHS = 18.0
 """Age at which masses and gears are MIMo's own."""
-
-ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
-ALONG_X: Vec3 = (0.0, 90.0, 0.0)
-UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class GeomFigures:
-    """What does not grow about a geom, and what its size follows."""
-
-    name: str
-    type: GeomType
-    mass_kg: float
-    """At 18 months."""
-    follows: tuple[str, ...]
-    """The measurements its size comes from."""
-    rule: str
-    """How its size comes from them, for people."""
-    euler_deg: Vec3 = UPRIGHT
-    friction: Vec3 = (1.0, 0.005, 0.0002)
-    contype: int = 1
-    conaffinity: int = 1
-
-
-@dataclass(frozen=True, slots=True)
-class JointFigures:
-    """A hinge of the right side; none of its figures grow."""
-
-    name: str
-    axis: Vec3
-    range_deg: tuple[float, float]
-    stiffness_nm_per_rad: float
-    damping_nms_per_rad: float
-    frictionloss_nm: float
-    armature_kgm2: float
-    springref_deg: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A body of the reference model."""
-
-    name: str
-    parent: str | None
-    geoms: tuple[GeomFigures, ...]
-    joints: tuple[JointFigures, ...] = ()
-    euler_deg: Vec3 = UPRIGHT
-    follows: tuple[str, ...] = ()
-    """The measurements its place in its parent comes from."""
-    rule: str = "at the origin of its parent"
-    """How its place comes from them, for people."""
-
-
-@dataclass(frozen=True, slots=True)
-class MotorFigures:
-    """What moves a joint, at 18 months."""
-
-    name: str
-    joint: str
-    gear_nm: float
-    force_range: tuple[float, float]
-    mover: str
-
 
 _CROWN_RUMP = ("crown_rump_length", "head_circumference", "hip_circumference")
 _AXIAL = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
@@ -418,50 +353,6 @@ GROUPS: tuple[tuple[tuple[Part, ...], tuple[str, ...]], ...] = (
     (LEG, ("right", "left")),
 )
 """Parts and the sides they come on, in the order of MIMo's bodies."""
-
-TRUNK_MOTORS = (
-    MotorFigures("act:hip_bend", "robot:hip_bend1", 10.58, (-1, 0.765), "cb"),
-    MotorFigures("act:hip_twist", "robot:hip_rot1", 3.63, (-1, 1), "cb"),
-    MotorFigures("act:hip_lean", "robot:hip_lean1", 7.25, (-1, 1), "cb"),
-)
-HEAD_MOTORS = (
-    MotorFigures("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), "head"),
-    MotorFigures("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), "head"),
-    MotorFigures("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), "head"),
-)
-EYE_MOTORS = (
-    MotorFigures("act:{side}_eye_horizontal", "robot:{side}_eye_horizontal", 0.0054, (-1, 1), "geom:{side}_eye1"),
-    MotorFigures("act:{side}_eye_vertical", "robot:{side}_eye_vertical", 0.0054, (-1, 1), "geom:{side}_eye1"),
-    MotorFigures("act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), "geom:{side}_eye1"),
-)
-ARM_MOTORS = (
-    MotorFigures("act:{side}_shoulder_horizontal", "robot:{side}_shoulder_horizontal", 1.8, (-1, 1), "{side}_uarm1"),
-    MotorFigures("act:{side}_shoulder_abduction", "robot:{side}_shoulder_ad_ab", 4, (-0.6875, 1), "{side}_uarm1"),
-    MotorFigures("act:{side}_shoulder_internal", "robot:{side}_shoulder_rotation", 2.5, (-1, 0.64), "{side}_uarm1"),
-    MotorFigures("act:{side}_elbow", "robot:{side}_elbow", 3.6, (-1, 0.83), "{side}_larm"),
-    MotorFigures("act:{side}_wrist_rotation", "robot:{side}_hand1", 0.7, (-1, 1), "geom:{side}_hand1"),
-    MotorFigures("act:{side}_wrist_flexion", "robot:{side}_hand2", 1.24, (-1, 0.57), "geom:{side}_hand1"),
-    MotorFigures("act:{side}_wrist_ulnar", "robot:{side}_hand3", 0.95, (-0.87, 1), "geom:{side}_hand1"),
-    MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), "geom:{side}_hand1"),
-)
-LEG_MOTORS = (
-    MotorFigures("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), "geom:{side}_upper_leg1"),
-    MotorFigures("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), "geom:{side}_upper_leg1"),
-    MotorFigures("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), "geom:{side}_upper_leg1"),
-    MotorFigures("act:{side}_knee", "robot:{side}_knee", 10, (-0.65, 1), "geom:{side}_lower_leg1"),
-    MotorFigures("act:{side}_foot_flexion", "robot:{side}_foot1", 3.78, (-1, 0.5), "geom:{side}_foot2"),
-    MotorFigures("act:{side}_foot_inversion", "robot:{side}_foot2", 1.16, (-0.91, 1), "geom:{side}_foot2"),
-    MotorFigures("act:{side}_foot_rotation", "robot:{side}_foot3", 1.2, (-1, 1), "geom:{side}_foot2"),
-    MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), "geom:{side}_foot2"),
-)
-MOTOR_GROUPS: tuple[tuple[tuple[MotorFigures, ...], tuple[str, ...]], ...] = (
-    (TRUNK_MOTORS, ("",)),
-    (HEAD_MOTORS, ("",)),
-    (EYE_MOTORS, ("left", "right")),
-    (ARM_MOTORS, ("right", "left")),
-    (LEG_MOTORS, ("right", "left")),
-)
-"""Motors and the sides they come on, in the order of MIMo's actuators."""
 
 TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
     ("hip_bend", 0.01, (("robot:hip_bend1", 1), ("robot:hip_bend2", -1))),

@@ -1,13 +1,15 @@
 """From measurements to a body: anatomy takes the shapes that geometry gives it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 
 from mimoc.body import anatomy
+from mimoc.body.figures import GeomFigures, JointFigures, Part
 from mimoc.body.geometry import Layout, lay_out
-from mimoc.body.mass import grown, volume
+from mimoc.body.mass import volume
 from mimoc.body.proportions import proportions
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
+from mimoc.body.strength import motors
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 
 
@@ -18,11 +20,14 @@ def grow(measurements: Measurements) -> BodyTree:
         GeometryError: If no body has these measurements.
     """
     layout = lay_out(proportions(measurements))
-    bodies = tuple(_body(part, side, layout) for parts, sides in anatomy.GROUPS for side in sides for part in parts)
+    growth = {name: volume_m3 / _reference_volumes()[name] for name, volume_m3 in _volumes(layout).items()}
+    bodies = tuple(
+        _body(part, side, layout, growth) for parts, sides in anatomy.GROUPS for side in sides for part in parts
+    )
     return BodyTree(
         age_months=measurements.age_months,
         bodies=bodies,
-        motors=tuple(_motors(layout)),
+        motors=motors(growth),
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in anatomy.TENDONS),
         excluded=anatomy.EXCLUDED,
         frictionless=anatomy.FRICTIONLESS,
@@ -30,12 +35,22 @@ def grow(measurements: Measurements) -> BodyTree:
 
 
 @cache
-def _reference_layout() -> Layout:
-    """Return the layout of the average child of 18 months, whose masses and gears are the reference."""
-    return lay_out(proportions(measure(anatomy.REFERENCE_AGE_MONTHS)))
+def _reference_volumes() -> Mapping[str, float]:
+    """Return the volumes of the average child of 18 months, whose masses and gears are the reference."""
+    return _volumes(lay_out(proportions(measure(anatomy.REFERENCE_AGE_MONTHS))))
 
 
-def _body(part: anatomy.Part, side: str, layout: Layout) -> Body:
+def _volumes(layout: Layout) -> dict[str, float]:
+    """Return the volume of each geom by its name in `anatomy`, in m³."""
+    return {
+        figures.name: volume(figures.type, layout.solids[figures.name].size_m)
+        for parts, _ in anatomy.GROUPS
+        for part in parts
+        for figures in part.geoms
+    }
+
+
+def _body(part: Part, side: str, layout: Layout, growth: Mapping[str, float]) -> Body:
     left = side == "left"
     return Body(
         name=part.name.format(side=side),
@@ -43,29 +58,27 @@ def _body(part: anatomy.Part, side: str, layout: Layout) -> Body:
         pos_m=_mirror(layout.origins[part.name], left),
         euler_deg=_mirror_turn(part.euler_deg, left),
         joints=tuple(_joint(figures, side, layout.anchors) for figures in part.joints),
-        geoms=tuple(_geom(figures, side, layout) for figures in part.geoms),
+        geoms=tuple(_geom(figures, side, layout, growth[figures.name]) for figures in part.geoms),
     )
 
 
-def _geom(figures: anatomy.GeomFigures, side: str, layout: Layout) -> Geom:
+def _geom(figures: GeomFigures, side: str, layout: Layout, growth: float) -> Geom:
     left = side == "left"
     solid = layout.solids[figures.name]
-    volume_m3 = volume(figures.type, solid.size_m)
     return Geom(
         name=figures.name.format(side=side),
         type=figures.type,
         size_m=solid.size_m,
         pos_m=_mirror(solid.pos_m, left),
         euler_deg=_mirror_turn(figures.euler_deg, left),
-        volume_m3=volume_m3,
-        mass_kg=grown(figures.mass_kg, volume_m3, _reference_volume(figures)),
+        mass_kg=figures.mass_kg * growth,
         friction=figures.friction,
         contype=figures.contype,
         conaffinity=figures.conaffinity,
     )
 
 
-def _joint(figures: anatomy.JointFigures, side: str, anchors: Mapping[str, Vec3]) -> Joint:
+def _joint(figures: JointFigures, side: str, anchors: Mapping[str, Vec3]) -> Joint:
     left = side == "left"
     return Joint(
         name=figures.name.format(side=side),
@@ -78,27 +91,6 @@ def _joint(figures: anatomy.JointFigures, side: str, anchors: Mapping[str, Vec3]
         armature_kgm2=figures.armature_kgm2,
         springref_deg=figures.springref_deg,
     )
-
-
-def _motors(layout: Layout) -> Iterator[Motor]:
-    """Yield the motors in MIMo's order; a gear grows with the volume of the part that moves its joint."""
-    movers = {figures.name: figures for parts, _ in anatomy.GROUPS for part in parts for figures in part.geoms}
-    for group, sides in anatomy.MOTOR_GROUPS:
-        for side in sides:
-            for motor in group:
-                mover = movers[motor.mover]
-                volume_m3 = volume(mover.type, layout.solids[mover.name].size_m)
-                yield Motor(
-                    name=motor.name.format(side=side),
-                    joint=motor.joint.format(side=side),
-                    gear_nm=grown(motor.gear_nm, volume_m3, _reference_volume(mover)),
-                    force_range=motor.force_range,
-                    mover=mover.name.format(side=side),
-                )
-
-
-def _reference_volume(figures: anatomy.GeomFigures) -> float:
-    return volume(figures.type, _reference_layout().solids[figures.name].size_m)
 
 
 def _mirror(vector: Vec3, left: bool) -> Vec3:

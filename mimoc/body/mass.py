@@ -1,4 +1,4 @@
-"""Volumes and masses: a part keeps the density it has at 18 months."""
+"""The volume of a part, which its mass and strength grow with."""
 
 import math
 
@@ -16,8 +16,3 @@ def volume(kind: GeomType, size_m: tuple[float, ...]) -> float:
         return ball
     cylinder = math.pi * radius**2 * 2 * size_m[1]
     return cylinder if kind == "cylinder" else cylinder + ball
-
-
-def grown(reference: float, volume_m3: float, reference_volume_m3: float) -> float:
-    """Return a reference mass or gear, scaled with the volume it belongs to (paper, section "Body growth")."""
-    return reference * volume_m3 / reference_volume_m3

@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from mimoc.body import anatomy
+from mimoc.body.figures import GeomFigures, Part
+from mimoc.body.strength import MOTOR_GROUPS
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor
 from mimoc.fits import Measured, Measurements
 from mimoc.units import deg_to_rad, m_to_cm
@@ -26,7 +28,7 @@ def trace_body(measurements: Measurements, tree: BodyTree) -> dict[str, Entry]:
     parts = {part.name.format(side=side): part for parts, sides in anatomy.GROUPS for side in sides for part in parts}
     gears = {
         motor.name.format(side=side): motor.gear_nm
-        for motors, sides in anatomy.MOTOR_GROUPS
+        for motors, sides in MOTOR_GROUPS
         for side in sides
         for motor in motors
     }
@@ -61,7 +63,7 @@ def _points(measured: Measured) -> list[Entry]:
     return [{"age_months": p.age_months, "value_cm": p.value_cm, "origin": p.origin} for p in measured.points]
 
 
-def _trace_body(body: Body, part: anatomy.Part) -> Iterator[tuple[str, Entry]]:
+def _trace_body(body: Body, part: Part) -> Iterator[tuple[str, Entry]]:
     at = _xml("body", body.name)
     yield (
         f"body.{body.name}.mass",
@@ -78,7 +80,7 @@ def _trace_body(body: Body, part: anatomy.Part) -> Iterator[tuple[str, Entry]]:
         yield f"body.{body.name}.pos", entry
 
 
-def _trace_geom(geom: Geom, figures: anatomy.GeomFigures) -> Iterator[tuple[str, Entry]]:
+def _trace_geom(geom: Geom, figures: GeomFigures) -> Iterator[tuple[str, Entry]]:
     key, at = f"geom.{geom.name}", _xml("geom", geom.name)
     sources = _keys(figures.follows)
     yield (

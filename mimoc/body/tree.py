@@ -23,7 +23,6 @@ class Geom:
     """Centre, in the frame of its body."""
     euler_deg: Vec3
     """Intrinsic x-y-z angles in the frame of its body."""
-    volume_m3: float
     mass_kg: float
     friction: Vec3
     """Sliding, torsional and rolling."""

@@ -42,7 +42,7 @@ POSES: Mapping[str, Pose] = {
             "{side}_elbow": -75,
             "{side}_hip2": -20,
             "{side}_foot1": -50,
-            "head_tilt": -35,
+            "head_tilt": -55,
         },
     ),
     "sitting": Pose(
@@ -114,7 +114,7 @@ def _resting_pitch(posed: Posed, start_rad: float) -> float:
         step = -step
     while height(start_rad + step) < height(start_rad):
         start_rad += step
-    return _golden_section(height, start_rad - step, start_rad + step)
+    return round(_golden_section(height, start_rad - step, start_rad + step), 6)  # What follows is noise.
 
 
 def _golden_section(function: Callable[[float], float], low: float, high: float) -> float:

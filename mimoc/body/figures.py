@@ -1,0 +1,56 @@
+"""What the tables of the reference body hold: all about a part that does not grow, and what its size follows."""
+
+from dataclasses import dataclass
+
+from mimoc.body.tree import GeomType, Vec3
+
+ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
+ALONG_X: Vec3 = (0.0, 90.0, 0.0)
+UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class GeomFigures:
+    """What does not grow about a geom, and what its size follows."""
+
+    name: str
+    type: GeomType
+    mass_kg: float
+    """At 18 months."""
+    follows: tuple[str, ...]
+    """The measurements its size comes from."""
+    rule: str
+    """How its size comes from them, for people."""
+    euler_deg: Vec3 = UPRIGHT
+    friction: Vec3 = (1.0, 0.005, 0.0002)
+    contype: int = 1
+    conaffinity: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class JointFigures:
+    """A hinge of the right side; none of its figures grow."""
+
+    name: str
+    axis: Vec3
+    range_deg: tuple[float, float]
+    stiffness_nm_per_rad: float
+    damping_nms_per_rad: float
+    frictionloss_nm: float
+    armature_kgm2: float
+    springref_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A body of the reference model."""
+
+    name: str
+    parent: str | None
+    geoms: tuple[GeomFigures, ...]
+    joints: tuple[JointFigures, ...] = ()
+    euler_deg: Vec3 = UPRIGHT
+    follows: tuple[str, ...] = ()
+    """The measurements its place in its parent comes from."""
+    rule: str = "at the origin of its parent"
+    """How its place comes from them, for people."""
