@@ -15,7 +15,7 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 .PHONY: help demo test golden bench opengl clean
 
 help: ## Say what there is to make.
-	@sed -n 's/^\([a-z]*\):[^#]*## /  make \1#/p' Makefile | column -t -s '#'
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
 
 demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine months.
 	$(BIN)/mimo build configs/nine_months.yaml -o $(INFANT) --force

@@ -34,14 +34,14 @@ def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     sections = (
         (("body", "chest_joint"), spec.body.chest_joint, "a joint in the chest"),
         (("body", "individual"), spec.body.individual, "one child instead of the average one"),
-        (("body", "measurements"), spec.body.measurements, "measurements of one's own"),
+        (("body", "measurements"), spec.body.measurements, "replacing measurements"),
         (("body", "parts"), spec.body.parts, "scaling single parts"),
-        (("body", "remove"), spec.body.remove, "absent limbs"),
+        (("body", "remove"), spec.body.remove, "removing limbs"),
         (("actuation", "strength_age_months"), spec.actuation.strength_age_months, "a strength of another age"),
         (("actuation", "strength"), spec.actuation.strength, "strength by group"),
         (("senses", "touch"), spec.senses.touch, "touch"),
         (("senses", "vision"), spec.senses.vision, "vision"),
-        (("scene", "toys"), spec.scene.toys, "toys"),
+        (("scene", "toys"), spec.scene.toys, "placing toys"),
         (("task",), spec.task, "a task"),
     )
     for path, value, what in sections:

@@ -6,8 +6,10 @@ import os
 import secrets
 import shutil
 import socket
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
+from glob import escape
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
@@ -33,6 +35,10 @@ class Bundle:
     path: Path | None
     """Folder it was read from; None if it is only in memory."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let a bundle be copied and sent to other processes, which a read-only mapping alone cannot be."""
+        return _bundle, (dict(self.files), self.manifest, self.path)
+
 
 def seal(files: Mapping[str, bytes], versions: Mapping[str, str], inputs: Mapping[str, bytes]) -> Bundle:
     """Return a bundle of some files, manifest included, and a lock over them.
@@ -44,7 +50,7 @@ def seal(files: Mapping[str, bytes], versions: Mapping[str, str], inputs: Mappin
     """
     lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
     sealed = {**files, LOCK: (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()}
-    return Bundle(MappingProxyType(dict(sorted(sealed.items()))), _manifest(files[MANIFEST]), None)
+    return _bundle(sealed, _manifest(files[MANIFEST]), None)
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -58,22 +64,14 @@ def read_bundle(path: str | Path) -> Bundle:
     Raises:
         BundleError: If it is no bundle, or not what was written; it names every file that is not.
     """
-    folder = Path(path).expanduser()
-    locked = _read_lock(folder)
-    found = {name: _read(folder / name) for name in sorted(locked)}
-    files = {name: content for name, content in found.items() if content is not None}
-    missing = [f"{name} is missing" for name in sorted(locked.keys() - files.keys())]
-    changed = [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
-    if missing or changed:
-        raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimo build --force'")
-    try:
-        manifest = _manifest(files[MANIFEST])
-    except (KeyError, ValueError):
-        raise BundleError(
-            f"{folder}: its manifest is not of version {MANIFEST_VERSION}, which this mimoc reads; build it again"
-        ) from None
-    content = {**files, LOCK: (folder / LOCK).read_bytes()}
-    return Bundle(MappingProxyType(dict(sorted(content.items()))), manifest, folder)
+    folder = Path(os.path.expanduser(path))
+    while True:
+        with _hold(folder) as was_replaced:
+            try:
+                return _read_folder(folder)
+            except BundleError:
+                if not was_replaced():
+                    raise
 
 
 def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Path:
@@ -82,12 +80,12 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Pat
     Args:
         bundle: What to write.
         out: The folder: new, empty, or with *force* a bundle.
-        force: Replace the bundle that is there.
+        force: Replace the bundle that is there, and with it whatever else is in its folder.
 
     Raises:
         BundleError: If there is something that must not be replaced, or the folder cannot be written.
     """
-    target = Path(out).expanduser()
+    target = Path(os.path.expanduser(out))
     place = Path(os.path.realpath(target))
     try:
         _refuse_to_lose(place, target, force)
@@ -105,22 +103,56 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Pat
     return target
 
 
+def _bundle(files: Mapping[str, bytes], manifest: Manifest, path: Path | None) -> Bundle:
+    return Bundle(MappingProxyType(dict(sorted(files.items()))), manifest, path)
+
+
 def _manifest(content: bytes) -> Manifest:
     return Manifest.model_validate_json(content)
 
 
-def _read_lock(folder: Path) -> dict[str, str]:
-    """Return the digest of each file of the bundle in a folder."""
+@contextmanager
+def _hold(folder: Path) -> Iterator[Callable[[], bool]]:
+    """Yield what says if another build replaced a folder since; while it is open, no new one gets its inode."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        yield lambda: False
+        return
+    try:
+        yield lambda: folder.exists() and not os.path.samestat(os.fstat(handle), os.stat(folder))
+    finally:
+        os.close(handle)
+
+
+def _read_folder(folder: Path) -> Bundle:
+    lock = _read_lock(folder)
+    locked = _locked_files(lock)
+    if locked is None:
+        raise BundleError(f"{folder}: its {LOCK} is damaged; remove the folder and build it again")
+    found = {name: _read(folder / name) for name in sorted(locked)}
+    files = {name: content for name, content in found.items() if content is not None}
+    missing = [f"{name} is missing" for name in sorted(locked.keys() - files.keys())]
+    changed = [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
+    if missing or changed:
+        raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimo build --force'")
+    try:
+        manifest = _manifest(files[MANIFEST])
+    except ValueError:
+        raise BundleError(
+            f"{folder}: its manifest is not of version {MANIFEST_VERSION}, which this mimoc reads; build it again"
+        ) from None
+    return _bundle({**files, LOCK: lock}, manifest, folder)
+
+
+def _read_lock(folder: Path) -> bytes:
     advice = "build one there with 'mimo build SPEC -o OUT'"
     if not folder.is_dir():
         raise BundleError(f"{folder}: there is no such folder; {advice}")
-    content = _read(folder / LOCK, MAX_LOCK_BYTES)
+    content = _read(folder / LOCK, MAX_LOCK_BYTES + 1)
     if content is None:
         raise BundleError(f"{folder}: this is not a bundle, it has no {LOCK}; {advice}")
-    locked = _locked_files(content)
-    if locked is None:
-        raise BundleError(f"{folder}: its {LOCK} is damaged; build it again with 'mimo build --force'")
-    return locked
+    return content
 
 
 def _locked_files(content: bytes) -> dict[str, str] | None:
@@ -131,18 +163,20 @@ def _locked_files(content: bytes) -> dict[str, str] | None:
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
     inside = isinstance(files, dict) and MANIFEST in files and all(map(_is_inside, files))
-    return files if inside else None
+    return files if inside and len(content) <= MAX_LOCK_BYTES else None
 
 
 def _is_inside(name: str) -> bool:
     """Return whether a name stays within the folder it is looked up in."""
     path = PurePosixPath(name)
-    return not path.is_absolute() and ".." not in path.parts and "\\" not in name and "\0" not in name
+    return name.isprintable() and not path.is_absolute() and ".." not in path.parts and "\\" not in name
 
 
 def _read(path: Path, most: int = -1) -> bytes | None:
     """Return the content of a file, or None if there is none that can be read."""
     try:
+        if not path.is_file():
+            return None  # Reading a pipe or a device might never end.
         with path.open("rb") as file:
             return file.read(most)
     except OSError:
@@ -157,7 +191,7 @@ def _refuse_to_lose(place: Path, target: Path, force: bool) -> None:
         raise BundleError(f"{target}: this is a file; name a new folder")
     if not any(place.iterdir()):
         return
-    content = _read(place / LOCK, MAX_LOCK_BYTES)
+    content = _read(place / LOCK, MAX_LOCK_BYTES + 1)
     if content is None or _locked_files(content) is None:
         raise BundleError(f"{target}: this folder is not a bundle and is never replaced; name a new folder")
     if not force:
@@ -191,7 +225,7 @@ def _staging_prefix(place: Path) -> str:
 def _sweep(place: Path) -> None:
     """Remove the unfinished folders of builds of the same bundle that were killed on this machine."""
     prefix = _staging_prefix(place)
-    for path in place.parent.glob(f"{prefix}*"):
+    for path in place.parent.glob(f"{escape(prefix)}*"):
         process = path.name.removeprefix(prefix).split("-")[0]
         if process.isdecimal() and not _is_alive(int(process)):
             shutil.rmtree(path, ignore_errors=True)

@@ -1,6 +1,8 @@
 """The `mimo` command: thin commands over the library, errors as one line each."""
 
+import io
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -8,8 +10,9 @@ from typing import Annotated
 import typer
 
 from mimoc.errors import MimocError, UnknownNameError
+from mimoc.version import __version__
 
-BAD_INPUT, FAILED_CHECK, INTERRUPTED = 2, 1, 130
+BAD_INPUT, FAILED_CHECK = 2, 1
 
 app = typer.Typer(
     name="mimo",
@@ -27,25 +30,34 @@ BundlePath = Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bun
 
 def main() -> None:
     """Run the command line; what a user did wrong ends in exit code 2, without a traceback."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # For names of folders that the terminal cannot show.
     try:
         app(standalone_mode=True)
     except MimocError as error:
         print(error, file=sys.stderr)
         sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:
-        print("interrupted; nothing was left half-written", file=sys.stderr)
-        sys.exit(INTERRUPTED)
+    except Exception as error:
+        if "MUJOCO_GL" not in os.environ or "mujoco" in sys.modules:
+            raise
+        wished = os.environ["MUJOCO_GL"]
+        print(f"MuJoCo does not start with MUJOCO_GL={wished} ({error}); unset it or choose another", file=sys.stderr)
+        sys.exit(BAD_INPUT)
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        print(f"mimoc {__version__}")
+        raise typer.Exit
 
 
 @app.callback()
 def _options(
-    version: Annotated[bool, typer.Option("--version", help="Say which version this is.", is_eager=True)] = False,
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which version this is.", callback=_say_version, is_eager=True)
+    ] = False,
 ) -> None:
-    if version:
-        from mimoc.version import __version__
-
-        print(f"mimoc {__version__}")
-        raise typer.Exit
+    pass
 
 
 @app.command(epilog="Example:  mimo build configs/nine_months.yaml -o out/nine_months")

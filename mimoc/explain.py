@@ -37,8 +37,7 @@ def _explain(key: str, entries: Mapping[str, Mapping[str, Any]]) -> Explanation:
 
 
 def _lines(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    value = " ".join(map(_text, entry["value"])) if isinstance(entry["value"], list) else _text(entry["value"])
-    lines = [f"{value} {entry.get('unit', '')}".rstrip(), entry["rule"]]
+    lines = [f"{_text(entry['value'])} {entry.get('unit', '')}".rstrip(), entry["rule"]]
     if "fit" in entry:
         lines.append("fit: " + ", ".join(f"{name} = {_text(number)}" for name, number in entry["fit"].items()))
     lines += [f"{p['age_months']:g} months: {p['value_cm']:.4g} cm  ({p['origin']})" for p in entry.get("points", ())]
@@ -48,6 +47,8 @@ def _lines(entry: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return " ".join(map(_text, value)) or "none"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

@@ -82,8 +82,17 @@ def compile_model(files: Mapping[str, bytes]) -> mujoco.MjModel:
     try:
         return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
     except ValueError as error:
-        message = " ".join(str(error).split())
+        message = _refusal(files) or " ".join(str(error).split())
         raise ModelError(f"MuJoCo refuses the model: {message}", _element(message, files)) from None
+
+
+def _refusal(files: Mapping[str, bytes]) -> str | None:
+    """Return what MuJoCo says of the infant alone: its line counts are those of that file, not of what includes it."""
+    try:
+        mujoco.MjModel.from_xml_string(files["infant.xml"].decode(), assets=dict(files))
+    except ValueError as error:
+        return " ".join(str(error).split())
+    return None
 
 
 def _element(message: str, files: Mapping[str, bytes]) -> str | None:

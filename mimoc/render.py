@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from lxml import etree
 
 from mimoc.scene import SceneTree
 
@@ -18,16 +19,20 @@ TEMPLATES = Path(__file__).parent / "templates"
 
 def render_scene(scene: SceneTree) -> dict[str, bytes]:
     """Return the MJCF and assets of a scene, by path in the bundle."""
-    xml = {
-        name: environment().get_template(f"{name}.j2").render(scene=scene).encode()
-        for name in ("infant.xml", "scene.xml")
-    }
+    xml = {name: _indented(render_text(f"{name}.j2", scene=scene)) for name in ("infant.xml", "scene.xml")}
     return {**xml, **scene.assets}
 
 
 def render_text(template: str, **values: Any) -> bytes:
     """Return a text file of the bundle from its template."""
     return environment().get_template(template).render(**values).encode()
+
+
+def _indented(xml: bytes) -> bytes:
+    """Return XML with each element on a line of its own, indented by its depth."""
+    root = etree.fromstring(xml, etree.XMLParser(remove_blank_text=True))
+    etree.indent(root)
+    return etree.tostring(root, encoding="utf-8") + b"\n"
 
 
 def render_json(data: Any) -> bytes:

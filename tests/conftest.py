@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
@@ -28,8 +28,8 @@ class Infant:
     """A compiled infant that stands straight, all joints at zero; shared, so never to be written to."""
 
     age_months: float
-    model: mujoco.MjModel
-    data: mujoco.MjData
+    model: mujoco.MjModel = field(repr=False)
+    data: mujoco.MjData = field(repr=False)
 
     def geoms(self, *bodies: str) -> list[str]:
         """Return the geoms of some bodies, without what only shows."""

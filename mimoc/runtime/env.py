@@ -85,10 +85,10 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         super().reset(seed=seed)
         for key in set(options or {}) - {"pose"}:
-            raise UnknownNameError("reset option", key, ["pose"])
+            raise UnknownNameError("reset option", str(key), ["pose"])
         pose = (options or {}).get("pose", self.manifest.pose)
         if pose not in self.manifest.poses:
-            raise UnknownNameError("pose", pose, self.manifest.poses)
+            raise UnknownNameError("pose", str(pose), self.manifest.poses)
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
         mujoco.mj_forward(self.model, self.data)
         return self._observe(), {"unstable": False}

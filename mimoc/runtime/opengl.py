@@ -3,7 +3,9 @@
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from mimoc.errors import RenderingError
@@ -12,6 +14,7 @@ _NO_OPENGL = (
     "no picture can be drawn, because OpenGL does not start here ({}); install EGL or OSMesa "
     "(Debian: apt-get install libegl1, or libosmesa6), and choose with MUJOCO_GL=egl or MUJOCO_GL=osmesa"
 )
+_PLATFORM = "PYOPENGL_PLATFORM"
 
 
 def open_context(width: int, height: int) -> Any:
@@ -26,13 +29,37 @@ def open_context(width: int, height: int) -> Any:
     failures = []
     for name in _backends():
         try:
-            context = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
-            context.make_current()
-        except Exception as error:  # Each OpenGL library has errors of its own, down to AttributeError.
+            with _undone_on_failure():
+                return _open(name, width, height)
+        except Exception as error:  # Each OpenGL library fails with errors of its own.
             failures.append(f"{name}: {type(error).__name__}")
-        else:
-            return context
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
+
+
+def _open(backend: str, width: int, height: int) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Without a screen GLFW warns, and then makes no context.
+        context = importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
+        context.make_current()
+        if backend == "glfw" and not importlib.import_module("glfw").get_current_context():
+            raise ConnectionError
+    return context
+
+
+@contextmanager
+def _undone_on_failure() -> Iterator[None]:
+    """Forget the PyOpenGL that was imported for a library that failed, since it is of no use to the next one."""
+    platform, modules = os.environ.get(_PLATFORM), set(sys.modules)
+    try:
+        yield
+    except Exception:
+        for name in set(sys.modules) - modules:
+            if name.split(".")[0] == "OpenGL":
+                del sys.modules[name]
+        os.environ.pop(_PLATFORM, None)
+        if platform is not None:
+            os.environ[_PLATFORM] = platform
+        raise
 
 
 def _backends() -> Iterator[str]:

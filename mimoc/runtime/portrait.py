@@ -18,6 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 MAX_GEOMS = 2000
 AZIMUTH_DEG, ELEVATION_DEG = 160.0, -15.0
 """From where an infant is looked at: from before it and a little above."""
+MARGIN = 1.05
+"""How much further away than needed to see all of it."""
 
 
 class Painter:
@@ -42,9 +44,10 @@ class Painter:
     def paint(self, data: mujoco.MjData) -> Picture:
         """Return a picture of the whole infant, shape (height, width, 3)."""
         self._gl.make_current()
-        options, perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
+        camera, options, perturbation = self._camera(data), mujoco.MjvOption(), mujoco.MjvPerturb()
         everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(self._model, data, options, perturbation, self._camera(data), everything, self._scene)
+        mujoco.mjv_updateCamera(self._model, data, camera, self._scene)  # Or shadows are those of the camera before.
+        mujoco.mjv_updateScene(self._model, data, options, perturbation, camera, everything, self._scene)
         mujoco.mjr_render(self._viewport, self._scene, self._context)
         upside_down = np.empty((self._viewport.height, self._viewport.width, 3), np.uint8)
         mujoco.mjr_readPixels(upside_down, None, self._viewport, self._context)
@@ -55,20 +58,26 @@ class Painter:
         self._close()
 
     def _camera(self, data: mujoco.MjData) -> mujoco.MjvCamera:
-        """Return a camera far enough away to see the infant from top to toe."""
-        low, high = self._corners(data)
+        """Return a camera just far enough away to see the infant from top to toe."""
+        mine = self._model.body_rootid[self._model.geom_bodyid] == self._root
+        centres, radii = data.geom_xpos[mine], self._model.geom_rbound[mine]
+        low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
         camera = mujoco.MjvCamera()
         camera.lookat[:] = (low + high) / 2
         camera.azimuth, camera.elevation = AZIMUTH_DEG, ELEVATION_DEG
-        half_fovy = np.radians(self._model.vis.global_.fovy) / 2
-        camera.distance = 0.46 * float(np.linalg.norm(high - low)) / np.tan(half_fovy)
+        camera.distance = MARGIN * self._distance_m(centres - camera.lookat, radii)
         return camera
 
-    def _corners(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
-        """Return two corners of a box around the infant, each of shape (3,), [m]."""
-        mine = self._model.body_rootid[self._model.geom_bodyid] == self._root
-        centres, radii = data.geom_xpos[mine], self._model.geom_rbound[mine, None]
-        return (centres - radii).min(axis=0), (centres + radii).max(axis=0)
+    def _distance_m(self, centres: FloatArray, radii: FloatArray) -> float:
+        """Return from how far the camera sees all of some balls, whose centres are told from where it looks at."""
+        ahead, *across = _camera_axes() @ centres.T
+        half_height = np.tan(np.radians(self._model.vis.global_.fovy) / 2)
+        half_angles = np.arctan([half_height * self._viewport.width / self._viewport.height, half_height])
+        needed = [
+            np.abs(offset) / np.tan(half) + radii / np.sin(half) - ahead
+            for offset, half in zip(across, half_angles, strict=True)
+        ]
+        return float(np.max(needed))
 
 
 def portrait(bundle: Bundle, pose: str | None = None, width: int = 640, height: int = 480) -> npt.NDArray[np.uint8]:
@@ -91,6 +100,14 @@ def portrait(bundle: Bundle, pose: str | None = None, width: int = 640, height: 
         return painter.paint(data)
     finally:
         painter.close()
+
+
+def _camera_axes() -> FloatArray:
+    """Return the unit vectors ahead, right and up of the camera, in rows."""
+    azimuth, elevation = np.radians([AZIMUTH_DEG, ELEVATION_DEG])
+    ahead = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+    right = [np.sin(azimuth), -np.cos(azimuth), 0.0]
+    return np.array([ahead, right, np.cross(right, ahead)])
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:

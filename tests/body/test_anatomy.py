@@ -56,12 +56,6 @@ def test_joints_are_mimos(model, reference):
         assert joint.solimp == pytest.approx(SOLIMP_LIMIT)
 
 
-def test_springs_and_dampers_are_linear(model):
-    """MuJoCo has polynomial ones too since 3.7: the further terms are zero."""
-    assert not np.any([model.joint(index).stiffness[1:] for index in range(model.njnt)])
-    assert not np.any([model.joint(index).damping[1:] for index in range(model.njnt)])
-
-
 def test_geoms_are_mimos(model, reference):
     rows = reference("geoms")
     own = [name for name in names(model.ngeom, model.geom) if model.geom(name).group == 0 and name != "floor"]
@@ -125,16 +119,15 @@ def test_contact_exceptions_are_mimos(model, reference):
 def test_tendons_are_mimos(model, reference):
     rows = reference("tendons")
     assert names(model.ntendon, model.tendon) == [row["name"] for row in rows]
-    for row in rows:
-        tendon = model.tendon(row["name"])
-        wraps = slice(tendon.adr[0], tendon.adr[0] + tendon.num[0])
+    for row, first, count in zip(rows, model.tendon_adr, model.tendon_num, strict=True):
+        tendon, wraps = model.tendon(row["name"]).id, slice(first, first + count)
         couples = zip(model.wrap_objid[wraps], model.wrap_prm[wraps], strict=True)
         wanted = [couple.split() for couple in row["joint_coefficients"].split(";")]
         assert [(model.joint(joint).name, factor) for joint, factor in couples] == [
             (joint, float(factor)) for joint, factor in wanted
         ]
-        assert tendon.limited
-        assert tendon.range == pytest.approx(floats(row["range_rad"]))
+        assert model.tendon_limited[tendon]
+        assert model.tendon_range[tendon] == pytest.approx(floats(row["range_rad"]))
 
 
 def test_every_geom_says_what_it_follows():

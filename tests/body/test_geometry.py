@@ -1,0 +1,144 @@
+"""How the parts of a body fit together, seen on the compiled model, and which bodies cannot be."""
+
+from dataclasses import replace
+from itertools import product
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mimoc.body import grow
+from mimoc.errors import GeometryError
+from mimoc.fits import Measurements, measure
+
+ON_SURFACE_M = 1e-8
+"""Nine digits are written."""
+
+GAP_M = 5e-4
+"""Half a millimetre shows on no child."""
+
+MIRROR = np.array([1, -1, 1])
+
+
+def changed(child: Measurements, **values_m: float) -> Measurements:
+    """Return measurements with some of them replaced."""
+    table = {name: replace(child.table[name], value_m=value) for name, value in values_m.items()}
+    return replace(child, table={**child.table, **table})
+
+
+def pairs(count: int, accessor) -> list[tuple[str, str]]:
+    """Return the names of everything of a kind that has a left and a right."""
+    names = (accessor(index).name for index in range(count))
+    return [(name, name.replace("left", "right")) for name in names if "left" in name]
+
+
+def depth_m(infant, geom: str, point: np.ndarray) -> float:
+    """Return how far a point is outside of a geom; negative inside."""
+    size, kind = infant.model.geom(geom).size, infant.model.geom(geom).type[0]
+    local = infant.data.geom(geom).xmat.reshape(3, 3).T @ (point - infant.data.geom(geom).xpos)
+    if kind == mujoco.mjtGeom.mjGEOM_BOX:
+        beyond = np.abs(local) - size
+    elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        beyond = np.array([np.hypot(*local[:2]) - size[0], abs(local[2]) - size[1]])
+    else:
+        axis_m = np.clip(local[2], -size[1], size[1])
+        beyond = np.array([np.linalg.norm(local - (0, 0, axis_m)) - size[0]])
+    return float(np.linalg.norm(np.maximum(beyond, 0)) + min(beyond.max(), 0))
+
+
+def outside_m(infant, body: str, point: np.ndarray) -> float:
+    """Return how far a point is outside of a body part."""
+    return max(0.0, min(depth_m(infant, geom, point) for geom in infant.geoms(body)))
+
+
+def segments(infant):
+    """Yield each hinge with its point in the world and its two segments."""
+    for index in range(1, infant.model.njnt):
+        body = infant.model.body(infant.model.jnt_bodyid[index])
+        parent = infant.model.body(body.parentid[0]).name
+        yield infant.model.joint(index).name, infant.data.xanchor[index], body.name, parent
+
+
+def farthest_allowed_m(infant, joint: str, of_parent: bool) -> float:
+    """Return how far a joint may lie outside of one of its segments.
+
+    The shoulder is the middle of the arm's round end, which touches the chest; the ankle is in the
+    shank's end, half a foot's height above the foot; the neck turns where the head rests on it.
+    """
+    if "shoulder" in joint and of_parent:
+        return infant.model.geom("left_uarm1").size[0] + GAP_M
+    if "_foot" in joint and not of_parent:
+        return 0.5 * infant.model.geom("geom:left_foot2").size[2] + ON_SURFACE_M
+    return 0.001 if "head" in joint else ON_SURFACE_M
+
+
+def test_joints_sit_where_their_segments_meet(infants):
+    """Inside or on one of the two, and inside, on or right beside the other."""
+    for infant in infants:
+        for joint, anchor, child, parent in segments(infant):
+            outside = outside_m(infant, child, anchor), outside_m(infant, parent, anchor)
+            assert min(outside) <= ON_SURFACE_M, (joint, infant)
+            assert outside[0] <= farthest_allowed_m(infant, joint, of_parent=False), (joint, infant)
+            assert outside[1] <= farthest_allowed_m(infant, joint, of_parent=True), (joint, infant)
+
+
+def test_segments_that_share_a_joint_touch(infants):
+    for infant in infants:
+        model, data = infant.model, infant.data
+        for _, _, child, parent in segments(infant):
+            both = [[model.geom(name).id for name in infant.geoms(body)] for body in (child, parent)]
+            gap_m = min(mujoco.mj_geomDistance(model, data, a, b, 1, np.zeros(6)) for a, b in product(*both))
+            assert gap_m <= GAP_M, (child, infant)
+
+
+def test_nothing_penetrates_at_rest(infants):
+    """Standing straight, soles on the floor; MuJoCo itself passes over parent and child."""
+    for infant in infants:
+        contacts = infant.data.contact
+        touching = {infant.model.geom(first).name for first, _ in contacts.geom}
+        assert touching <= {"floor"}, infant
+        assert np.all(contacts.dist >= -ON_SURFACE_M), infant
+
+
+def test_left_is_the_mirror_image_of_right(infants):
+    """To the last bit in what is written, and to rounding where MuJoCo turns angles into matrices."""
+    for infant in infants:
+        model, data = infant.model, infant.data
+        for left, right in pairs(model.ngeom, model.geom):
+            assert np.array_equal(model.geom(left).size, model.geom(right).size)
+            assert data.geom(left).xpos == pytest.approx(data.geom(right).xpos * MIRROR, abs=1e-12), left
+        for left, right in pairs(model.nbody, model.body):
+            assert model.body(left).mass == model.body(right).mass
+            assert data.body(left).xipos == pytest.approx(data.body(right).xipos * MIRROR, abs=1e-12), left
+        for left, right in pairs(model.njnt, model.joint):
+            assert np.array_equal(model.joint(left).range, model.joint(right).range)
+            assert data.joint(left).xanchor == pytest.approx(data.joint(right).xanchor * MIRROR, abs=1e-12), left
+            assert data.joint(left).xaxis == pytest.approx(-data.joint(right).xaxis * MIRROR, abs=1e-12), left
+
+
+IMPOSSIBLE = {
+    "crown_rump_length": (0.15, "no room for a trunk"),
+    "crown_sole_length": (0.4, "no room for legs"),
+    "mid_thigh_circumference": (1.2, "thigh: a limb 0.1.. m long cannot be 0.382 m thick"),
+    "hip_breadth": (0.06, "a trunk 0.060 m wide cannot be 0.0"),
+    "ankle_circumference": (0.9, "cannot have an ankle 0.286 m thick"),
+    "hand_length": (0.015, "a hand 0.015 m long cannot be"),
+    "foot_length": (0.02, "a foot 0.020 m long cannot be"),
+}
+
+
+@pytest.mark.parametrize("measurement", IMPOSSIBLE)
+def test_impossible_bodies_are_refused_with_their_sizes(measurement):
+    value_m, message = IMPOSSIBLE[measurement]
+    with pytest.raises(GeometryError, match=message):
+        grow(changed(measure(9), **{measurement: value_m}))
+
+
+@given(age_months=st.floats(0, 24), factor=st.floats(0.9, 1.1), name=st.sampled_from(sorted(measure(0))))
+def test_bodies_near_the_average_can_be_built(age_months, factor, name):
+    child = measure(age_months)
+    tree = grow(changed(child, **{name: child[name] * factor}))
+    assert 2 < tree.mass_kg < 16
+    assert all(size > 0 for geom in tree.geoms.values() for size in geom.size_m)

@@ -1,0 +1,132 @@
+"""The law of growth, measured on the compiled model at every quarter of a month from birth to two years."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from mimoc.body import anatomy
+from mimoc.fits import measure
+
+UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
+BOTH = ("left", "right")
+
+GIRTHS = {
+    "upper_arm_circumference": "{}_uarm1",
+    "forearm_circumference": "{}_larm",
+    "mid_thigh_circumference": "geom:{}_upper_leg1",
+    "calf_circumference": "geom:{}_lower_leg1",
+    "ankle_circumference": "geom:{}_lower_leg2",
+}
+
+
+def girth(infant, geom: str) -> float:
+    return 2 * math.pi * infant.model.geom(geom).size[0]
+
+
+def length(span: tuple[float, float]) -> float:
+    return span[1] - span[0]
+
+
+def everything(infant) -> list[str]:
+    return infant.geoms(*(infant.model.body(index).name for index in range(1, infant.model.nbody)))
+
+
+def test_standing_height_is_crown_sole_length(infants):
+    for infant in infants:
+        height_m = length(infant.span_m(UP, everything(infant)))
+        assert height_m == pytest.approx(measure(infant.age_months)["crown_sole_length"], abs=0.002), infant
+
+
+def test_the_crown_is_the_head_and_the_sole_the_foot(infants):
+    for infant in infants:
+        low_m, high_m = infant.span_m(UP, everything(infant))
+        assert infant.span_m(UP, infant.geoms("head"))[1] == high_m
+        for side in BOTH:
+            assert infant.span_m(UP, infant.geoms(f"{side}_foot", f"{side}_toes"))[0] == pytest.approx(low_m, abs=1e-8)
+
+
+def test_sitting_height_is_crown_rump_length(infants):
+    for infant in infants:
+        height_m = length(infant.span_m(UP, ["head", "lb"]))
+        assert height_m == pytest.approx(measure(infant.age_months)["crown_rump_length"], abs=0.005), infant
+
+
+def test_the_head_is_as_round_as_measured(infants):
+    """To the nine digits of the file."""
+    for infant in infants:
+        assert girth(infant, "head") == pytest.approx(measure(infant.age_months)["head_circumference"], rel=1e-8)
+
+
+@pytest.mark.parametrize("measurement", GIRTHS)
+def test_limbs_are_as_thick_as_measured(infants, measurement):
+    for infant in infants:
+        for side in BOTH:
+            found_m = girth(infant, GIRTHS[measurement].format(side))
+            assert found_m == pytest.approx(measure(infant.age_months)[measurement], rel=0.02), infant
+
+
+@pytest.mark.parametrize("side", BOTH)
+def test_feet_are_as_long_and_broad_as_measured(infants, side):
+    for infant in infants:
+        child, foot = measure(infant.age_months), infant.geoms(f"{side}_foot", f"{side}_toes")
+        assert length(infant.span_m(FORWARD, foot)) == pytest.approx(child["foot_length"], rel=0.02), infant
+        assert length(infant.span_m(LEFT, foot)) == pytest.approx(child["foot_breadth"], rel=0.02), infant
+
+
+@pytest.mark.parametrize("side", BOTH)
+def test_hands_are_as_long_and_broad_as_measured(infants, side):
+    """Length is from the wrist, breadth across the fingers, since the thumb is in the palm's."""
+    for infant in infants:
+        child, wrist = measure(infant.age_months), infant.data.body(f"{side}_hand")
+        across, _, along = wrist.xmat.reshape(3, 3).T
+        _, tip_m = infant.span_m(along, infant.geoms(f"{side}_hand", f"{side}_fingers"))
+        assert tip_m - wrist.xpos @ along == pytest.approx(child["hand_length"], rel=0.02), infant
+        breadth_m = length(infant.span_m(across, infant.geoms(f"{side}_fingers")))
+        assert breadth_m == pytest.approx(child["hand_breadth"], rel=0.02), infant
+
+
+def test_shoulders_are_as_far_apart_as_plausible(infants):
+    """The joints stand at shoulder breadth, and flesh adds to it what it does on children: a quarter."""
+    for infant in infants:
+        breadth_m = measure(infant.age_months)["shoulder_breadth"]
+        left, right = (infant.data.joint(f"robot:{side}_shoulder_ad_ab").xanchor for side in BOTH)
+        joints_m = np.linalg.norm(left - right)
+        assert 0.9 * breadth_m < joints_m < 1.001 * breadth_m, infant
+        assert 1.15 * joints_m < joints_m + 2 * infant.model.geom("left_uarm1").size[0] < 1.35 * joints_m, infant
+
+
+def test_the_older_the_longer_and_heavier(infants):
+    """No segment between joints, no part, no strength ever gets smaller."""
+    for younger, older in pairwise(infants):
+        segments = [np.linalg.norm(infant.model.body_pos[2:], axis=1) for infant in (younger, older)]
+        assert np.all(segments[0] <= segments[1]), older
+        assert np.all(younger.model.body_mass <= older.model.body_mass), older
+        assert np.all(younger.model.actuator_gear[:, 0] < older.model.actuator_gear[:, 0]), older
+
+
+def test_the_older_the_larger(infants):
+    """Every geom, measured along its own axes, caps included."""
+    for younger, older in pairwise(infants):
+        assert np.all(younger.model.geom_aabb[:, 3:] <= older.model.geom_aabb[:, 3:] * (1 + 1e-9)), older
+
+
+def test_parts_keep_the_density_of_the_reference_body(infant_at):
+    """Masses and gears follow volume, and volume follows the square of girth at least."""
+    reference, newborn = infant_at(anatomy.REFERENCE_AGE_MONTHS).model, infant_at(0).model
+    radii = [model.geom("head").size[0] for model in (newborn, reference)]
+    share = (radii[0] / radii[1]) ** 3
+    assert newborn.body("head").mass == pytest.approx(reference.body("head").mass * share, rel=1e-7)
+    gears = [model.actuator("act:head_tilt").gear[0] for model in (newborn, reference)]
+    assert gears[0] == pytest.approx(gears[1] * share, rel=1e-7)
+
+
+def test_joints_are_the_same_at_every_age(infants):
+    """Scaled stiffness, damping or armature would make young bodies stronger than old ones."""
+    constants = ("jnt_range", "jnt_stiffness", "dof_damping", "dof_frictionloss", "dof_armature", "jnt_axis")
+    for infant in infants:
+        for name in (*constants, "qpos_spring", "tendon_range", "actuator_forcerange"):
+            found, wanted = getattr(infant.model, name), getattr(infants[0].model, name)
+            first = 7 if name == "qpos_spring" else 0
+            assert np.array_equal(found[first:], wanted[first:]), name

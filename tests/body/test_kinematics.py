@@ -1,0 +1,80 @@
+"""Our own kinematics, used before there is a model, agree with MuJoCo's."""
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mimoc.body import grow
+from mimoc.body.kinematics import axis_matrix, euler_matrix, pose, reach
+from mimoc.body.tree import Geom
+from mimoc.fits import measure
+
+TREE = grow(measure(9))
+
+angles_rad = st.floats(-1.5, 1.5)
+directions = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1)
+
+
+@given(values=st.lists(angles_rad, min_size=len(TREE.joints), max_size=len(TREE.joints)))
+def test_parts_are_where_mujoco_has_them(values, infant_at):
+    model = infant_at(9).model
+    data = mujoco.MjData(model)
+    data.qpos[:7] = 0, 0, 0, 1, 0, 0, 0
+    data.qpos[7:] = values
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    posed = pose(TREE, dict(zip(TREE.joints, values, strict=True)))
+    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.turns, strict=True):
+        assert centre == pytest.approx(data.geom(geom.name).xpos, abs=1e-7), geom.name
+        assert turn == pytest.approx(data.geom(geom.name).xmat.reshape(3, 3), abs=1e-7), geom.name
+    assert posed.centre_of_mass == pytest.approx(data.subtree_com[1], abs=1e-7)
+
+
+@given(direction=directions)
+def test_a_standing_body_reaches_as_far_as_its_compiled_geoms(direction, infant_at):
+    infant = infant_at(9)
+    unit = np.array(direction) / np.linalg.norm(direction)
+    geoms = [geom for geom in TREE.geoms if infant.model.geom(geom).group == 0]
+    _, farthest_m = infant.span_m(unit, geoms)
+    hip_m = infant.data.body("hip").xpos @ unit
+    assert pose(TREE, {}).extent(unit) == pytest.approx(farthest_m - hip_m, abs=1e-7)
+
+
+def geom(kind, *size_m: float) -> Geom:
+    still = (0.0, 0.0, 0.0)
+    return Geom("solid", kind, size_m, still, still, mass_kg=1, friction=still, contype=1, conaffinity=1)
+
+
+DIAGONAL = 1 / np.sqrt(3)
+REACHES = {
+    "a ball, its radius": (geom("sphere", 0.1), (1, 0, 0), 0.1),
+    "a capsule, its axis and cap": (geom("capsule", 0.1, 0.3), (0, 0, 1), 0.4),
+    "a capsule across, its radius": (geom("capsule", 0.1, 0.3), (1, 0, 0), 0.1),
+    "a cylinder, its axis": (geom("cylinder", 0.1, 0.3), (0, 0, -1), 0.3),
+    "a cylinder across, its radius": (geom("cylinder", 0.1, 0.3), (0, 1, 0), 0.1),
+    "a cylinder at a slant, its rim": (geom("cylinder", 0.1, 0.3), (0.6, 0, 0.8), 0.3),
+    "a box, its corner": (geom("box", 0.1, 0.2, 0.3), (DIAGONAL, -DIAGONAL, DIAGONAL), 0.6 * DIAGONAL),
+}
+
+
+@pytest.mark.parametrize("case", REACHES)
+def test_a_geom_reaches(case):
+    solid, direction, wanted_m = REACHES[case]
+    assert reach([solid], np.array([direction])) == pytest.approx([wanted_m])
+
+
+def test_only_what_collides_is_solid():
+    """The belly is as deep as anything, but the floor does not feel it."""
+    standing = pose(TREE, {})
+    assert {geom.name for geom in standing.geoms} - {geom.name for geom in standing.solid.geoms} == {"cb", "neck"}
+
+
+def test_euler_angles_are_intrinsic_x_y_z():
+    assert euler_matrix((90, 90, 0)) @ (0, 0, 1) == pytest.approx([1, 0, 0])
+    assert euler_matrix((0, 0, 90)) @ (1, 0, 0) == pytest.approx([0, 1, 0])
+
+
+def test_an_axis_need_not_be_of_unit_length():
+    assert axis_matrix((0, 0, -4), np.pi / 2) == pytest.approx(axis_matrix((0, 0, -1), np.pi / 2))

@@ -1,0 +1,115 @@
+"""Whole bundles as they were last approved: every config's XML in canonical form, and what MuJoCo makes of it.
+
+Renew with `pytest --snapshot-update`, and read the difference. Numbers may differ by a millionth, since the last
+digits depend on the processor; everything else is compared to the letter. Pictures are not in here.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from lxml import etree
+from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
+
+import mimoc
+from mimoc.pipeline import compile_model
+
+CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
+COUNTS = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")
+
+
+def alike(text: str, other: str) -> bool:
+    """Return whether two texts are the same but for the last digits of their numbers."""
+    if NUMBER.sub("#", text) != NUMBER.sub("#", other):
+        return False
+    numbers = zip(NUMBER.findall(text), NUMBER.findall(other), strict=True)
+    return all(math.isclose(float(a), float(b), rel_tol=1e-6, abs_tol=1e-9) for a, b in numbers)
+
+
+class Approved(SingleFileSnapshotExtension):
+    """One text file for each test, in `test_bundles/`."""
+
+    _write_mode = WriteMode.TEXT
+    file_extension = "txt"
+
+    @classmethod
+    def dirname(cls, *, test_location) -> str:
+        return str(Path(test_location.filepath).with_suffix(""))
+
+    def matches(self, *, serialized_data, snapshot_data) -> bool:
+        return alike(serialized_data, snapshot_data)
+
+
+@pytest.fixture
+def approved(snapshot):
+    return snapshot.use_extension(Approved)
+
+
+@pytest.fixture(scope="module", params=CONFIGS, ids=lambda path: path.stem)
+def bundle(request) -> mimoc.Bundle:
+    return mimoc.build(mimoc.load_spec(request.param))
+
+
+def canonical(xml: bytes) -> str:
+    """Return XML with sorted attributes and one element a line, however it was laid out."""
+    tree = etree.fromstring(xml, etree.XMLParser(remove_blank_text=True, remove_comments=True))
+    etree.indent(tree, " ")
+    return etree.tostring(tree, method="c14n").decode() + "\n"
+
+
+def compiled(model: mujoco.MjModel) -> str:
+    """Return what MuJoCo's compiler made of a model, a line for each thing."""
+    lines = [f"{count} {getattr(model, count)}" for count in COUNTS]
+    for body in map(model.body, range(model.nbody)):
+        inertia = sorted(body.inertia, reverse=True)
+        lines.append(line(f"body {body.name}", mass=body.mass, centre=body.ipos, inertia=inertia))
+    for geom in map(model.geom, range(model.ngeom)):
+        lines.append(line(f"geom {geom.name}", size=geom.size, pos=geom.pos, rbound=geom.rbound))
+    for index, actuator in enumerate(map(model.actuator, range(model.nu))):
+        inertia = model.dof_invweight0[model.jnt_dofadr[actuator.trnid[0]]]
+        lines.append(line(f"actuator {actuator.name}", acc0=model.actuator_acc0[index], invweight=inertia))
+    lines.append(line("statistic", meanmass=model.stat.meanmass, meaninertia=model.stat.meaninertia))
+    return "\n".join(lines) + "\n"
+
+
+def line(what: str, **numbers) -> str:
+    """Return a line such as `geom head size 0.07 0 0`."""
+    shown = (f"{name} {' '.join(f'{number:.8g}' for number in np.ravel(value))}" for name, value in numbers.items())
+    return "  ".join((what, *shown))
+
+
+def test_the_infant_is_as_approved(bundle, approved):
+    assert canonical(bundle.files["infant.xml"]) == approved
+
+
+def test_the_scene_is_as_approved(bundle, approved):
+    assert canonical(bundle.files["scene.xml"]) == approved
+
+
+def test_the_compiled_model_is_as_approved(bundle, approved):
+    assert compiled(compile_model(bundle.files)) == approved
+
+
+def test_what_the_runtime_is_told_is_as_approved(bundle, approved):
+    """A new field has a default, or the manifest's version goes up."""
+    assert bundle.files["manifest.json"].decode() == approved
+
+
+@pytest.mark.parametrize(
+    ("text", "other", "same"),
+    [
+        ('size="0.1 0.2"', 'size="0.10000001 0.2"', True),
+        ('size="0.1 0.2"', 'size="0.100001 0.2"', False),
+        ('size="0.1 0.2"', 'size="0.1 -0.2"', False),
+        ('size="0.1 0.2"', 'size="0.1 0.2 0"', False),
+        ('pos="0 0 5e-19"', 'pos="0 0 0"', True),
+        ('name="hip1"', 'name="hip2"', False),
+        ("mass 10.9049", "mass 10.9049\n", False),
+    ],
+)
+def test_only_the_last_digits_may_differ(text, other, same):
+    assert alike(text, other) is same

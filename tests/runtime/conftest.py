@@ -1,0 +1,51 @@
+"""Infants that run: those of `configs/`, and those of a spec given as keywords."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import mimoc
+
+CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+SENSES = {"proprioception": {}, "vestibular": {}}
+
+
+def build(**keys: Any) -> mimoc.Bundle:
+    spec = {"mimo": 1, "name": "infant", "age_months": 9, "senses": SENSES}
+    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+
+
+@pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)
+def config(request) -> mimoc.Bundle:
+    """Return the bundle of each config that mimoc ships."""
+    return mimoc.build(mimoc.load_spec(request.param))
+
+
+@pytest.fixture(scope="session")
+def bundle() -> mimoc.Bundle:
+    """Return a sitting infant with every sense there is."""
+    return build(scene={"kind": "flat", "pose": "sitting"})
+
+
+@pytest.fixture
+def open_env(bundle) -> Iterator[Callable[..., mimoc.InfantEnv]]:
+    """Return what opens the environment of a spec given as keywords, or without any of the usual infant."""
+    opened = []
+
+    def open_one(render_mode: str | None = None, **keys: Any) -> mimoc.InfantEnv:
+        opened.append(mimoc.InfantEnv(build(**keys) if keys else bundle, render_mode=render_mode))
+        return opened[-1]
+
+    yield open_one
+    for env in opened:
+        env.close()
+
+
+@pytest.fixture
+def env(open_env) -> mimoc.InfantEnv:
+    """Return the environment of the usual infant, after a reset."""
+    env = open_env()
+    env.reset(seed=0)
+    return env

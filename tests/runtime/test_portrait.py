@@ -1,0 +1,195 @@
+import gc
+
+import mujoco
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.errors import UnknownNameError
+from mimoc.runtime.model import load_model
+from mimoc.runtime.opengl import open_context
+from mimoc.runtime.portrait import Painter, portrait
+
+
+def share_of(picture, colour):
+    """Return how much of a picture has the hue of a colour, in whatever light."""
+    pixels = picture.reshape(-1, 3) + 1e-9
+    hues = pixels / pixels.sum(axis=1, keepdims=True)
+    return (np.abs(hues - colour / colour.sum()).max(axis=1) < 0.02).mean()
+
+
+@pytest.fixture
+def open_painter():
+    """Return what opens the painter of a model."""
+    painters = []
+
+    def open_one(model, width, height):
+        painters.append(Painter(model, "hip", width, height))
+        return painters[-1]
+
+    yield open_one
+    for painter in painters:
+        painter.close()
+
+
+def posed(bundle, pose):
+    model = load_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_a_portrait_shows_skin_and_clothes(config):
+    picture, model = portrait(config, width=160, height=120), load_model(config)
+    assert (picture.shape, picture.dtype) == ((120, 160, 3), np.uint8)
+    for material in ("skin", "pants_up"):
+        assert share_of(picture, model.material(material).rgba[:3]) > 0.01
+
+
+@pytest.mark.parametrize(("width", "height"), [(120, 120), (200, 120), (120, 200)])
+@pytest.mark.parametrize("pose", ["supine", "prone", "sitting", "standing"])
+def test_all_of_the_infant_is_in_the_picture_and_fills_it(bundle, pose, width, height, open_painter):
+    """It is where the picture changes when the infant is taken out of it."""
+    model, data = posed(bundle, pose)
+    model.vis.quality.shadowsize = 0
+    painter = open_painter(model, width, height)
+    with_infant = painter.paint(data).astype(int)
+    model.mat_rgba[model.geom_matid[model.geom_bodyid > 0], 3] = 0
+    shown = np.abs(with_infant - painter.paint(data)).max(axis=2) > 20
+    assert not shown[[0, -1]].any()
+    assert not shown[:, [0, -1]].any()
+    assert max(np.ptp(np.nonzero(shown)[0]) / height, np.ptp(np.nonzero(shown)[1]) / width) > 0.75
+
+
+def test_the_same_state_is_the_same_picture_whatever_was_drawn_before(bundle, open_painter):
+    model, data = posed(bundle, "prone")
+    painter = open_painter(model, 64, 64)
+    first = painter.paint(data)
+    painter.paint(posed(bundle, "standing")[1])
+    assert np.array_equal(painter.paint(data), first)
+
+
+def test_each_pose_is_another_picture(bundle):
+    pictures = [portrait(bundle, pose, 64, 64) for pose in bundle.manifest.poses]
+    assert len({picture.tobytes() for picture in pictures}) == len(pictures)
+
+
+def test_the_pose_is_that_of_the_bundle_unless_another_is_asked_for(bundle):
+    assert np.array_equal(portrait(bundle, None, 64, 64), portrait(bundle, bundle.manifest.pose, 64, 64))
+
+
+def test_an_unknown_pose_is_refused(bundle):
+    with pytest.raises(UnknownNameError, match="'handstand' is not a pose; "):
+        portrait(bundle, "handstand")
+
+
+@pytest.mark.parametrize(("width", "height"), [(16, 16), (31, 77), (1280, 960)])
+def test_a_picture_has_the_size_that_is_asked_for(bundle, width, height):
+    """Also one that is larger than MuJoCo's usual 640 x 480, and one whose rows are not whole words."""
+    picture = portrait(bundle, width=width, height=height)
+    assert picture.shape == (height, width, 3)
+    assert len(np.unique(picture[:, -1].reshape(-1, 3), axis=0)) > 1
+
+
+def test_an_environment_draws_what_happens(open_env):
+    env = open_env(render_mode="rgb_array")
+    env.reset(seed=0)
+    before = env.render()
+    for _ in range(20):
+        env.step(env.action_space.high)
+    after = env.render()
+    assert before.shape == after.shape == (480, 480, 3)
+    assert not np.array_equal(before, after)
+    assert not np.shares_memory(before, after)
+
+
+def test_drawing_changes_nothing_of_what_happens(open_env):
+    drawn, alone = open_env(render_mode="rgb_array"), open_env()
+    for env in (drawn, alone):
+        env.reset(seed=0)
+        for _ in range(5):
+            env.step(env.action_space.high)
+            env.render()
+    assert np.array_equal(drawn.data.qpos, alone.data.qpos)
+
+
+def test_an_environment_can_draw_again_after_it_was_closed(open_env):
+    env = open_env(render_mode="rgb_array")
+    env.reset(seed=0)
+    picture = env.render()
+    env.close()
+    env.close()
+    assert np.array_equal(env.render(), picture)
+
+
+def test_painters_side_by_side_do_not_disturb_each_other(bundle, bundle_at, open_painter):
+    """Each keeps its own textures, size and picture, whatever becomes of the other."""
+    subjects = [(posed(bundle, "prone"), 64), (posed(bundle_at(0), "supine"), 96)]
+    alone = []
+    for (model, data), size in subjects:
+        painter = open_painter(model, size, size)
+        alone.append(painter.paint(data))
+        painter.close()
+    together = [open_painter(model, size, size) for (model, _), size in subjects]
+    for _ in range(2):
+        for painter, ((_, data), _), picture in zip(together, subjects, alone, strict=True):
+            assert np.array_equal(painter.paint(data), picture)
+    together[0].close()
+    assert np.array_equal(together[1].paint(subjects[1][0][1]), alone[1])
+
+
+class CountedContext:
+    """An OpenGL context that counts how often it is freed."""
+
+    def __init__(self, width, height):
+        self.context, self.freed = open_context(width, height), 0
+
+    def make_current(self):
+        self.context.make_current()
+
+    def free(self):
+        self.freed += 1
+        self.context.free()
+
+
+@pytest.fixture
+def contexts(monkeypatch):
+    """Return the contexts that are opened from now on."""
+    opened = []
+
+    def open_counted(width, height):
+        opened.append(CountedContext(width, height))
+        return opened[-1]
+
+    monkeypatch.setattr("mimoc.runtime.portrait.open_context", open_counted)
+    return opened
+
+
+def test_a_context_is_freed_once_however_often_it_is_closed(bundle, contexts, open_env):
+    env = open_env(render_mode="rgb_array")
+    env.reset(seed=0)
+    assert not contexts
+    env.render()
+    env.render()
+    assert [context.freed for context in contexts] == [0]
+    env.close()
+    env.close()
+    assert [context.freed for context in contexts] == [1]
+
+
+def test_a_context_that_is_forgotten_is_freed_too(bundle, contexts):
+    env = mimoc.InfantEnv(bundle, render_mode="rgb_array")
+    env.reset(seed=0)
+    env.render()
+    del env
+    gc.collect()
+    assert [context.freed for context in contexts] == [1]
+
+
+def test_a_portrait_frees_its_context_even_if_it_fails(bundle, contexts, monkeypatch):
+    portrait(bundle, width=16, height=16)
+    monkeypatch.setattr(mujoco, "mjr_render", lambda *args: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        portrait(bundle, width=16, height=16)
+    assert [context.freed for context in contexts] == [1, 1]

@@ -1,0 +1,66 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from mimoc.errors import UnknownNameError
+from mimoc.runtime.rollout import POLICIES, Run
+
+
+def summary(env, policy="random", seed=0, steps=50):
+    """Return what happened in a run, without the time it took."""
+    run = Run(env, policy, seed)
+    for _ in range(steps):
+        run.step()
+    return dataclasses.replace(run.summary(), wall_s=0)
+
+
+@pytest.mark.parametrize("policy", POLICIES)
+def test_the_same_seed_gives_the_same_numbers(open_env, policy):
+    assert summary(open_env(), policy, seed=7) == summary(open_env(), policy, seed=7)
+
+
+def test_another_seed_gives_other_numbers(env):
+    assert summary(env, seed=1) != summary(env, seed=2)
+
+
+def test_an_environment_can_run_again(env):
+    first = summary(env)
+    assert summary(env, "zero") != first
+    assert summary(env) == first
+
+
+def test_a_run_is_summed_up(env):
+    run = Run(env, "random", seed=0)
+    heads = []
+    for _ in range(20):
+        run.step()
+        heads.append(env.data.geom("head").xpos[2])
+    told = run.summary()
+    assert (told.steps, told.episodes, told.total_reward, told.unstable) == (20, 1, 0.0, False)
+    assert told.simulated_s == pytest.approx(0.2)
+    assert told.wall_s > 0
+    assert told.head_height_m == (min(heads), max(heads))
+
+
+def test_nothing_commanded_is_calmer_than_anything(open_env):
+    env = open_env(scene={"kind": "flat", "pose": "supine"})
+    zero, random = summary(env, "zero", steps=200), summary(env, "random", steps=200)
+    assert zero.joint_speed_rad_s < 0.1 * random.joint_speed_rad_s
+    assert zero.hip_path_m < 0.1 * random.hip_path_m
+
+
+def test_a_simulation_that_breaks_down_begins_another_episode(env):
+    run = Run(env, "zero", seed=0)
+    run.step()
+    env.data.qvel[:] = np.nan
+    run.step()
+    run.step()
+    told = run.summary()
+    assert (told.steps, told.episodes, told.unstable) == (3, 2, True)
+    assert np.isfinite(dataclasses.astuple(told)[4:6] + told.head_height_m).all()
+
+
+def test_an_unknown_policy_is_refused(env):
+    with pytest.raises(UnknownNameError, match="'rnadom' is not a policy; did you mean 'random'"):
+        Run(env, "rnadom", seed=0)

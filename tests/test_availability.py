@@ -1,0 +1,149 @@
+"""What this version cannot build is refused, all at once and where it is written; nothing is passed over in silence.
+
+Texts are golden; renew them with `pytest --snapshot-update`.
+"""
+
+from pathlib import Path
+
+import pytest
+
+import mimoc
+from mimoc.errors import SpecError
+from mimoc.schema import InfantSpec
+
+HEAD = "mimo: 1\nname: x\nage_months: 9\n"
+
+EVERYTHING = (
+    HEAD
+    + """\
+body:
+  hands: five_finger
+  chest_joint: true
+  individual: {sex: female, length_percentile: 25}
+  measurements: {foot_length_cm: 11.2}
+  parts:
+    right_upper_arm: {length: 0.95}
+  remove: [left_lower_arm]
+actuation:
+  model: muscle
+  strength_age_months: 12
+  strength: {neck: 0.5}
+senses:
+  touch: {}
+  vision: {width_px: 64}
+delays:
+  preset: paper
+  sensory_ms: 50
+  proprioception_ms: 50
+  vestibular_ms: 50
+  touch_ms: 50
+  vision_ms: 100
+  motor_ms: 5
+scene:
+  kind: room
+  toys: {count: [1, 2]}
+task: {kind: reach}
+"""
+)
+"""One of each, so that one refusal shows them all."""
+
+CHOICES = {
+    "actuation.model": ("muscle", "position"),
+    "scene.kind": ("crib", "room"),
+    "delays.preset": ("paper", "physiological"),
+    "body.hands": ("five_finger",),
+}
+
+INERT = {"scene.seed", "scene.room"}
+"""Only a room has chance in it, and rooms are refused."""
+
+BUILT = {
+    "name": "other",
+    "age_months": 10,
+    "body.expression": "happy",
+    "senses.proprioception": {"include": ["velocity"]},
+    "senses.vestibular": {},
+    "scene.kind": "empty",
+    "scene.pose": "prone",
+    "control.step_ms": 20,
+    "control.timestep_ms": 2.5,
+}
+"""What this version builds: keys and values that are not the default."""
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def load(text: str) -> InfantSpec:
+    Path("spec.yaml").write_text(text)
+    return mimoc.load_spec("spec.yaml")
+
+
+def refusal_of(spec: InfantSpec) -> SpecError:
+    with pytest.raises(SpecError) as refusal:
+        mimoc.build(spec)
+    return refusal.value
+
+
+def with_value(key: str, value) -> InfantSpec:
+    """Return the smallest spec with one key, dotted, set to a value."""
+    data: dict = {"mimo": 1, "name": "x", "age_months": 9}
+    *sections, last = key.split(".")
+    section = data
+    for name in sections:
+        section = section.setdefault(name, {})
+    section[last] = value
+    return InfantSpec.model_validate(data)
+
+
+def test_everything_at_once_gets_this_text(snapshot):
+    assert str(refusal_of(load(EVERYTHING))) == snapshot
+
+
+def test_every_problem_is_at_its_key():
+    lines = EVERYTHING.splitlines()
+    problems = refusal_of(load(EVERYTHING)).problems
+    assert len(problems) == 21
+    for problem in problems:
+        assert lines[problem.line - 1][problem.column - 1 :].startswith(problem.key.split(".")[-1] + ":"), problem
+
+
+def test_a_spec_from_python_is_refused_with_its_name(snapshot):
+    assert str(refusal_of(with_value("senses.touch", {"density": 2}))) == snapshot
+
+
+@pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in CHOICES.items() for value in values])
+def test_a_choice_is_refused_by_name(key, value):
+    (problem,) = refusal_of(with_value(key, value)).problems
+    assert problem.key == key
+    assert f"'{value}' is not available in this version" in problem.message
+
+
+def test_nothing_is_built_by_half(tmp_path):
+    refusal_of(load(EVERYTHING))
+    assert [path.name for path in tmp_path.iterdir()] == ["spec.yaml"]
+
+
+def test_what_is_written_out_but_off_can_be_built():
+    text = "body: {chest_joint: false, measurements: {}, parts: {}, remove: []}\n"
+    text += "actuation: {strength: {}}\ndelays: {preset: none, motor_ms: 0}\n"
+    assert mimoc.build(load(HEAD + text)).files
+
+
+@pytest.mark.parametrize("key", BUILT)
+def test_what_is_accepted_makes_a_difference(key):
+    """Beyond the files that only repeat the spec."""
+    said = {"spec.yaml", "resolved.yaml", "provenance.json", "lock.json"}
+    before = mimoc.build(InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9})).files
+    after = mimoc.build(with_value(key, BUILT[key])).files
+    assert any(before.get(name) != content for name, content in after.items() if name not in said)
+
+
+def test_every_key_of_the_language_is_built_or_refused_or_known_to_be_inert():
+    refused = {problem.key for problem in refusal_of(load(EVERYTHING)).problems}
+    for section, field in InfantSpec.model_fields.items():
+        keys = getattr(field.annotation, "model_fields", None) or {"": None}
+        for key in (".".join(filter(None, (section, name))) for name in keys):
+            assert key in refused | BUILT.keys() | INERT | {"mimo"}, key

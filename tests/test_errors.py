@@ -1,0 +1,60 @@
+import inspect
+
+import pytest
+
+from mimoc import errors
+from mimoc.errors import MimocError, MissingExtraError, ModelError, Problem, SpecError, UnknownNameError, suggestion
+
+LIMBS = ["left_hand", "left_foot", "right_hand", "right_foot"]
+
+
+def test_a_problem_says_where_what_and_what_to_do():
+    problem = Problem("specs/a.yaml", 3, 7, "body.hands", "'miten' is not a choice; did you mean 'mitten'?")
+    assert str(problem) == "specs/a.yaml:3:7: body.hands: 'miten' is not a choice; did you mean 'mitten'?"
+
+
+def test_a_problem_of_the_whole_file_has_no_key():
+    assert str(Problem("a.yaml", 1, 1, "", "the file is empty")) == "a.yaml:1:1: the file is empty"
+
+
+def test_problems_come_once_each_in_the_order_of_the_file():
+    problems = [Problem("a.yaml", line, 1, "k", "wrong") for line in (10, 9, 10, 2)]
+    assert [problem.line for problem in SpecError(problems).problems] == [2, 9, 10]
+    assert str(SpecError(problems)).count("\n") == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("left_hnd", "did you mean 'left_hand'?"),
+        ("left_hoot", "did you mean 'left_foot'?"),
+        ("tail", "choose from left_foot, left_hand, right_foot, right_hand"),
+    ],
+)
+def test_the_nearest_name_is_suggested_and_else_all_are_listed(name, advice):
+    assert suggestion(name, LIMBS).startswith(advice.removesuffix("?"))
+
+
+def test_a_long_list_is_cut_short_and_says_so():
+    advice = suggestion("zzz", [f"toy_{index:03}" for index in range(500)])
+    assert advice.endswith("toy_039, ... (500 in all)")
+
+
+def test_a_name_is_refused_with_what_it_should_be():
+    assert str(UnknownNameError("limb", "tail", ["arm"])) == "'tail' is not a limb; choose from arm"
+
+
+def test_a_missing_extra_says_what_to_run():
+    assert str(MissingExtraError("matplotlib", "report")).endswith("pip install 'mimoc[report]'")
+
+
+def test_a_model_error_knows_its_element():
+    assert ModelError("refused", "head").element == "head"
+    assert ModelError("refused").element is None
+
+
+def test_every_error_is_a_mimoc_error_and_says_why_it_exists():
+    for _, kind in inspect.getmembers(errors, inspect.isclass):
+        if issubclass(kind, Exception):
+            assert issubclass(kind, MimocError)
+            assert kind.__doc__

@@ -1,0 +1,148 @@
+"""The wheel alone is enough: installed elsewhere, it builds an infant that plain MuJoCo opens."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from collections.abc import Callable
+from email.parser import BytesParser
+from pathlib import Path
+
+import mujoco
+import pytest
+
+import mimoc
+
+CHECKOUT = Path(__file__).resolve().parents[1]
+Run = Callable[..., str]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    """Return a wheel that was built from the checkout."""
+    folder = tmp_path_factory.mktemp("wheel")
+    build = ["-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(CHECKOUT)]
+    subprocess.run([sys.executable, *build], check=True, capture_output=True)
+    (found,) = folder.glob("*.whl")
+    return found
+
+
+@pytest.fixture(scope="module")
+def run(wheel, tmp_path_factory) -> Run:
+    """Return a function that runs a program of a new environment with the wheel, in an empty folder."""
+    home = tmp_path_factory.mktemp("environment")
+    venv.create(home, with_pip=False, symlinks=True)
+    scheme = {"base": str(home), "platbase": str(home)}
+    packages = Path(sysconfig.get_path("purelib", "venv", scheme))
+    options = ["--no-deps", "--no-index", "--no-warn-script-location", "--disable-pip-version-check", "--quiet"]
+    python = Path(sysconfig.get_path("scripts", "venv", scheme)) / "python"
+    subprocess.run([sys.executable, "-m", "pip", "--python", str(python), "install", *options, str(wheel)], check=True)
+    # What mimoc needs comes from here, where a .pth file's folders come last and their own .pth files are not read:
+    # so not from the checkout, even where mimoc is installed as editable.
+    dependencies = dict.fromkeys(sysconfig.get_path(kind) for kind in ("purelib", "platlib"))
+    (packages / "dependencies.pth").write_text("\n".join(dependencies) + "\n")
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+
+    def run(program: str, *arguments: object) -> str:
+        command = [str(python.with_name(program)), *map(str, arguments)]
+        done = subprocess.run(command, cwd=elsewhere, env=clean, capture_output=True, text=True, timeout=120)
+        assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+        return done.stdout
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def installed(run) -> Path:
+    """Return the folder that mimoc is imported from there."""
+    return Path(run("python", "-c", "import mimoc; print(mimoc.__file__)").strip()).parent
+
+
+def test_the_wheel_has_everything_and_nothing_else(wheel):
+    """Code, templates, the marker for type checkers, and tables and configs, which the checkout has beside mimoc."""
+    with zipfile.ZipFile(wheel) as archive:
+        inside = {name: archive.read(name) for name in archive.namelist() if ".dist-info/" not in name}
+    assert inside == {
+        **_files(CHECKOUT / "mimoc", "mimoc"),
+        **_files(CHECKOUT / "data", "mimoc/data"),
+        **_files(CHECKOUT / "configs", "mimoc/configs"),
+    }
+    expected = {
+        "mimoc/py.typed",
+        "mimoc/templates/infant.xml.j2",
+        "mimoc/templates/scene.xml.j2",
+        "mimoc/templates/README.md.j2",
+        "mimoc/data/README.md",
+        "mimoc/data/anthrokids.csv",
+        "mimoc/data/anthrokids_published_fits.csv",
+        "mimoc/data/who/length_for_age.csv",
+        "mimoc/data/who/weight_for_age.csv",
+        "mimoc/data/who/head_circumference_for_age.csv",
+        "mimoc/data/who/arm_circumference_for_age.csv",
+        *(
+            f"mimoc/configs/{name}.yaml"
+            for name in ("newborn", "six_months", "nine_months", "eighteen_months", "two_years")
+        ),
+    }
+    assert expected <= inside.keys()
+
+
+def test_the_wheel_says_what_it_is(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
+        metadata = BytesParser().parsebytes(archive.read(name))
+        assert any(name.endswith("/LICENSE") for name in archive.namelist())
+    assert (metadata["Name"], metadata["Version"]) == ("mimoc", mimoc.__version__)
+    assert metadata["License-Expression"] == "MIT"
+    assert set(metadata.get_all("Provides-Extra") or ()) == {"report", "toys", "record", "train", "test", "dev"}
+
+
+def test_mimoc_comes_from_the_wheel(run, installed):
+    assert CHECKOUT not in installed.parents
+    assert (installed / "data/anthrokids.csv").is_file()
+    assert not run("python", "-c", f"import sys; print([p for p in sys.path if p == {str(CHECKOUT)!r}] or '')").strip()
+
+
+def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tmp_path):
+    out = tmp_path / "infant"
+    assert str(out) in run("mimo", "build", installed / "configs/nine_months.yaml", "-o", out)
+    for file in ("scene.xml", "infant.xml"):
+        model = mujoco.MjModel.from_xml_path(str(out / file))
+        assert model.nu == 44
+        mujoco.mj_step(model, mujoco.MjData(model))
+    assert mimoc.read_bundle(out).files == _build_here("nine_months").files
+
+
+def test_commands_work_elsewhere(run):
+    assert "within one SD of the mean of WHO's boys and girls" in run("mimo", "validate", "--against", "who")
+    assert "mimo build" in run("python", "-m", "mimoc", "--help")
+    assert run("mimo", "--version").strip() == f"mimoc {mimoc.__version__}"
+
+
+def test_gymnasium_finds_the_environment_of_the_wheel(run, installed, tmp_path):
+    """`mimoc:` tells Gymnasium what to import; nothing else has to."""
+    run("mimo", "build", installed / "configs/newborn.yaml", "-o", tmp_path / "newborn")
+    code = f"""
+import gymnasium
+env = gymnasium.make("mimoc:mimoc/Infant-v0", bundle={str(tmp_path / "newborn")!r})
+env.reset(seed=0)
+env.step(env.action_space.sample())
+print(type(env.unwrapped).__module__)
+"""
+    assert run("python", "-c", code).strip() == "mimoc.runtime.env"
+
+
+def _files(folder: Path, name: str) -> dict[str, bytes]:
+    """Return what is in a folder, by its place in the wheel."""
+    return {
+        f"{name}/{path.relative_to(folder).as_posix()}": path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+def _build_here(name: str) -> mimoc.Bundle:
+    return mimoc.build(mimoc.load_spec(CHECKOUT / "configs" / f"{name}.yaml"))
