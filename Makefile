@@ -31,14 +31,14 @@ demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine 
 test: $(READY) opengl ## Lint, check types and run every test.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
+	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/pytest -n 2 --benchmark-disable
 
 golden: $(READY) ## Renew the golden files; read the difference before you commit it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
 
 bench: $(READY) ## Measure speed and the solver (minutes).
-	set -e; for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
+	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
 
 clean: ## Remove what was built here: .venv, out, caches.
 	rm -rf $(VENV) $(OUT) dist build .pytest_cache .ruff_cache .hypothesis .benchmarks

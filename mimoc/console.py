@@ -64,7 +64,7 @@ def print_growth(report: GrowthReport) -> None:
 
 
 def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:
-    table = Table(title=f"{LABELS[indicator]} against WHO", title_justify="left")
+    table = Table(title=f"{LABELS[indicator]} against WHO", title_justify="left", collapse_padding=True, pad_edge=False)
     for heading in ("months", "infant", "z boys", "z girls", "z mean", "% boys", "% girls", "% mean", ""):
         table.add_column(heading, justify="right")
     for row in rows:

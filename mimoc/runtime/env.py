@@ -14,7 +14,7 @@ from mimoc.errors import UnknownNameError
 from mimoc.runtime.actuation import ACTUATIONS
 from mimoc.runtime.model import broke_down, load_model
 from mimoc.runtime.portrait import Painter
-from mimoc.runtime.senses import SENSES, Sense
+from mimoc.runtime.senses import Sense, bind_senses
 from mimoc.runtime.senses.sense import FloatArray
 from mimoc.schema.manifest import Manifest
 from mimoc.units import to_steps
@@ -25,9 +25,9 @@ Observation = dict[str, npt.NDArray[Any]]
 class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     """An infant in its world.
 
-    Observation: a dictionary of one float32 array a sense. Action: one Box, a command for each actuator.
-    The reward is zero: a bundle without a task has no goal. An episode ends only if the simulation
-    becomes unstable, which `info["unstable"]` then says.
+    Observation: a dictionary of one float32 array a sense; `nothing`, a zero, for an infant without senses.
+    Action: one Box, a command for each actuator. The reward is zero: a bundle without a task has no goal.
+    An episode ends only if the simulation becomes unstable, which `info["unstable"]` then says.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
@@ -130,9 +130,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Find everything the manifest names in the model, once."""
         self._steps = to_steps(manifest.step_ms, manifest.timestep_ms)
         self._act = ACTUATIONS[manifest.actuation.model](manifest.actuation, self.model)
-        self._senses: Mapping[str, Sense] = {
-            name: SENSES[name](entry, manifest.actuation, self.model) for name, entry in manifest.senses if entry
-        }
+        self._senses: Mapping[str, Sense] = bind_senses(manifest, self.model)
         self._bounds = {name: (sense.low, sense.high) for name, sense in self._senses.items()}
         self.action_space = gymnasium.spaces.Box(
             self._act.low.astype(np.float32), self._act.high.astype(np.float32), dtype=np.float32

@@ -107,7 +107,7 @@ def test_the_layout_of_a_sense_that_is_off_is_refused(open_env):
         env.layout("proprioception")
 
 
-@pytest.mark.parametrize("senses", [[], ["proprioception"], ["vestibular"], ["proprioception", "vestibular"]])
+@pytest.mark.parametrize("senses", [["proprioception"], ["vestibular"], ["proprioception", "vestibular"]])
 def test_a_sense_that_is_not_named_is_off(open_env, senses):
     env = open_env(senses={sense: {} for sense in senses})
     assert list(env.observation_space) == senses
@@ -232,3 +232,11 @@ def test_what_is_no_number_is_felt_as_zero(env):
     assert terminated
     assert observation in env.observation_space
     assert not observation["vestibular"].any()
+
+
+def test_an_infant_without_senses_observes_a_zero():
+    """Gymnasium allows no empty observation, and a spec need not name any sense."""
+    env = mimoc.make(mimoc.build(mimoc.InfantSpec(mimo=1, name="senseless", age_months=3)))
+    check_env(env.unwrapped)
+    observation, _ = env.reset(seed=0)
+    assert observation == {"nothing": 0.0}

@@ -5,10 +5,11 @@ from typing import Any
 
 import mujoco
 
+from mimoc.runtime.senses.nothing import Nothing
 from mimoc.runtime.senses.proprioception import bind_proprioception
 from mimoc.runtime.senses.sense import Sense
 from mimoc.runtime.senses.vestibular import bind_vestibular
-from mimoc.schema.manifest import ActuationEntry
+from mimoc.schema.manifest import ActuationEntry, Manifest
 
 SENSES: Mapping[str, Callable[[Any, ActuationEntry, mujoco.MjModel], Sense]] = {
     "proprioception": bind_proprioception,
@@ -16,4 +17,11 @@ SENSES: Mapping[str, Callable[[Any, ActuationEntry, mujoco.MjModel], Sense]] = {
 }
 """By kind: from the entry in the manifest and the model to a sense."""
 
-__all__ = ["SENSES", "Sense"]
+
+def bind_senses(manifest: Manifest, model: mujoco.MjModel) -> dict[str, Sense]:
+    """Return the senses of an infant by name; one that has none observes nothing."""
+    senses = {name: SENSES[name](entry, manifest.actuation, model) for name, entry in manifest.senses if entry}
+    return senses or {"nothing": Nothing()}
+
+
+__all__ = ["SENSES", "Sense", "bind_senses"]

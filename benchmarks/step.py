@@ -1,0 +1,65 @@
+"""What a control step costs: two physics steps of 5 ms, felt, beside the same physics in a bare loop.
+
+    python benchmarks/step.py [--rounds 100]
+
+Both go through the same states: the same reset, and the same random command for each control step. The bare loop
+writes the command and calls `mujoco.mj_step` twice. The infants are those of `configs/`; the environment is the one
+that `gymnasium.make` returns, with Gymnasium's own wrappers. Wanted: at most 1.3 times.
+"""
+
+import argparse
+from functools import partial
+from pathlib import Path
+
+import gymnasium
+import mujoco
+import numpy as np
+from measuring import cpu_medians_s
+
+import mimoc
+
+CONFIGS = sorted((Path(__file__).parents[1] / "configs").glob("*.yaml"))
+CONTROL_STEPS = 50
+
+
+def main() -> None:
+    """Print one row for each infant."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=100)
+    rounds = parser.parse_args().rounds
+    print(f"{'infant':17} {'numbers':>8} {'mimoc [us]':>11} {'bare [us]':>10} {'ratio':>6}")
+    for config in CONFIGS:
+        env = mimoc.make(mimoc.build(mimoc.load_spec(config)))
+        shape = (CONTROL_STEPS, *env.action_space.shape)
+        commands = np.random.default_rng(0).uniform(-1, 1, shape).astype(np.float32)
+        model = env.unwrapped.model
+        data = mujoco.MjData(model)
+        start = model.key(env.unwrapped.manifest.pose).id
+        candidates = {"mimoc": partial(felt, env, commands), "bare": partial(bare, model, data, start, commands)}
+        step_us = {name: 1e6 * s / CONTROL_STEPS for name, s in cpu_medians_s(candidates, rounds).items()}
+        if not np.array_equal(env.unwrapped.data.qpos, data.qpos):
+            raise SystemExit("the two did not go through the same states")
+        numbers = gymnasium.spaces.flatdim(env.observation_space)
+        ratio = step_us["mimoc"] / step_us["bare"]
+        print(f"{config.stem:17} {numbers:8} {step_us['mimoc']:11.1f} {step_us['bare']:10.1f} {ratio:6.2f}", flush=True)
+
+
+def felt(env: gymnasium.Env, commands: np.ndarray) -> None:
+    """Run an episode in the environment."""
+    env.reset(seed=0)
+    for command in commands:
+        env.step(command)
+
+
+def bare(model: mujoco.MjModel, data: mujoco.MjData, start: int, commands: np.ndarray) -> None:
+    """Run the same episode with nothing but MuJoCo."""
+    mujoco.mj_resetDataKeyframe(model, data, start)
+    mujoco.mj_forward(model, data)
+    for command in commands:
+        data.ctrl[:] = command
+        mujoco.mj_step(model, data)
+        mujoco.mj_step(model, data)
+
+
+if __name__ == "__main__":
+    main()

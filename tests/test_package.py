@@ -1,0 +1,111 @@
+import ast
+import json
+import subprocess
+import sys
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+import mimoc
+
+HEAVY = ["mujoco", "scipy", "pydantic", "yaml", "jinja2", "lxml", "trimesh", "PIL", "typer", "rich", "matplotlib"]
+
+
+def python(*lines):
+    """Return what some lines print, as JSON, in a Python of their own; anything on standard error is a failure."""
+    code = "\n".join(("import json, sys", *lines))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def folder(bundle_at, tmp_path_factory):
+    return mimoc.write_bundle(bundle_at(9), tmp_path_factory.mktemp("bundles") / "infant")
+
+
+def test_every_public_name_is_there_and_has_one_home():
+    for name in mimoc.__all__:
+        assert getattr(mimoc, name) is not None
+        if name != "__version__":
+            assert getattr(import_module(mimoc._HOMES[name]), name) is getattr(mimoc, name)
+    assert dir(mimoc) == sorted(mimoc.__all__)
+    assert set(mimoc.__all__) == {*mimoc._HOMES, "__version__"}
+
+
+def test_type_checkers_are_told_of_the_same_homes():
+    imports = [node for node in ast.walk(ast.parse(Path(mimoc.__file__).read_text())) if isinstance(node, ast.If)]
+    told = {
+        name.name: node.module
+        for node in ast.walk(imports[0])
+        if isinstance(node, ast.ImportFrom)
+        for name in node.names
+    }
+    assert told == mimoc._HOMES
+
+
+def test_a_name_that_mimoc_does_not_have_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="module 'mimoc' has no attribute 'biuld'"):
+        _ = mimoc.biuld
+    assert not hasattr(mimoc, "biuld")
+
+
+def test_the_version_is_that_of_the_installed_package():
+    assert mimoc.__version__ == version("mimoc")
+
+
+# What is loaded when.
+
+
+def test_importing_mimoc_loads_nothing_heavy():
+    assert python("import mimoc", f"print(json.dumps([m for m in {HEAVY} if m in sys.modules]))") == []
+
+
+def test_loading_a_spec_loads_no_mathematics_and_no_mujoco(folder):
+    loaded = python(
+        "from mimoc.schema import read_spec",
+        "from mimoc.source import read",
+        f"read_spec(read({str(folder / 'spec.yaml')!r}))",
+        f"print(json.dumps([m for m in {HEAVY} if m in sys.modules]))",
+    )
+    assert loaded == ["pydantic", "yaml"]
+
+
+def test_running_a_bundle_loads_nothing_that_compiles(folder):
+    loaded = python(
+        "import mimoc",
+        f"mimoc.make({str(folder)!r}).reset(seed=0)",
+        f"print(json.dumps([m for m in sys.modules if m in {HEAVY} or m.startswith('mimoc.')]))",
+    )
+    assert not {"scipy", "jinja2", "lxml", "trimesh", "PIL", "typer", "rich", "matplotlib"} & set(loaded)
+    assert not {"mimoc.body", "mimoc.scene", "mimoc.fits", "mimoc.render", "mimoc.pipeline"} & set(loaded)
+
+
+# Gymnasium.
+
+MAKE = "env = gymnasium.make({name!r}, bundle={folder!r}); print(json.dumps(list(env.reset(seed=0)[0])))"
+
+
+@pytest.mark.parametrize(
+    ("imports", "name"),
+    [
+        ("import mimoc, gymnasium", "mimoc/Infant-v0"),
+        ("import gymnasium, mimoc", "mimoc/Infant-v0"),
+        ("import gymnasium", "mimoc:mimoc/Infant-v0"),
+    ],
+)
+def test_gymnasium_makes_infants_whatever_was_imported_first(imports, name, folder):
+    senses = python(imports, MAKE.format(name=name, folder=str(folder)))
+    assert senses == ["proprioception", "vestibular"]
+
+
+def test_registering_again_changes_nothing():
+    assert python(
+        "import gymnasium, mimoc",
+        "from mimoc.registration import register_envs",
+        "before = dict(gymnasium.registry)",
+        "register_envs()",
+        "print(json.dumps(before == dict(gymnasium.registry)))",
+    )

@@ -1,0 +1,1 @@
+"""lxml is compiled and comes without types."""
