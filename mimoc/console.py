@@ -27,6 +27,15 @@ LABELS = {
 }
 
 
+PIPE_WIDTH = 200
+"""Columns where no terminal says how many there are: enough for lines to stay whole, as `grep` wants them."""
+
+
+def _console() -> Console:
+    console = Console(markup=False, highlight=False)
+    return console if console.is_terminal else Console(markup=False, highlight=False, width=PIPE_WIDTH)
+
+
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[int, int], None]]:
     """Show a progress bar on the terminal; yields the function that is told how much is done, and of how much."""
@@ -46,12 +55,12 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     table.add_column("WHO percentile", justify="right")
     for name, value in percentiles.items():
         table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
-    Console(markup=False, highlight=False).print(table)
+    _console().print(table)
 
 
 def print_growth(report: GrowthReport) -> None:
     """Print one table for each indicator, a row for each age, and what it comes to."""
-    console = Console(markup=False, highlight=False)
+    console = _console()
     for indicator, worst in report.worst.items():
         console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
         console.print(f"furthest from WHO's mean at {worst.age_months:g} months: z = {worst.z['mean']:+.2f}\n")
@@ -101,7 +110,7 @@ def print_run(summary: Summary) -> None:
     }
     for what, value in rows.items():
         table.add_row(what, value)
-    console = Console(markup=False, highlight=False)
+    console = _console()
     console.print(table)
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
@@ -109,7 +118,7 @@ def print_run(summary: Summary) -> None:
 
 def print_check(checks: Iterable[PoseCheck]) -> bool:
     """Print the check of each pose as it comes in; return whether all passed."""
-    console, passed = Console(markup=False, highlight=False), True
+    console, passed = _console(), True
     for check in checks:
         passed &= check.passed
         verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
@@ -120,7 +129,7 @@ def print_check(checks: Iterable[PoseCheck]) -> bool:
 
 def print_explanation(explanation: Explanation) -> None:
     """Print where a number comes from, as a tree."""
-    Console(markup=False, highlight=False).print(_branch(explanation))
+    _console().print(_branch(explanation))
 
 
 def _branch(explanation: Explanation) -> Tree:
