@@ -86,8 +86,8 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Pat
         BundleError: If there is something that must not be replaced, or the folder cannot be written.
     """
     target = Path(os.path.expanduser(out))
-    place = Path(os.path.realpath(target))
     try:
+        place = Path(os.path.realpath(target))
         _refuse_to_lose(place, target, force)
         place.parent.mkdir(parents=True, exist_ok=True)
         _sweep(place)
@@ -100,6 +100,8 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Pat
             shutil.rmtree(staging, ignore_errors=True)
     except OSError as error:
         raise BundleError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
+    except ValueError:
+        raise BundleError(f"{str(target)!r}: a folder cannot have this name; choose another folder") from None
     return target
 
 
@@ -189,6 +191,9 @@ def _refuse_to_lose(place: Path, target: Path, force: bool) -> None:
         return
     if not place.is_dir():
         raise BundleError(f"{target}: this is a file; name a new folder")
+    if Path.cwd().is_relative_to(place) or os.path.ismount(place):
+        reason = "a mounted folder" if os.path.ismount(place) else "the folder you are in"
+        raise BundleError(f"{target}: {reason} cannot be replaced as a whole; name a new folder inside it")
     if not any(place.iterdir()):
         return
     content = _read(place / LOCK, MAX_LOCK_BYTES + 1)
@@ -200,6 +205,8 @@ def _refuse_to_lose(place: Path, target: Path, force: bool) -> None:
 
 def _fill(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files into an empty folder."""
+    if outside := [name for name in files if not _is_inside(name)]:
+        raise BundleError(f"'{outside[0]}' is not within the bundle; nothing is written outside its folder")
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -219,7 +226,15 @@ def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> N
 
 def _staging_prefix(place: Path) -> str:
     """Return how the names of this machine's unfinished folders for a bundle begin; a process number follows."""
-    return f".{place.name}.mimoc-{socket.gethostname()}-"
+    return f".{place.name}.mimoc-{socket.gethostname()}-{_process_space()}-"
+
+
+def _process_space() -> str:
+    """Return what tells apart containers on one machine, which count their processes each for itself."""
+    try:
+        return str(os.stat("/proc/self/ns/pid").st_ino)
+    except OSError:
+        return "0"
 
 
 def _sweep(place: Path) -> None:

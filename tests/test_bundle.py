@@ -6,11 +6,11 @@ import os
 import random
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -298,11 +298,26 @@ def test_home_relative_and_missing_folders_are_understood(tmp_path, monkeypatch,
     assert len(list(tmp_path.rglob(LOCK))) == 1
 
 
-def test_the_working_directory_itself_can_be_written_to(out, monkeypatch):
+def test_the_working_directory_is_not_pulled_away(out, monkeypatch):
+    """Its name would go to another folder, and a shell in it would see the old one, empty."""
     out.mkdir()
     monkeypatch.chdir(out)
-    write_bundle(ONE, ".")
-    assert read_bundle(out).files == ONE.files
+    with pytest.raises(BundleError, match="the folder you are in"):
+        write_bundle(ONE, ".")
+    assert write_bundle(ONE, "inside").exists()
+
+
+def test_nothing_is_written_outside_the_folder(out):
+    stray = replace(ONE, files={**ONE.files, "../stray": b""})
+    with pytest.raises(BundleError, match="not within the bundle"):
+        write_bundle(stray, out)
+    assert not out.exists()
+    assert os.listdir(out.parent) == []
+
+
+def test_impossible_names_are_refused(tmp_path):
+    with pytest.raises(BundleError, match="cannot have this name"):
+        write_bundle(ONE, tmp_path / "no\0name")
 
 
 @pytest.mark.parametrize("name", ["with blank", "run[1]", "run*", "häschen", "-o", ".hidden", "a" * 100])
@@ -525,7 +540,7 @@ def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, nursery):
 def test_only_what_a_dead_build_of_the_same_bundle_left_is_swept(tmp_path, nursery, name):
     dead = nursery.start("no such function")
     wait_until(lambda: not is_alive(dead))
-    ours = f".{name}.mimoc-{socket.gethostname()}-"
+    ours = bundle_module._staging_prefix(tmp_path / name)
     swept, *kept = [
         f"{ours}{dead}-1",
         f"{ours}{os.getpid()}-1",
