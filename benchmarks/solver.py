@@ -1,6 +1,6 @@
 """Which solver settings an infant needs: speed, convergence and warnings over many random-control steps.
 
-    python benchmarks/solver.py [--steps 100000]
+    python benchmarks/solver.py [--steps 100000] [--hands five_finger] [--actuation muscle]
 
 Every step's residual is taken: |M a - f_smooth - f_constraint|, the gradient of the problem that the solver
 minimises, relative to the forces in it. A step counts as converged below 1e-6. Commands are drawn anew for
@@ -18,6 +18,8 @@ import numpy as np
 import mimoc
 from mimoc.runtime.model import load_model, simulation_warnings
 
+BODIES = ("mitten", "five_finger")
+"""The second with the joints of the chest: all that there is."""
 AGES_MONTHS = (0, 1, 3, 6, 9, 12, 18, 24)
 CONVERGED = 1e-6
 EPISODE_STEPS = 400
@@ -42,24 +44,42 @@ class Tally:
 
 
 def main() -> None:
-    """Print one row for each candidate."""
+    """Print one row for each candidate of each body."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steps", type=int, default=100_000, help="physics steps of the settings as emitted")
     parser.add_argument("--others", type=int, default=10_000, help="physics steps of every other candidate")
+    parser.add_argument("--hands", choices=BODIES, nargs="*", default=BODIES)
+    parser.add_argument("--actuation", choices=("torque", "muscle"), default="torque")
     options = parser.parse_args()
-    models = [load_model(mimoc.build(mimoc.InfantSpec(mimo=1, name="infant", age_months=age))) for age in AGES_MONTHS]
-    print(f"MuJoCo {mujoco.__version__}")
+    print(f"MuJoCo {mujoco.__version__}, {options.actuation}")
     heads = ("steps", "steps/s", "median", "worst", "failed", "most it.")
-    print(f"{'settings':18}", *(f"{head:>8}" for head in heads), " warnings")
-    for name, settings in CANDIDATES.items():
-        tally = run(models, settings, options.steps if name == "as emitted" else options.others)
-        residuals = np.array(tally.residuals)
-        print(
-            f"{name:18} {len(residuals):8} {len(residuals) / tally.cpu_s:8.0f} {np.median(residuals):8.1e} "
-            f"{residuals.max():8.1e} {(residuals > CONVERGED).sum():8} {max(tally.iterations):8}  "
-            f"{', '.join(sorted(tally.warnings)) or 'none'}",
-            flush=True,
-        )
+    for hands in options.hands:
+        print(f"{hands:18}", *(f"{head:>8}" for head in heads), " warnings")
+        models = [load_model(mimoc.build(_spec(age, hands, options.actuation))) for age in AGES_MONTHS]
+        for name, settings in CANDIDATES.items():
+            _print(name, run(models, settings, options.steps if name == "as emitted" else options.others))
+
+
+def _spec(age_months: float, hands: str, actuation: str) -> mimoc.InfantSpec:
+    return mimoc.InfantSpec.model_validate(
+        {
+            "mimo": 1,
+            "name": "infant",
+            "age_months": age_months,
+            "body": {"hands": hands, "chest_joint": hands == "five_finger"},
+            "actuation": {"model": actuation},
+        }
+    )
+
+
+def _print(name: str, tally: Tally) -> None:
+    residuals = np.array(tally.residuals)
+    print(
+        f"{name:18} {len(residuals):8} {len(residuals) / tally.cpu_s:8.0f} {np.median(residuals):8.1e} "
+        f"{residuals.max():8.1e} {(residuals > CONVERGED).sum():8} {max(tally.iterations):8}  "
+        f"{', '.join(sorted(tally.warnings)) or 'none'}",
+        flush=True,
+    )
 
 
 def run(models: list[mujoco.MjModel], settings: dict[str, int], steps: int) -> Tally:

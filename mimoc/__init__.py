@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from mimoc.bundle import Bundle, read_bundle, write_bundle
     from mimoc.errors import MimocError
     from mimoc.pipeline import build, load_spec
-    from mimoc.runtime import InfantEnv, make
+    from mimoc.runtime import InfantEnv, make, torque_limits
     from mimoc.schema import InfantSpec
 
 _HOMES = {
@@ -22,6 +22,7 @@ _HOMES = {
     "load_spec": "mimoc.pipeline",
     "make": "mimoc.runtime",
     "read_bundle": "mimoc.bundle",
+    "torque_limits": "mimoc.runtime",
     "write_bundle": "mimoc.bundle",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
@@ -36,6 +37,7 @@ __all__ = [
     "load_spec",
     "make",
     "read_bundle",
+    "torque_limits",
     "write_bundle",
 ]
 

@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 
+from mimoc.body import assemble
 from mimoc.errors import Problem, SpecError
 from mimoc.schema import InfantSpec
+from mimoc.schema.names import unsided
 
 KeyPath = tuple[str, ...]
 
@@ -23,8 +25,6 @@ def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each key that asks for too much, what it asks for, and what to write instead."""
     leave_out = "leave it out"
     choices = (
-        (("body", "hands"), spec.body.hands, ("mitten",)),
-        (("actuation", "model"), spec.actuation.model, ("torque",)),
         (("delays", "preset"), spec.delays.preset, ("none",)),
         (("scene", "kind"), spec.scene.kind, ("flat", "empty")),
     )
@@ -32,13 +32,6 @@ def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
         if value not in known:
             yield path, f"'{value}'", f"use {' or '.join(known)}"
     sections = (
-        (("body", "chest_joint"), spec.body.chest_joint, "a joint in the chest"),
-        (("body", "individual"), spec.body.individual, "one child instead of the average one"),
-        (("body", "measurements"), spec.body.measurements, "replacing measurements"),
-        (("body", "parts"), spec.body.parts, "scaling single parts"),
-        (("body", "remove"), spec.body.remove, "removing limbs"),
-        (("actuation", "strength_age_months"), spec.actuation.strength_age_months, "a strength of another age"),
-        (("actuation", "strength"), spec.actuation.strength, "strength by group"),
         (("senses", "touch"), spec.senses.touch, "touch"),
         (("senses", "vision"), spec.senses.vision, "vision"),
         (("scene", "toys"), spec.scene.toys, "placing toys"),
@@ -47,6 +40,10 @@ def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     for path, value, what in sections:
         if value not in (None, False) and value != () and value != {}:
             yield path, what, leave_out
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
+    for key in spec.body.measurements:
+        if unsided(key) not in anatomy.follows:
+            yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", leave_out
     for key, value in spec.delays:
         if isinstance(value, float) and value > 0:
             yield ("delays", key), "a delay", leave_out

@@ -52,7 +52,8 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
     table.add_column("measure")
     table.add_column("value", justify="right")
-    table.add_column("WHO percentile", justify="right")
+    among = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
+    table.add_column(f"WHO percentile, {among}", justify="right")
     for name, value in percentiles.items():
         table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
     _console().print(table)

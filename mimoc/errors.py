@@ -40,6 +40,10 @@ class GeometryError(MimocError):
     """Measurements that no body can have."""
 
 
+class IndividualError(MimocError):
+    """A child that there is none of."""
+
+
 class DataError(MimocError):
     """A table that came with mimoc is missing or damaged."""
 

@@ -9,11 +9,13 @@ import mujoco
 
 from mimoc import body, bundle, fits, render, scene, source
 from mimoc.availability import refuse_unavailable
+from mimoc.blame import blame
 from mimoc.body.provenance import trace_body
-from mimoc.errors import ModelError
+from mimoc.errors import GeometryError, IndividualError, ModelError, SpecError
 from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.scene.manifest import describe
+from mimoc.scene.provenance import trace_drive
 from mimoc.schema import InfantSpec, read_spec, to_data
 from mimoc.schema.manifest import ChildEntry, Manifest
 from mimoc.version import __version__
@@ -34,17 +36,25 @@ def build(spec: InfantSpec) -> bundle.Bundle:
     """Compile a spec: a pure function, the same spec gives the same bytes.
 
     Raises:
-        SpecError: If the spec asks for what this version cannot build.
-        GeometryError: If no body has its measurements.
+        SpecError: If the spec asks for what this version cannot build, or for a child that there is none of.
         ModelError: If MuJoCo refuses the model.
     """
     refuse_unavailable(spec)
-    measurements = fits.measure(spec.age_months)
-    tree = body.grow(measurements)
+    written = _as_written(spec)
+    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
+    try:
+        measurements = body.measure_child(spec, anatomy)
+        tree = body.grow_child(spec, measurements, anatomy)
+    except (GeometryError, IndividualError) as error:
+        raise SpecError([blame(error, spec, written)]) from None
     world = scene.compose(spec, tree)
     manifest = Manifest.model_validate(render.rounded(describe(spec, tree, world).model_dump()))
-    written = _as_written(spec)
-    provenance = {**_trace_spec(spec, written), **trace_body(measurements, tree)}
+    scaled = {name: tuple(f"spec.body.parts.{name}.{key}" for key, _ in part) for name, part in spec.body.parts.items()}
+    provenance = {
+        **_trace_spec(spec, written),
+        **trace_body(measurements, anatomy, tree, scaled),
+        **trace_drive(spec.actuation.model, anatomy, tree, world.actuators),
+    }
     files = {
         **render.render_scene(world),
         SPEC_FILE: written.text.encode(),
@@ -61,15 +71,15 @@ def build(spec: InfantSpec) -> bundle.Bundle:
 
 
 def who_percentiles(child: ChildEntry) -> dict[str, float]:
-    """Return where a child stands among WHO's boys and girls of its age, 0 to 100, by indicator.
+    """Return where a child stands among WHO's children of its age and sex, 0 to 100, by indicator.
 
     An indicator that WHO has no standard for at that age is left out.
     """
     measures = child.model_dump()
     return {
-        indicator: percentile(standard.z_score(measures[indicator], child.age_months, "mean"))
+        indicator: percentile(standard.z_score(measures[indicator], child.age_months, child.sex or "mean"))
         for indicator, standard in fits.load_tables().who.items()
-        if standard.covers(child.age_months)
+        if standard.covers(child.age_months) and measures[indicator] is not None
     }
 
 

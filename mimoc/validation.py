@@ -116,13 +116,13 @@ class GrowthReport:
 
 
 def grow_against_who(
-    spec: InfantSpec | None = None, months: Iterable[float] = MONTHS, progress: Progress | None = None
+    spec: InfantSpec | None = None, months: Iterable[float] | None = None, progress: Progress | None = None
 ) -> GrowthReport:
     """Return how an infant, compiled at every age, compares with WHO's children.
 
     Args:
         spec: The infant, measured at its own age too; None is the average child.
-        months: Ages in months, 0 to 24.
+        months: Ages in months, 0 to 24; None is every whole one, unless the spec gives measures of one age.
         progress: Called after each age.
 
     Raises:
@@ -131,6 +131,8 @@ def grow_against_who(
     own_age = [spec.age_months] if spec else []
     infant = spec or InfantSpec(mimo=1, name="average_child", age_months=0)
     refuse_unavailable(infant)
+    if months is None:
+        months = () if _is_of_one_age(infant) else MONTHS
     ages = sorted({*map(float, months), *own_age})
     rows: list[Row] = []
     for done, age_months in enumerate(ages, start=1):
@@ -141,13 +143,21 @@ def grow_against_who(
     return GrowthReport(tuple(rows))
 
 
+def _is_of_one_age(spec: InfantSpec) -> bool:
+    """Say whether a spec gives lengths or weights, which fit no age but its own; percentiles and factors fit all."""
+    individual = spec.body.individual
+    measured = individual and (individual.length_cm, individual.weight_kg, individual.head_circumference_cm)
+    return bool(spec.body.measurements) or any(value is not None for value in measured or ())
+
+
 def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     """Return the model of a spec as MuJoCo compiles it from the files of a bundle.
 
     Raises:
         ModelError: If MuJoCo refuses it.
     """
-    tree = body.grow(fits.measure(spec.age_months))
+    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
+    tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     return compile_model(render.render_scene(scene.compose(spec, tree)))
 
 
@@ -157,21 +167,16 @@ def measure_compiled(model: mujoco.MjModel) -> Stature:
         length_cm=m_to_cm(_standing_height_m(model)),
         weight_kg=float(model.body_subtreemass[model.body(ROOT).id]),
         head_circumference_cm=m_to_cm(_girth_m(model, "head")),
-        arm_circumference_cm=m_to_cm(_girth_m(model, "left_uarm1")),
+        arm_circumference_cm=_arm_circumference_cm(model),
     )
 
 
 def compare_with_who(age_months: float, measures: Stature) -> list[Row]:
     """Return the rows of one age: one for each indicator that WHO has a standard for at that age."""
     return [
-        Row(
-            age_months,
-            indicator,
-            value := float(measures[indicator]),
-            {reference: standard.z_score(value, age_months, reference) for reference in REFERENCES},
-        )
+        Row(age_months, indicator, value, {to: standard.z_score(value, age_months, to) for to in REFERENCES})
         for indicator, standard in fits.load_tables().who.items()
-        if standard.covers(age_months)
+        if standard.covers(age_months) and (value := measures[indicator]) is not None
     ]
 
 
@@ -184,6 +189,13 @@ def _row_data(row: Row) -> dict[str, Any]:
         "percentile": row.percentile,
         "outside_one_sd": row.outside,
     }
+
+
+def _arm_circumference_cm(model: mujoco.MjModel) -> float | None:
+    """Return the girth of the left upper arm, of the right one where there is no left, or None."""
+    geom = mujoco.mjtObj.mjOBJ_GEOM
+    arms = [name for name in ("left_uarm1", "right_uarm1") if mujoco.mj_name2id(model, geom, name) >= 0]
+    return m_to_cm(_girth_m(model, arms[0])) if arms else None
 
 
 def _girth_m(model: mujoco.MjModel, geom: str) -> float:

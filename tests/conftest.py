@@ -4,7 +4,9 @@ import csv
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,12 +14,15 @@ import pytest
 from hypothesis import settings
 
 import mimoc
+from mimoc.validation import compile_infant
 
 settings.register_profile("mimoc", deadline=None, derandomize=True)
 settings.load_profile("mimoc")
 
 SENSES = {"proprioception": {}, "vestibular": {}}
 QUARTER_MONTHS = tuple(quarter / 4 for quarter in range(97))
+BODIES = {"mitten": ("mitten", False), "five_finger": ("five_finger", True)}
+"""Hands and chest joint: between them, everything a body can have."""
 CHEST = "robot:chest_"
 """How the joints begin that a body with a rigid chest does not have."""
 REFERENCE = Path(__file__).parent / "reference"
@@ -28,6 +33,7 @@ class Infant:
     """A compiled infant that stands straight, all joints at zero; shared, so never to be written to."""
 
     age_months: float
+    hands: str
     model: mujoco.MjModel = field(repr=False)
     data: mujoco.MjData = field(repr=False)
 
@@ -36,6 +42,13 @@ class Infant:
         ids = [self.model.body(body).id for body in bodies]
         geoms = map(self.model.geom, range(self.model.ngeom))
         return [geom.name for geom in geoms if geom.bodyid[0] in ids and geom.group[0] == 0]
+
+    def limb(self, body: str) -> list[str]:
+        """Return the geoms of a body and of everything attached to it, without what only shows."""
+        limb = {self.model.body(body).id}
+        for index in range(self.model.nbody):
+            limb |= {index} if self.model.body_parentid[index] in limb else set()
+        return self.geoms(*(self.model.body(index).name for index in sorted(limb)))
 
     def span_m(self, direction: np.ndarray, geoms: list[str]) -> tuple[float, float]:
         """Return how far some geoms reach against and along a unit vector of the world."""
@@ -52,45 +65,78 @@ class Infant:
         return float(size[0] + size[1] * z)
 
 
-@cache
-def _bundle(age_months: float) -> mimoc.Bundle:
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "senses": SENSES}
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+def spec_of(age_months: float, **body: Any) -> mimoc.InfantSpec:
+    """Return the spec of a child of an age, the average one if nothing else is said of its body."""
+    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": body, "senses": SENSES}
+    return mimoc.InfantSpec.model_validate(spec)
 
 
 @cache
-def _infant(age_months: float) -> Infant:
-    files = _bundle(age_months).files
-    model = mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
+def _bundle(age_months: float, hands: str = "mitten", chest_joint: bool = False) -> mimoc.Bundle:
+    return mimoc.build(spec_of(age_months, hands=hands, chest_joint=chest_joint))
+
+
+@cache
+def _infant(age_months: float, hands: str = "mitten", chest_joint: bool = False) -> Infant:
+    return _compile(spec_of(age_months, hands=hands, chest_joint=chest_joint))
+
+
+def _compile(spec: mimoc.InfantSpec) -> Infant:
+    model = compile_infant(spec)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return Infant(age_months, model, data)
+    return Infant(spec.age_months, spec.body.hands, model, data)
 
 
 @pytest.fixture(scope="session")
-def bundle_at() -> Callable[[float], mimoc.Bundle]:
-    """Return the bundle of the average child of an age."""
+def bundle_at() -> Callable[..., mimoc.Bundle]:
+    """Return the bundle of the average child of an age, its hands and its chest joint."""
     return _bundle
 
 
 @pytest.fixture(scope="session")
-def infant_at() -> Callable[[float], Infant]:
-    """Return the compiled average child of an age."""
+def infant_at() -> Callable[..., Infant]:
+    """Return the compiled average child of an age, its hands and its chest joint."""
     return _infant
 
 
 @pytest.fixture(scope="session")
-def infants() -> list[Infant]:
-    """Return the average child at every quarter of a month from birth to two years."""
-    return [_infant(age_months) for age_months in QUARTER_MONTHS]
+def infant_with() -> Callable[..., Infant]:
+    """Return the compiled child of nine months, or of another age, with whatever a spec can say of its body."""
+    return lambda age_months=9, **body: _compile(spec_of(age_months, **body))
+
+
+@pytest.fixture(scope="session", params=BODIES)
+def infants(request) -> list[Infant]:
+    """Return the average child at every quarter of a month from birth to two years: mittens, then everything."""
+    return [_infant(age_months, *BODIES[request.param]) for age_months in QUARTER_MONTHS]
+
+
+@pytest.fixture(scope="session", params=product(("mitten", "five_finger"), (False, True)), ids=str)
+def hands_and_chest(request) -> tuple[str, bool]:
+    """Return each kind of hands, with and without the joints of the chest."""
+    return request.param
 
 
 @pytest.fixture(scope="session")
-def reference() -> Callable[[str], list[dict[str, str]]]:
-    """Return a table of MIMo's published mitten body, without the two joints of the chest."""
+def model(hands_and_chest) -> mujoco.MjModel:
+    """Return the compiled average child of 18 months: the body that MIMo published."""
+    return _infant(18, *hands_and_chest).model
 
-    def rows(table: str) -> list[dict[str, str]]:
-        with (REFERENCE / f"{table}.csv").open() as file:
-            return [row for row in csv.DictReader(file) if not row.get("joint", row.get("name", "")).startswith(CHEST)]
+
+@pytest.fixture(scope="session")
+def published(reference, hands_and_chest) -> Callable[[str], list[dict[str, str]]]:
+    """Return a table of the published body that is to be found in `model`."""
+    return lambda table: reference(table, *hands_and_chest)
+
+
+@pytest.fixture(scope="session")
+def reference() -> Callable[..., list[dict[str, str]]]:
+    """Return a table of one of MIMo's published bodies, with or without the two joints of the chest."""
+
+    def rows(table: str, hands: str = "mitten", chest_joint: bool = False) -> list[dict[str, str]]:
+        with (REFERENCE / hands / f"{table}.csv").open() as file:
+            found = list(csv.DictReader(file))
+        return [row for row in found if chest_joint or not row.get("joint", row.get("name", "")).startswith(CHEST)]
 
     return rows

@@ -17,17 +17,7 @@ EVERYTHING = (
     HEAD
     + """\
 body:
-  hands: five_finger
-  chest_joint: true
-  individual: {sex: female, length_percentile: 25}
-  measurements: {foot_length_cm: 11.2}
-  parts:
-    right_upper_arm: {length: 0.95}
-  remove: [left_lower_arm]
-actuation:
-  model: muscle
-  strength_age_months: 12
-  strength: {neck: 0.5}
+  measurements: {head_breadth_cm: 11, left_thumb_diameter_cm: 1, foot_length_cm: 11}
 senses:
   touch: {}
   vision: {width_px: 64}
@@ -48,10 +38,8 @@ task: {kind: reach}
 """One of each, so that one refusal shows them all."""
 
 CHOICES = {
-    "actuation.model": ("muscle", "position"),
     "scene.kind": ("crib", "room"),
     "delays.preset": ("paper", "physiological"),
-    "body.hands": ("five_finger",),
 }
 
 INERT = {"scene.seed", "scene.room"}
@@ -60,7 +48,16 @@ INERT = {"scene.seed", "scene.room"}
 BUILT = {
     "name": "other",
     "age_months": 10,
+    "body.hands": "five_finger",
+    "body.chest_joint": True,
+    "body.individual": {"sex": "female", "length_percentile": 25},
+    "body.measurements": {"foot_length_cm": 11.2},
+    "body.parts": {"right_upper_arm": {"length": 0.95}},
+    "body.remove": ["left_lower_arm"],
     "body.expression": "happy",
+    "actuation.model": "muscle",
+    "actuation.strength_age_months": 12,
+    "actuation.strength": {"neck": 0.5},
     "senses.proprioception": {"include": ["velocity"]},
     "senses.vestibular": {},
     "scene.kind": "empty",
@@ -105,7 +102,7 @@ def test_everything_at_once_gets_this_text(snapshot):
 def test_every_problem_is_at_its_key():
     lines = EVERYTHING.splitlines()
     problems = refusal_of(load(EVERYTHING)).problems
-    assert len(problems) == 21
+    assert len(problems) == 14
     for problem in problems:
         assert lines[problem.line - 1][problem.column - 1 :].startswith(problem.key.split(".")[-1] + ":"), problem
 
@@ -119,6 +116,19 @@ def test_a_choice_is_refused_by_name(key, value):
     (problem,) = refusal_of(with_value(key, value)).problems
     assert problem.key == key
     assert f"'{value}' is not available in this version" in problem.message
+
+
+@pytest.mark.parametrize(
+    ("hands", "inert", "followed"),
+    [("mitten", "middle_finger", "maximum_fist"), ("five_finger", "maximum_fist", "middle_finger")],
+)
+def test_a_measurement_that_makes_no_difference_is_refused(hands, inert, followed):
+    """Each kind of hands has its own; and heads are round."""
+    keys = {"middle_finger": "middle_finger_diameter_cm", "maximum_fist": "maximum_fist_breadth_cm"}
+    body = {"hands": hands, "measurements": {keys[inert]: 1.0, "head_breadth_cm": 11.0, keys[followed]: 1.0}}
+    spec = InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9, "body": body})
+    refused = {problem.key for problem in refusal_of(spec).problems}
+    assert refused == {f"body.measurements.{key}" for key in (keys[inert], "head_breadth_cm")}
 
 
 def test_nothing_is_built_by_half(tmp_path):

@@ -110,6 +110,8 @@ SPECS = {
     "a measurement of no table": HEAD + "body: {measurements: {nose_length_cm: 2, foot_lenght_cm: 11}}\n",
     "one side of the trunk": HEAD + "body: {measurements: {left_head_circumference_cm: 40}}\n",
     "a group of no muscles": HEAD + "actuation: {strength: {left_arms: 0.5}}\n",
+    "servos of another strength": HEAD + "actuation: {model: position, strength: {arms: 2}}\n",
+    "servos of another age": HEAD + "actuation: {model: position, strength_age_months: 3}\n",
     "an infant without a head": HEAD + "body: {remove: [head, hip, left_elbow]}\n",
     "a part of no body": HEAD + "body: {parts: {left_forearm: {length: 1}}}\n",
     "fingers of a mitten": HEAD + "body: {remove: [left_thdistal], parts: {left_lfmiddle: {girth: 1}}}\n",

@@ -250,6 +250,7 @@ BAD_INPUT = {
     "a misspelt number": ("explain out body.left_foot.mas", "did you mean 'body.left_foot.mass'"),
     "a number of another kind": ("explain out mass", "choose from actuator.act:left_elbow.gear, "),
     "an unknown pose": ("render out -o x.png --pose sit", "'sit' is not a pose; "),
+    "another pose for several": ("render out out -o x.png --pose prone", "'prone' is not a pose for several infants"),
     "a picture into a missing folder": ("render out -o nowhere/x.png", "nowhere/x.png: cannot be written"),
     "a picture over a folder": ("render out -o folder", "folder: cannot be written"),
     "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),

@@ -45,7 +45,7 @@ LAYERS = {
     "scene": layer("scene", "errors units schema body", "trimesh PIL"),
     "render": layer("render", "errors scene", "jinja2 lxml"),
     "bundle": layer("bundle", "errors base schema"),
-    "pipeline": layer("pipeline validation availability", COMPILING, "mujoco"),
+    "pipeline": layer("pipeline validation availability blame", COMPILING, "mujoco"),
     "explain": layer("explain", "errors bundle"),
     "runtime": layer("runtime", "errors units schema bundle", "gymnasium mujoco"),
     "plot": layer("plot", "errors units base schema fits body", "matplotlib"),

@@ -10,6 +10,7 @@ from mimoc.schema import InfantSpec
 from mimoc.units import DAYS_PER_MONTH
 from mimoc.validation import GrowthReport, Row, compare_with_who, compile_infant, grow_against_who, measure_compiled
 
+MITTEN = body.assemble("mitten", False)
 LAW = {"length_cm": 0.8, "weight_kg": 0.8, "head_circumference_cm": 0.8, "arm_circumference_cm": 1.0}
 """How far the average child may be from the mean of WHO's boys and girls, in standard deviations."""
 
@@ -42,7 +43,15 @@ def test_the_body_stays_near_who_on_every_day_of_two_years(indicator, daily_rows
 @pytest.fixture(scope="module")
 def daily_rows() -> list[Row]:
     ages_months = [day / DAYS_PER_MONTH for day in range(731)]
-    return [row for age in ages_months for row in compare_with_who(age, stature(body.grow(fits.measure(age))))]
+    return [row for age in ages_months for row in compare_with_who(age, stature(body.grow(fits.measure(age), MITTEN)))]
+
+
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+def test_either_kind_of_hands_is_within_one_sd(hands):
+    anatomy = body.assemble(hands, True)
+    for age_months in range(25):
+        for row in compare_with_who(age_months, stature(body.grow(fits.measure(age_months), anatomy))):
+            assert abs(row.z["mean"]) <= LAW[row.indicator], row
 
 
 def test_the_compiled_body_stays_near_who(report):
@@ -53,7 +62,7 @@ def test_the_compiled_body_stays_near_who(report):
 def test_compiled_measures_are_those_of_the_body_tree(report):
     """MuJoCo's model and mimoc's own kinematics agree to the digits that files hold."""
     for age_months, rows in report.by_age():
-        expected = stature(body.grow(fits.measure(age_months)))
+        expected = stature(body.grow(fits.measure(age_months), MITTEN))
         for indicator, row in rows.items():
             assert row.value == pytest.approx(expected[indicator], rel=1e-6)
 

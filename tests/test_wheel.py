@@ -84,7 +84,10 @@ def test_the_wheel_has_everything_and_nothing_else(wheel):
         "mimoc/data/who/arm_circumference_for_age.csv",
         *(
             f"mimoc/configs/{name}.yaml"
-            for name in ("newborn", "six_months", "nine_months", "eighteen_months", "two_years")
+            for name in (
+                *("newborn", "six_months", "nine_months", "eighteen_months", "two_years"),
+                *("five_finger", "individual", "one_arm"),
+            )
         ),
     }
     assert expected <= inside.keys()

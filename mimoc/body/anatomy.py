@@ -1,20 +1,16 @@
-"""The reference body: which parts, joints and muscles an infant has, and MIMo's figures for them at 18 months.
+"""The reference body but for hands and feet: its parts and joints, and MIMo's figures for them at 18 months.
 
 Names with `{side}` stand for a right and a left part; figures are those of the right side (the left is
 its mirror image in y). Sizes and positions are not here: they follow from measurements (`geometry`).
 Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 """
 
-from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, JointFigures, Part
+from mimoc.body.figures import ALONG_Y, LEG_LENGTH, LEG_SHARE, TRUNK_HEIGHT, GeomFigures, JointFigures, Part
 
 REFERENCE_AGE_MONTHS = 18.0
 """Age at which masses and gears are MIMo's own."""
 
-_CROWN_RUMP = ("crown_rump_length", "head_circumference", "hip_circumference")
 _AXIAL = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
-_LEG_SHARE = "leg length (crown_sole_length less all above the hip), shared as rump_knee_length to knee_sole_length"
-_HAND_GRIP = (5.0, 0.02, 0.01)
-_SOLE_GRIP = (2.0, 0.02, 0.01)
 
 TRUNK = (
     Part(
@@ -28,6 +24,7 @@ TRUNK = (
                 ("hip_breadth", "hip_circumference"),
                 "as wide as hip_breadth, radius in proportion to hip_circumference",
                 ALONG_Y,
+                placed_by=TRUNK_HEIGHT,
             ),
         ),
     ),
@@ -42,6 +39,7 @@ TRUNK = (
                 ("hip_breadth", "chest_breadth", "waist_circumference"),
                 "as wide as the mean of hip_breadth and chest_breadth, radius in proportion to waist_circumference",
                 ALONG_Y,
+                placed_by=TRUNK_HEIGHT,
                 contype=0,
                 conaffinity=0,
             ),
@@ -51,7 +49,7 @@ TRUNK = (
             JointFigures("robot:hip_rot1", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
             JointFigures("robot:hip_bend1", (0, 1, 0), (-17, 30.5), 2.20, 0.84, 0.040, 0.01),
         ),
-        follows=_CROWN_RUMP,
+        follows=TRUNK_HEIGHT,
         rule=_AXIAL,
     ),
     Part(
@@ -62,8 +60,8 @@ TRUNK = (
                 "ub1",
                 "capsule",
                 1.0882,
-                ("chest_breadth", "chest_circumference"),
-                "as wide as chest_breadth, radius in proportion to chest_circumference",
+                ("chest_breadth", "chest_circumference", *TRUNK_HEIGHT),
+                "as wide as chest_breadth, radius in proportion to chest_circumference as far as there is room",
                 ALONG_Y,
             ),
             GeomFigures(
@@ -73,12 +71,13 @@ TRUNK = (
                 ("chest_breadth", "chest_circumference"),
                 "as wide as chest_breadth, radius in proportion to chest_circumference",
                 ALONG_Y,
+                placed_by=TRUNK_HEIGHT,
             ),
             GeomFigures(
                 "neck",
                 "capsule",
                 0.0,
-                ("head_circumference", *_CROWN_RUMP[:1]),
+                TRUNK_HEIGHT,
                 "massless filler between chest and head, in proportion to the head",
                 contype=0,
                 conaffinity=0,
@@ -89,7 +88,7 @@ TRUNK = (
             JointFigures("robot:hip_rot2", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
             JointFigures("robot:hip_bend2", (0, 1, 0), (-17, 30.5), 2.20, 0.84, 0.040, 0.01),
         ),
-        follows=_CROWN_RUMP,
+        follows=TRUNK_HEIGHT,
         rule=_AXIAL,
     ),
     Part(
@@ -105,7 +104,7 @@ TRUNK = (
                 ALONG_Y,
             ),
         ),
-        follows=_CROWN_RUMP,
+        follows=TRUNK_HEIGHT,
         rule=_AXIAL,
     ),
 )
@@ -129,8 +128,8 @@ ARM = (
             JointFigures("robot:{side}_shoulder_rotation", (0, 0, -1), (-99, 67), 0.12, 0.07, 0.0008, 0.004),
         ),
         euler_deg=(170.0, 0.0, 0.0),
-        follows=("shoulder_breadth",),
-        rule="half of shoulder_breadth to the side",
+        follows=("shoulder_breadth", "chest_circumference", *TRUNK_HEIGHT),
+        rule="half of shoulder_breadth to the side, in the reference body's place on the chest",
     ),
     Part(
         "{side}_lower_arm",
@@ -148,60 +147,6 @@ ARM = (
         follows=("shoulder_elbow_length",),
         rule="elbow at .699 x shoulder_elbow_length, the reference body's share between the joints",
     ),
-    Part(
-        "{side}_hand",
-        "{side}_lower_arm",
-        (
-            GeomFigures(
-                "geom:{side}_hand1",
-                "box",
-                0.04315,
-                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
-                "as wide as maximum_fist_breadth, half of hand_length less the fingertip's radius",
-            ),
-            GeomFigures(
-                "geom:{side}_hand2",
-                "cylinder",
-                0.01602,
-                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
-                "rounds the palm off at the knuckles",
-                ALONG_X,
-            ),
-        ),
-        (
-            JointFigures("robot:{side}_hand1", (0, 0, -1), (-90, 90), 0.22, 0.03, 0.007, 0.001, -20),
-            JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
-            JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
-        ),
-        follows=("elbow_hand_length", "hand_length"),
-        rule="wrist at .763 x (elbow_hand_length - hand_length), the reference body's share between the joints",
-    ),
-    Part(
-        "{side}_fingers",
-        "{side}_hand",
-        (
-            GeomFigures(
-                "geom:{side}_fingers1",
-                "box",
-                0.03494,
-                ("hand_breadth", "hand_length"),
-                "as wide as hand_breadth, half of hand_length less the fingertip's radius",
-                friction=_HAND_GRIP,
-            ),
-            GeomFigures(
-                "geom:{side}_fingers2",
-                "cylinder",
-                0.01323,
-                ("hand_breadth", "hand_length"),
-                "rounds the fingertips off at hand_length from the wrist",
-                ALONG_X,
-                _HAND_GRIP,
-            ),
-        ),
-        (JointFigures("robot:{side}_fingers", (-1, 0, 0), (-160, 8), 0.017, 0.018, 0.0023, 0.0001, -40),),
-        follows=("hand_length",),
-        rule="at the knuckles, half of hand_length less the fingertip's radius",
-    ),
 )
 
 HEAD = (
@@ -214,7 +159,7 @@ HEAD = (
             JointFigures("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
             JointFigures("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
         ),
-        follows=_CROWN_RUMP,
+        follows=TRUNK_HEIGHT,
         rule=_AXIAL,
     ),
 )
@@ -243,7 +188,7 @@ LEG = (
                 "geom:{side}_upper_leg1",
                 "capsule",
                 0.7998,
-                ("mid_thigh_circumference", "rump_knee_length", "calf_circumference"),
+                ("mid_thigh_circumference", "calf_circumference", *LEG_LENGTH),
                 "radius = mid_thigh_circumference / 2 pi, from the hip to one calf radius past the knee",
                 contype=2,
                 conaffinity=3,
@@ -254,7 +199,7 @@ LEG = (
             JointFigures("robot:{side}_hip2", (1, 0, 0), (-51, 17), 3.51, 1.99, 0.062, 0.005),
             JointFigures("robot:{side}_hip3", (0, 0, -1), (-32, 41), 2.16, 0.75, 0.027, 0.005),
         ),
-        follows=("hip_breadth", "hip_circumference"),
+        follows=("hip_breadth", *TRUNK_HEIGHT),
         rule="in proportion to the pelvis",
     ),
     Part(
@@ -265,94 +210,28 @@ LEG = (
                 "geom:{side}_lower_leg1",
                 "capsule",
                 0.3341,
-                ("calf_circumference", "knee_sole_length"),
+                ("calf_circumference", *LEG_LENGTH),
                 "radius = calf_circumference / 2 pi, upper half of the shank",
             ),
             GeomFigures(
                 "geom:{side}_lower_leg2",
                 "capsule",
                 0.1160,
-                ("ankle_circumference", "knee_sole_length"),
+                ("ankle_circumference", *LEG_LENGTH),
                 "radius = ankle_circumference / 2 pi, lower half of the shank, into the foot",
             ),
         ),
         (JointFigures("robot:{side}_knee", (0, -1, 0), (-145, 4), 1.63, 0.53, 0.065, 0.003, -30),),
-        follows=("crown_sole_length", "crown_rump_length", "rump_knee_length", "knee_sole_length"),
-        rule=_LEG_SHARE,
-    ),
-    Part(
-        "{side}_foot",
-        "{side}_lower_leg",
-        (
-            GeomFigures(
-                "geom:{side}_foot1",
-                "cylinder",
-                0.03219,
-                ("foot_breadth", "foot_length"),
-                "heel, as wide as foot_breadth",
-            ),
-            GeomFigures(
-                "geom:{side}_foot2",
-                "box",
-                0.05850,
-                ("foot_breadth", "foot_length"),
-                "sole, as wide as foot_breadth",
-                friction=_SOLE_GRIP,
-            ),
-            GeomFigures(
-                "geom:{side}_foot3",
-                "cylinder",
-                0.01268,
-                ("foot_breadth", "foot_length"),
-                "ball of the foot, as wide as foot_breadth",
-                ALONG_Y,
-                _SOLE_GRIP,
-            ),
-        ),
-        (
-            JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
-            JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
-            JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
-        ),
-        follows=("crown_sole_length", "crown_rump_length", "rump_knee_length", "knee_sole_length"),
-        rule=_LEG_SHARE,
-    ),
-    Part(
-        "{side}_toes",
-        "{side}_foot",
-        (
-            GeomFigures(
-                "geom:{side}_toes1",
-                "box",
-                0.01084,
-                ("foot_breadth", "foot_length"),
-                "toes, as wide as foot_breadth",
-                friction=_SOLE_GRIP,
-            ),
-            GeomFigures(
-                "geom:{side}_toes2",
-                "cylinder",
-                0.01226,
-                ("foot_breadth", "foot_length"),
-                "rounds the toes off at foot_length from the heel",
-                ALONG_Y,
-                _SOLE_GRIP,
-            ),
-        ),
-        (JointFigures("robot:{side}_toes", (0, -1, 0), (-60, 80), 0.106, 0.04, 0.005, 0.0005),),
-        follows=("foot_length", "foot_breadth"),
-        rule="in proportion to the foot",
+        follows=LEG_LENGTH,
+        rule=LEG_SHARE,
     ),
 )
 
-GROUPS: tuple[tuple[tuple[Part, ...], tuple[str, ...]], ...] = (
-    (TRUNK, ("",)),
-    (ARM, ("right", "left")),
-    (HEAD, ("",)),
-    (EYE, ("left", "right")),
-    (LEG, ("right", "left")),
+CHEST_JOINTS = (
+    JointFigures("robot:chest_lean", (1, 0, 0), (-9, 9), 1.69, 0.38, 0.024, 0.01),
+    JointFigures("robot:chest_rot", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
 )
-"""Parts and the sides they come on, in the order of MIMo's bodies."""
+"""What the chest has where it is not rigid."""
 
 TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
     ("hip_bend", 0.01, (("robot:hip_bend1", 1), ("robot:hip_bend2", -1))),

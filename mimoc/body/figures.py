@@ -8,6 +8,13 @@ ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
 ALONG_X: Vec3 = (0.0, 90.0, 0.0)
 UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
 
+TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference")
+"""What the spacing of the trunk's parts follows: what head and pelvis leave of the crown-rump length."""
+LEG_LENGTH = ("crown_sole_length", *TRUNK_HEIGHT, "foot_length", "foot_breadth", "rump_knee_length", "knee_sole_length")
+"""What the lengths of thigh and shank follow; a foot's length and breadth make its height."""
+LEG_SHARE = "leg length (crown_sole_length less trunk and foot), shared as rump_knee_length to knee_sole_length"
+"""The rule that places knee and ankle."""
+
 
 @dataclass(frozen=True, slots=True)
 class GeomFigures:
@@ -25,6 +32,9 @@ class GeomFigures:
     friction: Vec3 = (1.0, 0.005, 0.0002)
     contype: int = 1
     conaffinity: int = 1
+    condim: int = 3
+    placed_by: tuple[str, ...] = ()
+    """The measurements that only its place comes from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +49,8 @@ class JointFigures:
     frictionloss_nm: float
     armature_kgm2: float
     springref_deg: float = 0.0
+    left_axis: Vec3 | None = None
+    """Of the left side, where it is not the mirror image of the right one's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,3 +66,16 @@ class Part:
     """The measurements its place in its parent comes from."""
     rule: str = "at the origin of its parent"
     """How its place comes from them, for people."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotorFigures:
+    """What moves a joint, at 18 months."""
+
+    name: str
+    joint: str
+    gear_nm: float
+    force_range: tuple[float, float]
+    vmax_lengths_per_s: float
+    """The fastest that its muscles shorten, in optimal lengths a second; it does not grow."""
+    mover: str

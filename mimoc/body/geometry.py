@@ -1,61 +1,32 @@
-"""Shapes, joints and centres of the parts, from an infant's proportions.
+"""Shapes, joints and centres of trunk, head and limbs, from an infant's proportions.
 
 Everything is written for the right side, in MIMo's frames: x forward, y left, z up on trunk and legs;
 along the limb on the arms. Numbers are the reference body's, in m.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-
-from mimoc.body.proportions import CLEARANCE_M, Foot, Hand, Limb, Proportions, Trunk
-from mimoc.body.tree import Vec3
+from mimoc.body.extremities import lay_out_fingers, lay_out_flat_foot, lay_out_mitten, lay_out_toes
+from mimoc.body.layout import Layout, Solid
+from mimoc.body.proportions import Limb, Proportions, Trunk
 from mimoc.errors import GeometryError
 
 REFERENCE_HEAD_RADIUS_M = 0.0735
 
 
-@dataclass(frozen=True, slots=True)
-class Solid:
-    """Size and centre of a geom, as MuJoCo wants them."""
-
-    size_m: tuple[float, ...]
-    pos_m: Vec3
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Where things are on the right side, by their names in `anatomy`."""
-
-    origins: Mapping[str, Vec3] = field(default_factory=dict)
-    """Bodies, in the frame of their parent."""
-    solids: Mapping[str, Solid] = field(default_factory=dict)
-    """Geoms, in the frame of their body."""
-    anchors: Mapping[str, Vec3] = field(default_factory=dict)
-    """Joints that do not turn about the origin of their body."""
-
-    def __or__(self, other: "Layout") -> "Layout":
-        """Return both layouts as one."""
-        return Layout(
-            {**self.origins, **other.origins},
-            {**self.solids, **other.solids},
-            {**self.anchors, **other.anchors},
-        )
-
-
-def lay_out(p: Proportions) -> Layout:
-    """Return the layout of a whole body.
+def lay_out(p: Proportions, hands: str) -> Layout:
+    """Return the layout of a whole body with `mitten` or `five_finger` hands.
 
     Raises:
         GeometryError: If a segment is wider than it is long.
     """
-    return (
+    trunk_and_limbs = (
         _lay_out_trunk(p.trunk, p.head_radius_m)
         | _lay_out_head(p.trunk, p.head_radius_m)
         | _lay_out_arm(p)
-        | _lay_out_hand(p.hand, p.forearm)
         | _lay_out_leg(p)
-        | _lay_out_foot(p.foot, p.shank)
     )
+    if hands == "five_finger":
+        return trunk_and_limbs | lay_out_fingers(p) | lay_out_toes(p)
+    return trunk_and_limbs | lay_out_mitten(p.hand, p.forearm) | lay_out_flat_foot(p.foot)
 
 
 def _lay_out_trunk(t: Trunk, head_radius_m: float) -> Layout:
@@ -102,38 +73,12 @@ def _lay_out_arm(p: Proportions) -> Layout:
         origins={
             "{side}_upper_arm": (-0.005 * depth, -p.trunk.shoulder_y_m, 0.003 * p.trunk.axial),
             "{side}_lower_arm": (0.0, 0.0, p.upper_arm.length_m),
-            "{side}_hand": (0.0, -0.7 * p.hand.half_thickness_m, p.forearm.length_m),
         },
         solids={
             "{side}_uarm1": _along("upper arm", p.upper_arm, p.forearm.radius_m),
             "{side}_larm": _along("forearm", p.forearm, p.hand.half_thickness_m),
         },
-        anchors={
-            "robot:{side}_shoulder_horizontal": (0.0, -p.upper_arm.radius_m, 0.0),
-            "robot:{side}_hand1": (0.0, 0.7 * p.hand.half_thickness_m, 0.0),
-        },
-    )
-
-
-def _lay_out_hand(h: Hand, forearm: Limb) -> Layout:
-    """Return palm and fingers, which end at the hand's length in a tip as round as the hand is thick."""
-    tip_m = h.half_thickness_m + 2 * CLEARANCE_M
-    palm_m = (h.length_m - tip_m) * 0.0416 / 0.083
-    fingers_m = h.length_m - tip_m - palm_m
-    if h.length_m <= 4 * tip_m:
-        raise GeometryError(f"a hand {h.length_m:.3f} m long cannot be {2 * h.half_thickness_m:.3f} m thick")
-    thumb_m = 0.5 * h.half_thickness_m
-    rim_m = h.half_fist_m - 2 * CLEARANCE_M
-    return Layout(
-        origins={"{side}_fingers": (0.0, 0.0, palm_m)},
-        solids={
-            "geom:{side}_hand1": Solid((h.half_fist_m, h.half_thickness_m, palm_m / 2), (thumb_m, 0.0, palm_m / 2)),
-            "geom:{side}_hand2": Solid((tip_m, rim_m), (thumb_m, 0.0, palm_m)),
-            "geom:{side}_fingers1": Solid(
-                (h.half_breadth_m - 2 * CLEARANCE_M, h.half_thickness_m, fingers_m / 2), (0.0, 0.0, fingers_m / 2)
-            ),
-            "geom:{side}_fingers2": Solid((tip_m, h.half_breadth_m), (0.0, 0.0, fingers_m)),
-        },
+        anchors={"robot:{side}_shoulder_horizontal": (0.0, -p.upper_arm.radius_m, 0.0)},
     )
 
 
@@ -161,31 +106,6 @@ def _lay_out_leg(p: Proportions) -> Layout:
                 (p.ankle_radius_m, (lower_end_m - lower_start_m) / 2), (0.0, 0.0, -(lower_start_m + lower_end_m) / 2)
             ),
         },
-    )
-
-
-def _lay_out_foot(f: Foot, shank: Limb) -> Layout:
-    """Return heel, sole and toes, spread along x so that the foot has its length."""
-    heel_m, toe_m = f.half_breadth_m - CLEARANCE_M, f.half_height_m
-    s = (f.length_m - heel_m - toe_m) / 0.084
-    if s <= 0:
-        raise GeometryError(f"a foot {f.length_m:.3f} m long cannot be {2 * f.half_breadth_m:.3f} m wide")
-    half_width_m, half_height_m = f.half_breadth_m, f.half_height_m
-    ankle = (0.0, 0.0, 1.5 * half_height_m)
-    return Layout(
-        origins={"{side}_toes": (0.054 * s, 0.0, 0.0)},
-        solids={
-            "geom:{side}_foot1": Solid((heel_m, half_height_m - CLEARANCE_M), (-0.016 * s, 0.0, 0.0)),
-            "geom:{side}_foot2": Solid((0.035 * s, half_width_m, half_height_m), (0.019 * s, 0.0, 0.0)),
-            "geom:{side}_foot3": Solid(
-                (half_height_m - CLEARANCE_M, half_width_m - 2 * CLEARANCE_M), (0.054 * s, 0.0, 0.0)
-            ),
-            "geom:{side}_toes1": Solid(
-                (0.007 * s, half_width_m - CLEARANCE_M, half_height_m - CLEARANCE_M), (0.007 * s, 0.0, 0.0)
-            ),
-            "geom:{side}_toes2": Solid((toe_m, half_width_m), (0.014 * s, 0.0, 0.0)),
-        },
-        anchors={f"robot:{{side}}_foot{k}": ankle for k in (1, 2, 3)},
     )
 
 

@@ -2,52 +2,92 @@
 
 from collections.abc import Mapping
 from functools import cache
+from types import MappingProxyType
 
-from mimoc.body import anatomy
-from mimoc.body.figures import GeomFigures, JointFigures, Part
+from mimoc.body.anatomy import FRICTIONLESS, REFERENCE_AGE_MONTHS, TENDONS
+from mimoc.body.assembly import Anatomy, assemble
+from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.geometry import Layout, lay_out
 from mimoc.body.mass import volume
 from mimoc.body.proportions import proportions
-from mimoc.body.strength import motors
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, Vec3
+from mimoc.body.scaling import check_limbs, scale_part
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 
+SIDES = ("", "right", "left")
 
-def grow(measurements: Measurements) -> BodyTree:
+
+Factors = tuple[float, float]
+"""Along a part, and across it."""
+
+
+def grow(
+    measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors] = MappingProxyType({})
+) -> BodyTree:
     """Return the body of a child.
+
+    Args:
+        measurements: Of the child.
+        anatomy: Its parts, joints and muscles.
+        scales: Factors on length and girth of single parts, by the name of the body.
 
     Raises:
         GeometryError: If no body has these measurements.
     """
-    layout = lay_out(proportions(measurements))
-    growth = {name: volume_m3 / _reference_volumes()[name] for name, volume_m3 in _volumes(layout).items()}
-    bodies = tuple(
-        _body(part, side, layout, growth) for parts, sides in anatomy.GROUPS for side in sides for part in parts
-    )
+    layouts = {side: _lay_out_side(measurements, anatomy, scales, side) for side in SIDES}
+    growth = {side: _growth(anatomy, layout) for side, layout in layouts.items()}
     return BodyTree(
         age_months=measurements.age_months,
-        bodies=bodies,
-        motors=motors(growth),
-        tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in anatomy.TENDONS),
-        excluded=anatomy.EXCLUDED,
-        frictionless=anatomy.FRICTIONLESS,
+        hands=anatomy.hands,
+        bodies=tuple(_body(part, side, layouts[side], growth[side]) for side, part in anatomy.parts),
+        motors=tuple(_motor(figures, side, growth[side][figures.mover]) for side, figures in anatomy.motors),
+        tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
+        excluded=anatomy.excluded,
+        frictionless=FRICTIONLESS,
     )
+
+
+def _lay_out_side(measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str) -> Layout:
+    """Return the layout of one side's measurements; of the middle's, where *side* is empty."""
+    base = {name: measured.value_m for name, measured in measurements.base.items()}
+    layout = lay_out(proportions(measurements.of_side(side), base), anatomy.hands)
+    parts = [part for here, part in anatomy.parts if here in (side, "")]
+    for part in parts:
+        if part.name.format(side=side) in scales:
+            layout = scale_part(layout, part.name, parts, *scales[part.name.format(side=side)])
+    if side:
+        check_limbs(layout)
+    return layout
+
+
+def _growth(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
+    """Return the volume of each geom relative to the average child of 18 months, by its name with `{side}`."""
+    reference = _reference_volumes(anatomy.hands)
+    return {name: volume_m3 / reference[name] for name, volume_m3 in _volumes(anatomy, layout).items()}
 
 
 @cache
-def _reference_volumes() -> Mapping[str, float]:
+def _reference_volumes(hands: str) -> Mapping[str, float]:
     """Return the volumes of the average child of 18 months, whose masses and gears are the reference."""
-    return _volumes(lay_out(proportions(measure(anatomy.REFERENCE_AGE_MONTHS))))
+    average = measure(REFERENCE_AGE_MONTHS)
+    return _volumes(assemble(hands, False), lay_out(proportions(average, average), hands))
 
 
-def _volumes(layout: Layout) -> dict[str, float]:
-    """Return the volume of each geom by its name in `anatomy`, in m³."""
-    return {
-        figures.name: volume(figures.type, layout.solids[figures.name].size_m)
-        for parts, _ in anatomy.GROUPS
-        for part in parts
-        for figures in part.geoms
-    }
+def _volumes(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
+    """Return the volume of each geom by its name with `{side}`, in m³."""
+    return {name: volume(figures.type, layout.solids[name].size_m) for name, figures in anatomy.geoms.items()}
+
+
+def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
+    """Return a motor; its gear grows with the volume of the part that moves its joint."""
+    return Motor(
+        name=figures.name.format(side=side),
+        joint=figures.joint.format(side=side),
+        gear_nm=figures.gear_nm * growth,
+        force_range=figures.force_range,
+        vmax_lengths_per_s=figures.vmax_lengths_per_s,
+        mover=figures.mover.format(side=side),
+    )
 
 
 def _body(part: Part, side: str, layout: Layout, growth: Mapping[str, float]) -> Body:
@@ -75,6 +115,7 @@ def _geom(figures: GeomFigures, side: str, layout: Layout, growth: float) -> Geo
         friction=figures.friction,
         contype=figures.contype,
         conaffinity=figures.conaffinity,
+        condim=figures.condim,
     )
 
 
@@ -82,7 +123,7 @@ def _joint(figures: JointFigures, side: str, anchors: Mapping[str, Vec3]) -> Joi
     left = side == "left"
     return Joint(
         name=figures.name.format(side=side),
-        axis=_mirror_turn(figures.axis, left),
+        axis=figures.left_axis if left and figures.left_axis else _mirror_turn(figures.axis, left),
         anchor_m=_mirror(anchors.get(figures.name, (0.0, 0.0, 0.0)), left),
         range_deg=figures.range_deg,
         stiffness_nm_per_rad=figures.stiffness_nm_per_rad,

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.body.tree import Body, BodyTree, Geom
+from mimoc.body.tree import Body, BodyTree, Geom, Vec3
 from mimoc.units import deg_to_rad
 
 FloatArray = npt.NDArray[np.float64]
@@ -78,10 +79,13 @@ def _extent(geom: Geom) -> tuple[tuple[float, ...], float, float]:
     return (0.0, 0.0, half_m), *((radius_m, 0.0) if geom.type == "capsule" else (0.0, radius_m))
 
 
-def euler_matrix(euler_deg: tuple[float, float, float]) -> FloatArray:
-    """Return the rotation of intrinsic x-y-z angles, shape (3, 3)."""
+@cache
+def euler_matrix(euler_deg: Vec3) -> FloatArray:
+    """Return the rotation of intrinsic x-y-z angles, shape (3, 3), read-only."""
     x, y, z = (axis_matrix(axis, deg_to_rad(angle)) for axis, angle in zip(np.eye(3), euler_deg, strict=True))
-    return x @ y @ z
+    matrix = x @ y @ z
+    matrix.flags.writeable = False
+    return matrix
 
 
 def axis_matrix(axis: npt.ArrayLike, angle_rad: float) -> FloatArray:

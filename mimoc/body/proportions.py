@@ -31,6 +31,10 @@ CLEARANCE_M = 1e-4
 """By how much a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""
 
 
+FINGER_ROOM, THUMB_ROOM = 0.062, 0.073
+"""Radius over hand length up to which the first and the last phalanx do not touch each other when straight."""
+
+
 @dataclass(frozen=True, slots=True)
 class Trunk:
     """Pelvis to shoulders: the radius and half width of each capsule, and the spacing of all."""
@@ -59,7 +63,7 @@ class Limb:
 
 @dataclass(frozen=True, slots=True)
 class Hand:
-    """A mitten hand: palm and fingers of one thickness."""
+    """A hand: palm and fingers."""
 
     length_m: float
     """Wrist to fingertips."""
@@ -68,6 +72,9 @@ class Hand:
     half_fist_m: float
     """Across the fist, thumb included."""
     half_thickness_m: float
+    finger_radius_m: float
+    """Of the middle finger."""
+    thumb_radius_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,11 +102,12 @@ class Proportions:
     foot: Foot
 
 
-def proportions(m: Mapping[str, float]) -> Proportions:
-    """Return the proportions of a child.
+def proportions(m: Mapping[str, float], base: Mapping[str, float]) -> Proportions:
+    """Return the proportions of a child, or of one of its sides.
 
     Args:
         m: Measurements in m, by AnthroKids name.
+        base: The same before any of them was replaced: what a replaced length of the leg is a change against.
 
     Raises:
         GeometryError: If a measurement does not fit the others.
@@ -108,13 +116,13 @@ def proportions(m: Mapping[str, float]) -> Proportions:
     upper_arm = Limb(0.1076 * _share(m, "shoulder_elbow_length"), _radius(m["upper_arm_circumference"]))
     trunk = _trunk(m, head_radius_m, upper_arm.radius_m)
     foot = _foot(m)
-    thigh_length_m, shank_length_m = _leg(m, trunk, foot)
+    thigh_length_m, shank_length_m = _leg(m, base, trunk, foot)
     return Proportions(
         head_radius_m=head_radius_m,
         trunk=trunk,
         upper_arm=upper_arm,
         forearm=Limb(_forearm_length(m), _radius(m["forearm_circumference"])),
-        hand=_hand(m),
+        hand=_hand(m, base),
         thigh=Limb(thigh_length_m, _radius(m["mid_thigh_circumference"])),
         shank=Limb(shank_length_m, _radius(m["calf_circumference"])),
         ankle_radius_m=_radius(m["ankle_circumference"]),
@@ -125,6 +133,7 @@ def proportions(m: Mapping[str, float]) -> Proportions:
 def _trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
     """Return the trunk: as wide as its breadths, as thick as its girths, as high as crown-rump less the head.
 
+    Belly and pelvis lie .130 axial apart, and in a stout child the belly is as thick as that leaves room for.
     The lowest point of the pelvis lies one radius below .005 axial, the head's at .302 axial, both
     from the hip's origin: that and the crown-rump length give the axial spacing.
     """
@@ -132,13 +141,14 @@ def _trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) ->
     belly_scale = _share(m, "chest_circumference")
     shoulder_y_m = m["shoulder_breadth"] / 2
     axial = (m["crown_rump_length"] - 2 * head_radius_m - pelvis_radius_m) / (0.302 - 0.005)
-    if axial <= 0:
+    belly_radius_m = min(0.052 * belly_scale, 0.129 * axial - pelvis_radius_m)
+    if belly_radius_m <= 0.013 * belly_scale:
         raise GeometryError("crown_rump_length leaves no room for a trunk below this head")
     return Trunk(
         axial=axial,
         pelvis=(pelvis_radius_m, m["hip_breadth"] / 2),
         waist=(0.053 * _share(m, "waist_circumference"), (m["hip_breadth"] + m["chest_breadth"]) / 4),
-        belly=(0.052 * belly_scale, m["chest_breadth"] / 2),
+        belly=(belly_radius_m, m["chest_breadth"] / 2),
         ribs=(0.048 * belly_scale, m["chest_breadth"] / 2),
         girdle=(0.041 * belly_scale, shoulder_y_m - arm_radius_m - CLEARANCE_M),
         shoulder_y_m=shoulder_y_m,
@@ -151,9 +161,21 @@ def _forearm_length(m: Mapping[str, float]) -> float:
     return 0.087 * (m["elbow_hand_length"] - m["hand_length"]) / reference_m
 
 
-def _hand(m: Mapping[str, float]) -> Hand:
+def _hand(m: Mapping[str, float], base: Mapping[str, float]) -> Hand:
+    """Return a hand; in a stout child fingers are as thick as they have room for, unless their thickness is given."""
     thickness = (m["hand_length"] + m["hand_breadth"]) / (REFERENCE_M["hand_length"] + REFERENCE_M["hand_breadth"])
-    return Hand(m["hand_length"], m["hand_breadth"] / 2, m["maximum_fist_breadth"] / 2, 0.01 * thickness)
+    return Hand(
+        length_m=m["hand_length"],
+        half_breadth_m=m["hand_breadth"] / 2,
+        half_fist_m=m["maximum_fist_breadth"] / 2,
+        half_thickness_m=0.01 * thickness,
+        finger_radius_m=_finger_radius(m, base, "middle_finger_diameter", FINGER_ROOM),
+        thumb_radius_m=_finger_radius(m, base, "thumb_diameter", THUMB_ROOM),
+    )
+
+
+def _finger_radius(m: Mapping[str, float], base: Mapping[str, float], name: str, room: float) -> float:
+    return m[name] / 2 if m[name] != base[name] else min(m[name] / 2, room * m["hand_length"])
 
 
 def _foot(m: Mapping[str, float]) -> Foot:
@@ -161,18 +183,23 @@ def _foot(m: Mapping[str, float]) -> Foot:
     return Foot(m["foot_length"], m["foot_breadth"] / 2, 0.01 * height)
 
 
-def _leg(m: Mapping[str, float], trunk: Trunk, foot: Foot) -> tuple[float, float]:
+def _leg(m: Mapping[str, float], base: Mapping[str, float], trunk: Trunk, foot: Foot) -> tuple[float, float]:
     """Return the lengths of thigh and shank: what crown-sole length leaves below the hip joint.
 
-    Thigh and shank share it in proportion to rump-knee and knee-sole length, as in the reference body.
+    Thigh and shank share it in proportion to rump-knee and knee-sole length, as in the reference body;
+    where one of these was replaced, its segment differs in the same proportion.
     """
     hip_to_rump_m = trunk.pelvis[0] - 0.012 * trunk.axial
     leg_m = m["crown_sole_length"] - m["crown_rump_length"] + hip_to_rump_m - foot.half_height_m
-    thigh_m = 0.135 * _share(m, "rump_knee_length")
-    shank_m = 0.187 * _share(m, "knee_sole_length") - foot.half_height_m
     if leg_m <= 0:
         raise GeometryError("crown_sole_length leaves no room for legs below this trunk")
-    return leg_m * thigh_m / (thigh_m + shank_m), leg_m * shank_m / (thigh_m + shank_m)
+    thigh_m = 0.135 * _share(base, "rump_knee_length")
+    shank_m = 0.187 * _share(base, "knee_sole_length") - foot.half_height_m
+    unit_m = leg_m / (thigh_m + shank_m)
+    return (
+        unit_m * thigh_m * m["rump_knee_length"] / base["rump_knee_length"],
+        unit_m * shank_m * m["knee_sole_length"] / base["knee_sole_length"],
+    )
 
 
 def _radius(circumference_m: float) -> float:

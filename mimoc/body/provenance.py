@@ -1,13 +1,13 @@
 """Where each number of a body comes from: table row, growth curve, rule."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from mimoc.body import anatomy
+from mimoc.body.assembly import Anatomy
 from mimoc.body.figures import GeomFigures, Part
-from mimoc.body.strength import MOTOR_GROUPS
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor
+from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
+from mimoc.schema.names import SIDES
 from mimoc.units import deg_to_rad, m_to_cm
 
 Entry = dict[str, Any]
@@ -16,54 +16,54 @@ Entry = dict[str, Any]
 REFERENCE = "MIMo's reference body, 18 months"
 
 
-def trace_body(measurements: Measurements, tree: BodyTree) -> dict[str, Entry]:
-    """Return an entry for each number of a body, by key: `geom.head.size`, `measurements.foot_length_cm`."""
-    figures = {
-        geom.name.format(side=side): geom
-        for parts, sides in anatomy.GROUPS
-        for side in sides
-        for part in parts
-        for geom in part.geoms
-    }
-    parts = {part.name.format(side=side): part for parts, sides in anatomy.GROUPS for side in sides for part in parts}
-    gears = {
-        motor.name.format(side=side): motor.gear_nm
-        for motors, sides in MOTOR_GROUPS
-        for side in sides
-        for motor in motors
-    }
+def trace_body(
+    measurements: Measurements, anatomy: Anatomy, tree: BodyTree, scaled: Mapping[str, tuple[str, ...]]
+) -> dict[str, Entry]:
+    """Return an entry for each number of a body, by key: `geom.head.size`, `measurements.foot_length_cm`.
+
+    Args:
+        measurements: What it was grown from.
+        anatomy: What it was grown to.
+        tree: The body.
+        scaled: The keys of the spec that scale a part, by name of the body.
+    """
+    figures = {geom.name.format(side=side): geom for side, part in anatomy.parts for geom in part.geoms}
+    sides = {part.name.format(side=side): side for side, part in anatomy.parts}
+    parts = {part.name.format(side=side): part for side, part in anatomy.parts}
     entries = dict(_trace_measurements(measurements))
     for body in tree.bodies:
-        entries.update(_trace_body(body, parts[body.name]))
+        side, here = sides[body.name], scaled.get(body.name, ())
+        above = scaled.get(body.parent or "", ())
+        entries.update(_trace_body(body, parts[body.name], _keys(parts[body.name].follows, side, measurements, above)))
         for geom in body.geoms:
-            entries.update(_trace_geom(geom, figures[geom.name]))
+            sized, placed = figures[geom.name].follows, figures[geom.name].placed_by
+            sources = [_keys(names, side, measurements, here) for names in (sized, (*sized, *placed))]
+            entries.update(_trace_geom(geom, figures[geom.name], *sources))
         for joint in body.joints:
             entries.update(_trace_joint(joint))
-    for motor in tree.motors:
-        entries.update(_trace_motor(motor, gears[motor.name]))
     return entries
 
 
 def _trace_measurements(measurements: Measurements) -> Iterator[tuple[str, Entry]]:
     for name, measured in measurements.table.items():
-        yield (
-            f"measurements.{name}_cm",
-            {
-                "value": m_to_cm(measured.value_m),
-                "unit": "cm",
-                "rule": f"{measured.origin}: a log(age_months + b) + c",
-                "fit": {"a": measured.curve.a, "b": measured.curve.b_months, "c": measured.curve.c},
-                "points": _points(measured),
-                "from": ["spec.age_months"],
-            },
-        )
+        entry: Entry = {
+            "value": m_to_cm(measured.value_m),
+            "unit": "cm",
+            "rule": measured.origin,
+            "from": list(measured.given_by),
+        }
+        if measured.curve:
+            entry["rule"] += ": a log(age_months + b) + c"
+            entry["fit"] = {"a": measured.curve.a, "b": measured.curve.b_months, "c": measured.curve.c}
+            entry["points"] = _points(measured)
+        yield f"measurements.{name}_cm", entry
 
 
 def _points(measured: Measured) -> list[Entry]:
     return [{"age_months": p.age_months, "value_cm": p.value_cm, "origin": p.origin} for p in measured.points]
 
 
-def _trace_body(body: Body, part: Part) -> Iterator[tuple[str, Entry]]:
+def _trace_body(body: Body, part: Part, sources: list[str]) -> Iterator[tuple[str, Entry]]:
     at = _xml("body", body.name)
     yield (
         f"body.{body.name}.mass",
@@ -76,18 +76,17 @@ def _trace_body(body: Body, part: Part) -> Iterator[tuple[str, Entry]]:
         },
     )
     if body.parent:
-        entry = {"value": body.pos_m, "unit": "m", "rule": part.rule, "from": _keys(part.follows), "xml": at + "/@pos"}
+        entry = {"value": body.pos_m, "unit": "m", "rule": part.rule, "from": sources, "xml": at + "/@pos"}
         yield f"body.{body.name}.pos", entry
 
 
-def _trace_geom(geom: Geom, figures: GeomFigures) -> Iterator[tuple[str, Entry]]:
+def _trace_geom(geom: Geom, figures: GeomFigures, sources: list[str], place: list[str]) -> Iterator[tuple[str, Entry]]:
     key, at = f"geom.{geom.name}", _xml("geom", geom.name)
-    sources = _keys(figures.follows)
     yield (
         f"{key}.size",
         {"value": geom.size_m, "unit": "m", "rule": figures.rule, "from": sources, "xml": at + "/@size"},
     )
-    yield f"{key}.pos", {"value": geom.pos_m, "unit": "m", "rule": figures.rule, "from": sources, "xml": at + "/@pos"}
+    yield f"{key}.pos", {"value": geom.pos_m, "unit": "m", "rule": figures.rule, "from": place, "xml": at + "/@pos"}
     yield (
         f"{key}.mass",
         {
@@ -116,25 +115,15 @@ def _trace_joint(joint: Joint) -> Iterator[tuple[str, Entry]]:
         yield f"joint.{joint.name}.{attribute}", {"value": value, "unit": unit, "rule": rule, "xml": xml}
 
 
-def _trace_motor(motor: Motor, reference_gear_nm: float) -> Iterator[tuple[str, Entry]]:
-    key, at = f"actuator.{motor.name}", _xml("general", motor.name)
-    yield (
-        f"{key}.gear",
-        {
-            "value": motor.gear_nm,
-            "unit": "N m",
-            "rule": f"{reference_gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
-            f"of the geom that moves the joint: {motor.mover}",
-            "from": [f"geom.{motor.mover}.size"],
-            "xml": at + "/@gear",
-        },
-    )
-    rule = f"{REFERENCE}; the same at every age"
-    yield f"{key}.forcerange", {"value": motor.force_range, "unit": "1", "rule": rule, "xml": at + "/@forcerange"}
+def _keys(names: tuple[str, ...], side: str, measurements: Measurements, scaled: tuple[str, ...]) -> list[str]:
+    """Return the keys that a number comes from: its side's own measurements where the spec has those, else both's."""
+    sides = (side,) if side else SIDES
 
+    def own(name: str) -> Iterator[str]:
+        sided = [f"{each}_{name}" for each in sides if f"{each}_{name}" in measurements.table]
+        yield from sided if len(sided) == len(sides) else (name,)
 
-def _keys(measurements: tuple[str, ...]) -> list[str]:
-    return [f"measurements.{name}_cm" for name in measurements]
+    return [*(f"measurements.{each}_cm" for name in names for each in own(name)), *scaled]
 
 
 def _xml(tag: str, name: str) -> str:

@@ -16,16 +16,22 @@ class Stature(TypedDict):
     length_cm: float
     weight_kg: float
     head_circumference_cm: float
-    arm_circumference_cm: float
+    arm_circumference_cm: float | None
+    """None for a child without upper arms."""
 
 
 def stature(tree: BodyTree) -> Stature:
-    """Return the measures of a body; length is crown to sole, the left arm is measured, as WHO does."""
+    """Return the measures of a body; length is crown to sole, the left arm is measured if there is one, as WHO does."""
     posed = pose(tree, {})
     up = np.array([0.0, 0.0, 1.0])
     return Stature(
         length_cm=m_to_cm(posed.extent(up) + posed.extent(-up)),
         weight_kg=tree.mass_kg,
         head_circumference_cm=m_to_cm(2 * math.pi * tree.geoms["head"].size_m[0]),
-        arm_circumference_cm=m_to_cm(2 * math.pi * tree.geoms["left_uarm1"].size_m[0]),
+        arm_circumference_cm=_arm_circumference_cm(tree),
     )
+
+
+def _arm_circumference_cm(tree: BodyTree) -> float | None:
+    arms = [tree.geoms[name] for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
+    return m_to_cm(2 * math.pi * arms[0].size_m[0]) if arms else None

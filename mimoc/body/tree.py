@@ -28,6 +28,8 @@ class Geom:
     """Sliding, torsional and rolling."""
     contype: int
     conaffinity: int
+    condim: int
+    """1, 3, 4 or 6: which relative motions friction resists."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +78,12 @@ class Motor:
     """Torque at full command."""
     force_range: tuple[float, float]
     """Part of the gear that is reached towards negative and positive angles."""
+    vmax_lengths_per_s: float
+    """The fastest that its muscles shorten, in optimal lengths a second."""
     mover: str
     """The geom whose volume the gear follows."""
+    factors: tuple[tuple[str, float], ...] = ()
+    """What the spec multiplies the gear by: the key that says so, and the factor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +101,8 @@ class BodyTree:
     """An infant's body, standing straight, hip at the origin, x forward, y left, z up."""
 
     age_months: float
+    hands: str
+    """`mitten` or `five_finger`, also where hands are absent: feet differ too."""
     bodies: tuple[Body, ...]
     """Parents before children, in MIMo's order."""
     motors: tuple[Motor, ...]

@@ -39,7 +39,8 @@ def measure(age_months: float) -> Measurements:
         for name, curve in tables.published.items()
         if name not in fits
     }
-    return Measurements(age_months, MappingProxyType(fitted | published))
+    table = MappingProxyType(fitted | published)
+    return Measurements(age_months, table, table)
 
 
 def fit_growth(tables: GrowthTables, placement: Placement = "middle") -> Mapping[str, Fit]:

@@ -1,7 +1,8 @@
 """What was measured on a child, and why to believe it."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from mimoc.fits.curves import LogCurve
 
@@ -23,10 +24,12 @@ class Measured:
     value_m: float
     origin: str
     """`anthrokids.csv: hand_breadth, log fit`."""
-    curve: LogCurve
-    """The growth curve it was read off, in cm by months."""
-    points: tuple[DataPoint, ...]
+    curve: LogCurve | None = None
+    """The growth curve it was read off, in cm by months; None if it was given."""
+    points: tuple[DataPoint, ...] = ()
     """What the curve was fitted to; empty where only published coefficients are known."""
+    given_by: tuple[str, ...] = ("spec.age_months",)
+    """The keys of the spec that it follows from."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,9 @@ class Measurements(Mapping[str, float]):
 
     age_months: float
     table: Mapping[str, Measured]
+    """By name; a name that starts with `left_` or `right_` is of that side alone."""
+    base: Mapping[str, Measured]
+    """The same child before its spec replaced any single measurement."""
 
     def __getitem__(self, name: str) -> float:
         """Return a measurement in metres."""
@@ -45,3 +51,42 @@ class Measurements(Mapping[str, float]):
 
     def __len__(self) -> int:
         return len(self.table)
+
+    def of_side(self, side: str) -> dict[str, float]:
+        """Return the measurements of one side, in metres; *side* is `left`, `right`, or empty for the middle.
+
+        The middle takes what both sides have; where they differ, it takes the side that changed less.
+        """
+        sides = (side,) if side else ("left", "right")
+
+        def own(name: str) -> float:
+            both_m = self[name]
+            values_m = (self.table.get(f"{each}_{name}", self.table[name]).value_m for each in sides)
+            return min(values_m, key=lambda value_m: abs(value_m - both_m))
+
+        return {name: own(name) for name in self.base}
+
+    def scaled(self, factors: Mapping[str, float], why: str, given_by: tuple[str, ...]) -> "Measurements":
+        """Return the measurements of a child whose named ones differ by a factor.
+
+        Args:
+            factors: By name.
+            why: Said in the origin of each.
+            given_by: The keys of the spec that ask for it.
+        """
+        table = {
+            name: replace(
+                measured,
+                value_m=measured.value_m * factors[name],
+                origin=f"{measured.origin}, x {factors[name]:.4f} {why}",
+                given_by=(*measured.given_by, *given_by),
+            )
+            if name in factors
+            else measured
+            for name, measured in self.table.items()
+        }
+        return Measurements(self.age_months, MappingProxyType(table), MappingProxyType(table))
+
+    def replaced(self, given: Mapping[str, Measured]) -> "Measurements":
+        """Return the measurements with some of them given, of both sides or of one."""
+        return Measurements(self.age_months, MappingProxyType({**self.table, **given}), self.base)

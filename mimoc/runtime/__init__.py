@@ -1,5 +1,6 @@
 """From a bundle to a running Gymnasium environment."""
 
 from mimoc.runtime.env import InfantEnv, make
+from mimoc.runtime.limits import torque_limits
 
-__all__ = ["InfantEnv", "make"]
+__all__ = ["InfantEnv", "make", "torque_limits"]

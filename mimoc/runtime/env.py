@@ -77,6 +77,33 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             raise UnknownNameError("sense of this infant", sense, self._senses)
         return self._senses[sense].layout
 
+    def set_expression(self, expression: str) -> None:
+        """Change what the face shows, until it is changed again.
+
+        Raises:
+            UnknownNameError: If the face cannot show it.
+        """
+        face = self.manifest.face
+        materials = face.materials if face else {}
+        if face is None or expression not in materials:
+            raise UnknownNameError("face of this infant", expression, materials)
+        self.model.geom(face.geom).matid = self.model.material(materials[expression]).id
+
+    def effort(self) -> float:
+        """Return what the actuators' work in the last physics step costs, for a task to take off its reward.
+
+        The sum of u² T over n times the sum of T: of n actuators with largest torques T, each uses the share u of
+        its own, which for a muscle is its activation. Servos cost nothing.
+        """
+        return self._act.effort(self.data)
+
+    def keypoints(self) -> npt.NDArray[np.float64]:
+        """Return the BODY_25 keypoints in the world, shape (25, 3), [m]; those of absent limbs are NaN."""
+        found = np.full((len(self.manifest.keypoints), 3), np.nan)
+        present = self._keypoints >= 0
+        found[present] = self.data.site_xpos[self._keypoints[present]]
+        return found
+
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start again from a pose: the bundle's own, or `options={"pose": name}`.
 
@@ -117,7 +144,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if self.render_mode is None:
             return None
         if self._painter is None:
-            self._painter = Painter(self.model, self.manifest.root_body, *self._picture_size)
+            self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size)
         return self._painter.paint(self.data)
 
     def close(self) -> None:
@@ -131,6 +158,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps = to_steps(manifest.step_ms, manifest.timestep_ms)
         self._act = ACTUATIONS[manifest.actuation.model](manifest.actuation, self.model)
         self._senses: Mapping[str, Sense] = bind_senses(manifest, self.model)
+        site = mujoco.mjtObj.mjOBJ_SITE
+        self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in manifest.keypoints], int)
         self._bounds = {name: (sense.low, sense.high) for name, sense in self._senses.items()}
         self.action_space = gymnasium.spaces.Box(
             self._act.low.astype(np.float32), self._act.high.astype(np.float32), dtype=np.float32

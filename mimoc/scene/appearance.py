@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from mimoc.scene.drawing import GRID_LAYOUT, GRID_SIZE, SKIN, Colour, draw_ear, draw_eye, draw_face, draw_stripes
+from mimoc.scene.faces import FACES
 
 Rgba = tuple[float, float, float, float]
 
@@ -102,29 +103,35 @@ HEAD_FEATURES = (
 
 
 def dress(expression: str) -> Appearance:
-    """Return what an infant with this expression looks like.
+    """Return what an infant with this expression looks like; the other faces are there to change to.
 
     Args:
         expression: One of `mimoc.scene.faces.FACES`.
     """
-    face = Texture("face", f"assets/face_{expression}.png")
+    faces = {name: Texture(f"face_{name}", f"assets/face_{name}.png") for name in FACES}
     eye = Texture("eye", "assets/eye.png")
     ear = Texture("ear", "assets/ear.png")
     stripes = Texture("stripes", "assets/stripes.png")
     assets = {
-        face.file: draw_face(expression),
+        **{texture.file: draw_face(name) for name, texture in faces.items()},
         eye.file: draw_eye(),
         ear.file: draw_ear(),
         stripes.file: draw_stripes(TOP, TOP_STRIPE),
     }
-    return Appearance((face, eye, ear, stripes), _materials(), MappingProxyType(assets))
+    return Appearance((*faces.values(), eye, ear, stripes), _materials(expression), MappingProxyType(assets))
 
 
-def _materials() -> tuple[Material, ...]:
+def face_material(expression: str) -> str:
+    """Return the name of the material that shows an expression, whichever the infant starts with."""
+    return f"head_{expression}"
+
+
+def _materials(expression: str) -> tuple[Material, ...]:
     """Return one material for each name that the body's geoms use, and those of the head's features."""
     return (
         Material("skin", _rgba(SKIN)),
-        Material("head", UNTINTED, "face"),
+        Material("head", UNTINTED, f"face_{expression}"),
+        *(Material(face_material(name), UNTINTED, f"face_{name}") for name in FACES),
         Material("ear", UNTINTED, "ear"),
         Material("eye_left", UNTINTED, "eye", specular=0.5, shininess=0.8),
         Material("eye_right", UNTINTED, "eye", specular=0.5, shininess=0.8),

@@ -3,7 +3,8 @@
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.scene import instruments
 from mimoc.scene.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
-from mimoc.scene.motors import MOTORS
+from mimoc.scene.keypoints import keypoint_sites
+from mimoc.scene.motors import DRIVES
 from mimoc.scene.poses import keyframes, standing_height
 from mimoc.scene.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver
 from mimoc.scene.world import WORLDS
@@ -18,6 +19,9 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
     fovy_deg = spec.senses.vision.fovy_deg if spec.senses.vision else 60.0
     sites, cameras = instruments.sites(tree), instruments.cameras(tree, fovy_deg)
 
+    points, drive = keypoint_sites(tree), DRIVES[spec.actuation.model]
+    joints = drive.joints(tree)
+
     def node(body: Body) -> Node:
         is_root = body.parent is None
         return Node(
@@ -25,25 +29,26 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
             pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(map(_joint, body.joints)),
+            joints=tuple(_joint(joints[joint.name]) for joint in body.joints),
             geoms=(*map(_geom, body.geoms), *_features(body)),
-            sites=sites.get(body.name, ()),
+            sites=(*sites.get(body.name, ()), *points.get(body.name, ())),
             cameras=cameras.get(body.name, ()),
             children=tuple(node(child) for child in tree.bodies if child.parent == body.name),
         )
 
     return SceneTree(
         name=spec.name,
-        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms)),
+        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=drive.integrator),
         roots=tuple(node(body) for body in tree.bodies if body.parent is None),
         appearance=dress(spec.body.expression),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         frictionless=tree.frictionless,
         excluded=tree.excluded,
-        actuators=MOTORS[spec.actuation.model](tree),
-        sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.TORQUE_SENSORS),
+        actuator_defaults=drive.defaults,
+        actuators=drive.actuators(tree),
+        sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.torque_sensors(tree)),
         world=WORLDS[spec.scene.kind](),
-        keyframes=keyframes(tree),
+        keyframes=tuple(drive.keyframe(tree, keyframe) for keyframe in keyframes(tree)),
     )
 
 
@@ -74,6 +79,7 @@ def _geom(geom: Geom) -> PrintedGeom:
         friction=geom.friction,
         contype=geom.contype,
         conaffinity=geom.conaffinity,
+        condim=geom.condim,
         group=BODY_GROUP,
     )
 
@@ -100,6 +106,7 @@ def _feature(feature: HeadFeature, head: Geom) -> PrintedGeom:
         friction=(1.0, 0.005, 0.0002),
         contype=0,
         conaffinity=0,
+        condim=3,
         group=LOOKS_GROUP,
     )
 

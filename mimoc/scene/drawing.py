@@ -63,7 +63,10 @@ def draw_face(expression: str) -> bytes:
         expression: A key of `FACES`.
     """
     face = FACES[expression]
-    return _paint_cube(FACE_CELL_PX, lambda direction: _head_colour(direction, face))
+    direction = directions(FACE_CELL_PX)
+    x, y, z = np.moveaxis(direction, 2, 0)
+    image = _brow(_bare_head(), np.abs(y), z, x > 0, face)
+    return encode_png(_mouth(image, y, z, x > 0, face))
 
 
 @functools.cache
@@ -103,8 +106,13 @@ def _paint_cube(cell_px: int, colour: Callable[[FloatArray], FloatArray]) -> byt
     return encode_png(colour(directions(cell_px)))
 
 
-def _head_colour(direction: FloatArray, face: Face) -> FloatArray:
-    """Return the colour of the head, by direction from its centre; x forward, y left, z up."""
+@functools.cache
+def _bare_head() -> FloatArray:
+    """Return the head as all expressions share it: skin, hair and lids; read-only.
+
+    By direction from its centre: x forward, y left, z up.
+    """
+    direction = directions(FACE_CELL_PX)
     x, y, z = np.moveaxis(direction, 2, 0)
     front, side = x > 0, np.abs(y)
     image = np.full(direction.shape, SKIN, np.float64)
@@ -112,8 +120,8 @@ def _head_colour(direction: FloatArray, face: Face) -> FloatArray:
     image = _over(image, BLUSH, 0.18 * front * _blob(y, z + 0.27, 0.09, 0.08))
     image = _hair(image, x, y, z)
     image = _eye_opening(image, side, z, front)
-    image = _brow(image, side, z, front, face)
-    return _mouth(image, y, z, front, face)
+    image.flags.writeable = False
+    return image
 
 
 def _hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:

@@ -29,7 +29,9 @@ FACES = {
         smile=0.0, opening=0.085, mouth_width=0.12, mouth_height=-0.54, brow_height=0.25, brow_tilt=-0.01
     ),
     "angry": Face(smile=-0.05, opening=0.02, mouth_width=0.2, brow_height=0.14, brow_tilt=0.06),
-    "disgusted": Face(smile=-0.06, opening=0.012, mouth_width=0.17, brow_height=0.14, brow_tilt=0.035),
+    "disgusted": Face(
+        smile=-0.09, opening=0.03, mouth_width=0.17, mouth_height=-0.45, brow_height=0.12, brow_tilt=0.01
+    ),
     "scared": Face(smile=-0.04, opening=0.055, mouth_width=0.23, brow_height=0.24, brow_tilt=-0.06),
 }
 """Expression name to face."""

@@ -12,7 +12,7 @@ class Solver:
     """MuJoCo's options for the physics; `benchmarks/solver.py` shows why these."""
 
     timestep_s: float
-    integrator: str = "Euler"
+    integrator: str
     cone: str = "elliptic"
     jacobian: str = "sparse"
     solver: str = "Newton"
@@ -50,6 +50,7 @@ class PrintedGeom:
     friction: Vec3
     contype: int
     conaffinity: int
+    condim: int
     group: int
     """0 for the body, 1 for what only shows."""
 
@@ -90,13 +91,16 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """A motor on a joint."""
+    """What moves a joint."""
 
     name: str
+    mimo_actuator: str
+    """The actuator of MIMo that it stands for, alone or with others."""
     joint: str
-    gear_nm: float
+    gear: float
     control_range: tuple[float, float]
-    force_range: tuple[float, float]
+    settings: tuple[tuple[str, tuple[float, ...]], ...]
+    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +127,8 @@ class Keyframe:
 
     name: str
     qpos: tuple[float, ...]
+    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +171,8 @@ class SceneTree:
     tendons: tuple[PrintedTendon, ...]
     frictionless: tuple[tuple[str, str], ...]
     excluded: tuple[tuple[str, str], ...]
+    actuator_defaults: tuple[tuple[str, str], ...]
+    """Attributes that all actuators have in common."""
     actuators: tuple[Actuator, ...]
     sensors: tuple[Sensor, ...]
     world: World

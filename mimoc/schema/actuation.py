@@ -1,12 +1,12 @@
 """What moves the joints, and how strongly."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from mimoc.errors import suggestion
-from mimoc.schema.base import Model
+from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.names import STRENGTH_GROUPS
 from mimoc.schema.quantities import Age, Real
 
@@ -28,4 +28,15 @@ class ActuationSpec(Model):
     strength_age_months: Age | None = None
     """Age that strength is taken from; left out, that of the body."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(default_factory=dict)
-    """Factors on strength by group of muscles; `arms` means both, but an arm named as well goes by its own factor."""
+    """Factors on strength by group of muscles; `arms` means both, but an arm named as well goes by its own factor.
+    The wrist is the hand's, ankle and toes are the leg's."""
+
+    @model_validator(mode="after")
+    def _servos_have_no_strength(self) -> Self:
+        for key in ("strength_age_months", "strength"):
+            if self.model == "position" and getattr(self, key) not in (None, {}):
+                message = (
+                    "servos ('model: position') have no strength of their own; leave it out, or choose another model"
+                )
+                raise KeyedError((key,), message, against=("model",))
+        return self

@@ -55,6 +55,10 @@ Factor = Annotated[Real, Field(ge=0.5, le=2)]
 """What a part is multiplied by; beyond these it is no child's."""
 
 
+LENGTHS_CM, WEIGHTS_KG, HEADS_CM = (35.0, 110.0), (1.0, 25.0), (25.0, 60.0)
+"""Least and largest of any child up to two years."""
+
+
 class IndividualSpec(Model):
     """One child in place of the average one: what is known of it, against WHO's children or measured."""
 
@@ -62,15 +66,15 @@ class IndividualSpec(Model):
     """Whose WHO tables percentiles are read from; needed where there are any."""
     length_percentile: Percentile | None = None
     """Length lying, as WHO percentile for sex and age."""
-    length_cm: Annotated[Centimetres, Field(ge=35, le=110)] | None = None
+    length_cm: Annotated[Centimetres, Field(ge=LENGTHS_CM[0], le=LENGTHS_CM[1])] | None = None
     """Length lying, measured."""
     weight_percentile: Percentile | None = None
     """Weight, as WHO percentile for sex and age."""
-    weight_kg: Annotated[Kilograms, Field(ge=1, le=25)] | None = None
+    weight_kg: Annotated[Kilograms, Field(ge=WEIGHTS_KG[0], le=WEIGHTS_KG[1])] | None = None
     """Weight, measured."""
     head_percentile: Percentile | None = None
     """Head circumference, as WHO percentile for sex and age."""
-    head_circumference_cm: Annotated[Centimetres, Field(ge=25, le=60)] | None = None
+    head_circumference_cm: Annotated[Centimetres, Field(ge=HEADS_CM[0], le=HEADS_CM[1])] | None = None
     """Head circumference, measured."""
 
     @model_validator(mode="after")

@@ -26,7 +26,7 @@ class ActuatorEntry(Model):
 class ActuationEntry(Model):
     """How the infant is moved."""
 
-    model: Literal["torque"] = "torque"
+    model: Literal["torque", "muscle", "position"] = "torque"
     """Actuation model."""
     actuators: tuple[ActuatorEntry, ...]
     """In the order of the model and of the action."""
@@ -70,14 +70,25 @@ class ChildEntry(Model):
 
     age_months: float
     """Age of the body."""
+    sex: Literal["male", "female"] | None = None
+    """Which of WHO's children it stands among; None is the mean of boys and girls."""
     length_cm: float
     """Crown to sole."""
     weight_kg: float
     """Mass of the whole body."""
     head_circumference_cm: float
     """Around the head."""
-    arm_circumference_cm: float
-    """Around the upper arm."""
+    arm_circumference_cm: float | None
+    """Around the upper arm, if there is one."""
+
+
+class FaceEntry(Model):
+    """What the face can show."""
+
+    geom: str
+    """The geom that shows it."""
+    materials: dict[str, str]
+    """Material by expression."""
 
 
 class Manifest(Model):
@@ -107,3 +118,7 @@ class Manifest(Model):
     """How it is moved."""
     senses: SensesEntry
     """What it senses."""
+    face: FaceEntry | None = None
+    """What its face can show."""
+    keypoints: tuple[str, ...] = ()
+    """The BODY_25 sites, in BODY_25's order; of limbs it does not have too."""

@@ -67,3 +67,8 @@ STRENGTH_GROUPS = (
     *(group for pair in PAIRED_GROUPS.values() for group in pair),
     *PAIRED_GROUPS,
 )
+
+
+def unsided(key: str) -> str:
+    """Return the measurement that a key of a spec is of: `foot_length` of `left_foot_length_cm`."""
+    return key.removesuffix("_cm").removeprefix("left_").removeprefix("right_")

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.body import grow
+from mimoc.body import assemble, grow
 from mimoc.errors import GeometryError
 from mimoc.fits import Measurements, measure
 
@@ -20,6 +20,9 @@ GAP_M = 5e-4
 """Half a millimetre shows on no child."""
 
 MIRROR = np.array([1, -1, 1])
+
+
+MITTEN, FIVE_FINGER = (assemble(hands, False) for hands in ("mitten", "five_finger"))
 
 
 def changed(child: Measurements, **values_m: float) -> Measurements:
@@ -65,10 +68,13 @@ def farthest_allowed_m(infant, joint: str, of_parent: bool) -> float:
     """Return how far a joint may lie outside of one of its segments.
 
     The shoulder is the middle of the arm's round end, which touches the chest; the ankle is in the
-    shank's end, half a foot's height above the foot; the neck turns where the head rests on it.
+    shank's end, half a foot's height above the foot; the neck turns where the head rests on it; the little
+    finger's metacarpal turns about a line within the palm, less than half its breadth away.
     """
     if "shoulder" in joint and of_parent:
         return infant.model.geom("left_uarm1").size[0] + GAP_M
+    if "lf_meta" in joint and not of_parent:
+        return infant.model.geom("geom:left_lfmetacarpal1").size[0]
     if "_foot" in joint and not of_parent:
         return 0.5 * infant.model.geom("geom:left_foot2").size[2] + ON_SURFACE_M
     return 0.001 if "head" in joint else ON_SURFACE_M
@@ -102,6 +108,17 @@ def test_nothing_penetrates_at_rest(infants):
         assert np.all(contacts.dist >= -ON_SURFACE_M), infant
 
 
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+def test_a_chest_that_moves_changes_nothing_else(infant_at, hands):
+    """At rest everything is where it is without it; more parts may touch each other then, and none does."""
+    for age_months in (0, 1, 6, 12, 18, 24):
+        rigid, moving = infant_at(age_months, hands, False), infant_at(age_months, hands, True)
+        assert moving.model.nv == rigid.model.nv + 2
+        assert np.array_equal(moving.model.geom_size, rigid.model.geom_size)
+        assert moving.data.geom_xpos == pytest.approx(rigid.data.geom_xpos, abs=1e-12)
+        assert {moving.model.geom(first).name for first, _ in moving.data.contact.geom} <= {"floor"}
+
+
 def test_left_is_the_mirror_image_of_right(infants):
     """To the last bit in what is written, and to rounding where MuJoCo turns angles into matrices."""
     for infant in infants:
@@ -115,13 +132,16 @@ def test_left_is_the_mirror_image_of_right(infants):
         for left, right in pairs(model.njnt, model.joint):
             assert np.array_equal(model.joint(left).range, model.joint(right).range)
             assert data.joint(left).xanchor == pytest.approx(data.joint(right).xanchor * MIRROR, abs=1e-12), left
-            assert data.joint(left).xaxis == pytest.approx(-data.joint(right).xaxis * MIRROR, abs=1e-12), left
+            if "lf_meta" not in left:  # MIMo's left one is no mirror image, and its figures are kept.
+                assert data.joint(left).xaxis == pytest.approx(-data.joint(right).xaxis * MIRROR, abs=1e-12), left
 
 
 IMPOSSIBLE = {
     "crown_rump_length": (0.15, "no room for a trunk"),
     "crown_sole_length": (0.4, "no room for legs"),
     "mid_thigh_circumference": (1.2, "thigh: a limb 0.1.. m long cannot be 0.382 m thick"),
+    "calf_circumference": (0.5, "a limb 0.1.. m long cannot be 0.159 m thick"),
+    "middle_finger_diameter": (0.03, "a hand 0.0.. m long cannot have fingers 0.0300 m thick"),
     "hip_breadth": (0.06, "a trunk 0.060 m wide cannot be 0.0"),
     "ankle_circumference": (0.9, "cannot have an ankle 0.286 m thick"),
     "hand_length": (0.015, "a hand 0.015 m long cannot be"),
@@ -133,12 +153,17 @@ IMPOSSIBLE = {
 def test_impossible_bodies_are_refused_with_their_sizes(measurement):
     value_m, message = IMPOSSIBLE[measurement]
     with pytest.raises(GeometryError, match=message):
-        grow(changed(measure(9), **{measurement: value_m}))
+        grow(changed(measure(9), **{measurement: value_m}), FIVE_FINGER if "finger" in measurement else MITTEN)
 
 
-@given(age_months=st.floats(0, 24), factor=st.floats(0.9, 1.1), name=st.sampled_from(sorted(measure(0))))
-def test_bodies_near_the_average_can_be_built(age_months, factor, name):
+@given(
+    age_months=st.floats(0, 24),
+    factor=st.floats(0.9, 1.1),
+    name=st.sampled_from(sorted(measure(0))),
+    anatomy=st.sampled_from([MITTEN, FIVE_FINGER]),
+)
+def test_bodies_near_the_average_can_be_built(age_months, factor, name, anatomy):
     child = measure(age_months)
-    tree = grow(changed(child, **{name: child[name] * factor}))
+    tree = grow(changed(child, **{name: child[name] * factor}), anatomy)
     assert 2 < tree.mass_kg < 16
     assert all(size > 0 for geom in tree.geoms.values() for size in geom.size_m)

@@ -44,7 +44,7 @@ def test_the_crown_is_the_head_and_the_sole_the_foot(infants):
         low_m, high_m = infant.span_m(UP, everything(infant))
         assert infant.span_m(UP, infant.geoms("head"))[1] == high_m
         for side in BOTH:
-            assert infant.span_m(UP, infant.geoms(f"{side}_foot", f"{side}_toes"))[0] == pytest.approx(low_m, abs=1e-8)
+            assert infant.span_m(UP, infant.limb(f"{side}_foot"))[0] == pytest.approx(low_m, abs=1e-8)
 
 
 def test_sitting_height_is_crown_rump_length(infants):
@@ -70,21 +70,40 @@ def test_limbs_are_as_thick_as_measured(infants, measurement):
 @pytest.mark.parametrize("side", BOTH)
 def test_feet_are_as_long_and_broad_as_measured(infants, side):
     for infant in infants:
-        child, foot = measure(infant.age_months), infant.geoms(f"{side}_foot", f"{side}_toes")
+        child, foot = measure(infant.age_months), infant.limb(f"{side}_foot")
         assert length(infant.span_m(FORWARD, foot)) == pytest.approx(child["foot_length"], rel=0.02), infant
         assert length(infant.span_m(LEFT, foot)) == pytest.approx(child["foot_breadth"], rel=0.02), infant
 
 
 @pytest.mark.parametrize("side", BOTH)
 def test_hands_are_as_long_and_broad_as_measured(infants, side):
-    """Length is from the wrist, breadth across the fingers, since the thumb is in the palm's."""
+    """Length is from the wrist, breadth across all but the thumb."""
     for infant in infants:
-        child, wrist = measure(infant.age_months), infant.data.body(f"{side}_hand")
-        across, _, along = wrist.xmat.reshape(3, 3).T
-        _, tip_m = infant.span_m(along, infant.geoms(f"{side}_hand", f"{side}_fingers"))
-        assert tip_m - wrist.xpos @ along == pytest.approx(child["hand_length"], rel=0.02), infant
-        breadth_m = length(infant.span_m(across, infant.geoms(f"{side}_fingers")))
+        child, forearm = measure(infant.age_months), infant.data.body(f"{side}_lower_arm")
+        across, _, along = forearm.xmat.reshape(3, 3).T
+        wrist_m = infant.data.joint(f"robot:{side}_hand3").xanchor @ along
+        _, tip_m = infant.span_m(along, infant.limb(f"{side}_hand"))
+        assert tip_m - wrist_m == pytest.approx(child["hand_length"], rel=0.02), infant
+        breadth_m = length(infant.span_m(across, knuckles(infant, side)))
         assert breadth_m == pytest.approx(child["hand_breadth"], rel=0.02), infant
+
+
+def knuckles(infant, side: str) -> list[str]:
+    """Return the geoms that make a hand as broad as it is, the thumb's not among them."""
+    if infant.hands == "mitten":
+        return infant.geoms(f"{side}_fingers")
+    return infant.geoms(f"{side}_hand", f"{side}_lfmetacarpal")
+
+
+FINGERS = {"middle_finger_diameter": "mfknuckle", "thumb_diameter": "thbase"}
+
+
+@pytest.mark.parametrize("measurement", FINGERS)
+def test_fingers_are_as_thick_as_measured(infants, measurement):
+    for infant in infants:
+        if infant.hands == "five_finger":
+            diameter_m = 2 * infant.model.geom(f"geom:left_{FINGERS[measurement]}1").size[0]
+            assert diameter_m == pytest.approx(measure(infant.age_months)[measurement], rel=1e-7), infant
 
 
 def test_shoulders_are_as_far_apart_as_plausible(infants):

@@ -6,45 +6,48 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.body import grow
+from mimoc.body import assemble, grow
 from mimoc.body.kinematics import axis_matrix, euler_matrix, pose, reach
 from mimoc.body.tree import Geom
 from mimoc.fits import measure
 
-TREE = grow(measure(9))
+TREES = {hands: grow(measure(9), assemble(hands, False)) for hands in ("mitten", "five_finger")}
+TREE = TREES["mitten"]
+HANDS = st.sampled_from(sorted(TREES))
 
 angles_rad = st.floats(-1.5, 1.5)
 directions = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1)
 
 
-@given(values=st.lists(angles_rad, min_size=len(TREE.joints), max_size=len(TREE.joints)))
-def test_parts_are_where_mujoco_has_them(values, infant_at):
-    model = infant_at(9).model
+@given(hands=HANDS, data=st.data())
+def test_parts_are_where_mujoco_has_them(hands, data, infant_at):
+    model, tree = infant_at(9, hands).model, TREES[hands]
+    values = data.draw(st.lists(angles_rad, min_size=len(tree.joints), max_size=len(tree.joints)))
     data = mujoco.MjData(model)
     data.qpos[:7] = 0, 0, 0, 1, 0, 0, 0
     data.qpos[7:] = values
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    posed = pose(TREE, dict(zip(TREE.joints, values, strict=True)))
+    posed = pose(tree, dict(zip(tree.joints, values, strict=True)))
     for geom, centre, turn in zip(posed.geoms, posed.centres, posed.turns, strict=True):
         assert centre == pytest.approx(data.geom(geom.name).xpos, abs=1e-7), geom.name
         assert turn == pytest.approx(data.geom(geom.name).xmat.reshape(3, 3), abs=1e-7), geom.name
     assert posed.centre_of_mass == pytest.approx(data.subtree_com[1], abs=1e-7)
 
 
-@given(direction=directions)
-def test_a_standing_body_reaches_as_far_as_its_compiled_geoms(direction, infant_at):
-    infant = infant_at(9)
+@given(hands=HANDS, direction=directions)
+def test_a_standing_body_reaches_as_far_as_its_compiled_geoms(hands, direction, infant_at):
+    infant, tree = infant_at(9, hands), TREES[hands]
     unit = np.array(direction) / np.linalg.norm(direction)
-    geoms = [geom for geom in TREE.geoms if infant.model.geom(geom).group == 0]
+    geoms = [geom for geom in tree.geoms if infant.model.geom(geom).group == 0]
     _, farthest_m = infant.span_m(unit, geoms)
     hip_m = infant.data.body("hip").xpos @ unit
-    assert pose(TREE, {}).extent(unit) == pytest.approx(farthest_m - hip_m, abs=1e-7)
+    assert pose(tree, {}).extent(unit) == pytest.approx(farthest_m - hip_m, abs=1e-7)
 
 
 def geom(kind, *size_m: float) -> Geom:
     still = (0.0, 0.0, 0.0)
-    return Geom("solid", kind, size_m, still, still, mass_kg=1, friction=still, contype=1, conaffinity=1)
+    return Geom("solid", kind, size_m, still, still, mass_kg=1, friction=still, contype=1, conaffinity=1, condim=3)
 
 
 DIAGONAL = 1 / np.sqrt(3)

@@ -1,31 +1,44 @@
+"""What moves each joint, and with what its strength grows."""
+
 import pytest
 
-from mimoc.body import anatomy
-from mimoc.body.strength import MOTOR_GROUPS, motors
+from mimoc.body import assemble, grow
+from mimoc.body.mass import volume
+from mimoc.fits import measure
 
-GEOMS = {geom.name for parts, _ in anatomy.GROUPS for part in parts for geom in part.geoms}
-HINGES = {joint.name for parts, _ in anatomy.GROUPS for part in parts for joint in part.joints}
-AT_18_MONTHS = motors(dict.fromkeys(GEOMS, 1.0))
-
-
-def test_motors_move_hinges_and_grow_with_geoms_that_exist():
-    for figures in (figures for group, _ in MOTOR_GROUPS for figures in group):
-        assert figures.joint in HINGES, figures.name
-        assert figures.mover in GEOMS, figures.name
+COUNTS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
 
 
-def test_no_joint_has_two_motors():
-    assert len({motor.joint for motor in AT_18_MONTHS}) == len(AT_18_MONTHS) == 44
+@pytest.fixture(scope="module", params=COUNTS, ids=str)
+def anatomy(request):
+    return assemble(*request.param)
 
 
-@pytest.mark.parametrize("geom", sorted(GEOMS))
-def test_a_gear_grows_with_its_mover_and_with_nothing_else(geom):
-    grown = motors({**dict.fromkeys(GEOMS, 1.0), geom: 2.0})
-    for before, after in zip(AT_18_MONTHS, grown, strict=True):
-        moved = before.mover.replace("left", "{side}").replace("right", "{side}") == geom
-        assert after.gear_nm == before.gear_nm * (2 if moved else 1), before.name
+def test_motors_move_hinges_and_grow_with_geoms_that_exist(anatomy):
+    hinges = {joint.name for _, part in anatomy.parts for joint in part.joints}
+    for _, figures in anatomy.motors:
+        assert figures.joint in hinges, figures.name
+        assert figures.mover in anatomy.geoms, figures.name
 
 
-def test_force_ranges_do_not_grow():
-    grown = motors(dict.fromkeys(GEOMS, 0.3))
-    assert [motor.force_range for motor in grown] == [motor.force_range for motor in AT_18_MONTHS]
+def test_no_joint_has_two_motors(hands_and_chest):
+    motors = grow(measure(18), assemble(*hands_and_chest)).motors
+    assert len({motor.joint for motor in motors}) == len(motors) == COUNTS[hands_and_chest]
+
+
+def test_a_gear_grows_with_its_mover_and_with_nothing_else(anatomy):
+    """One part after another made thicker."""
+    before = grow(measure(18), anatomy)
+    for body in before.bodies:
+        after = grow(measure(18), anatomy, {body.name: (1.0, 1.1)})
+        for motor, thicker in zip(before.motors, after.motors, strict=True):
+            small, large = (
+                volume(tree.geoms[motor.mover].type, tree.geoms[motor.mover].size_m) for tree in (before, after)
+            )
+            assert thicker.gear_nm == pytest.approx(motor.gear_nm * large / small, rel=1e-12), (body.name, motor.name)
+            assert (small != large) == (motor.mover in {geom.name for geom in body.geoms})
+
+
+def test_force_ranges_do_not_grow(anatomy):
+    young, old = grow(measure(0), anatomy), grow(measure(24), anatomy)
+    assert [motor.force_range for motor in young.motors] == [motor.force_range for motor in old.motors]

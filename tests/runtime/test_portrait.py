@@ -8,7 +8,7 @@ import mimoc
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import open_context
-from mimoc.runtime.portrait import Painter, portrait
+from mimoc.runtime.portrait import Painter, lineup, portrait
 
 
 def share_of(picture, colour):
@@ -24,7 +24,7 @@ def open_painter():
     painters = []
 
     def open_one(model, width, height):
-        painters.append(Painter(model, "hip", width, height))
+        painters.append(Painter(model, ["hip"], width, height))
         return painters[-1]
 
     yield open_one
@@ -194,3 +194,24 @@ def test_a_portrait_frees_its_context_even_if_it_fails(bundle, contexts, monkeyp
     with pytest.raises(ZeroDivisionError):
         portrait(bundle, width=16, height=16)
     assert [context.freed for context in contexts] == [1, 1]
+
+
+def test_infants_in_a_row_are_to_scale():
+    """Their trousers reach from knee to waist: what shows of them is in proportion to the children."""
+    infants = [mimoc.build(mimoc.InfantSpec(mimo=1, name="infant", age_months=age)) for age in (2, 20)]
+    picture = lineup(infants, width=400, height=300)
+    assert picture.shape == (300, 400, 3)
+    trousers = load_model(infants[0]).material("pants_leg").rgba[:3]
+    hues = picture / (picture.sum(axis=2, keepdims=True) + 1e-9)
+    shown = np.abs(hues - trousers / trousers.sum()).max(axis=2) < 0.02
+    heights_px = [np.ptp(np.flatnonzero(half.any(axis=1))) for half in (shown[:, :200], shown[:, 200:])]
+    lengths_cm = [infant.manifest.child.length_cm for infant in infants]
+    assert heights_px[1] / heights_px[0] == pytest.approx(lengths_cm[1] / lengths_cm[0], rel=0.2)
+
+
+def test_infants_of_any_kind_stand_in_one_row(bundle):
+    """Their names do not clash, whatever hands and muscles they have."""
+    other = {"body": {"hands": "five_finger", "remove": ["left_eye"]}, "actuation": {"model": "muscle"}}
+    spec = {"mimo": 1, "name": "other", "age_months": 12, **other}
+    picture = lineup([bundle, mimoc.build(mimoc.InfantSpec.model_validate(spec)), bundle], width=90, height=60)
+    assert picture.std() > 10

@@ -1,9 +1,12 @@
+from typing import get_args
+
 import mujoco
 import numpy as np
 import pytest
 
-from mimoc.scene.appearance import GEOM_MATERIALS, HEAD_FEATURES, Appearance, dress
+from mimoc.scene.appearance import GEOM_MATERIALS, HEAD_FEATURES, Appearance, dress, face_material
 from mimoc.scene.faces import FACES
+from mimoc.schema.body import Expression
 
 REFERENCE_MATERIALS = {
     "pants_down",
@@ -53,19 +56,33 @@ def test_every_texture_has_its_file_and_every_file_its_texture(expression):
     textures = {texture.name for texture in appearance.textures}
     assert {material.texture for material in appearance.materials if material.texture} == textures
     assert {texture.file for texture in appearance.textures} == set(appearance.assets)
-    assert sum(map(len, appearance.assets.values())) < 100_000
+    assert sum(map(len, appearance.assets.values())) < 250_000
 
 
 def test_only_the_face_depends_on_the_expression():
-    happy, sad = dress("happy").assets, dress("sad").assets
-    assert happy.keys() ^ sad.keys() == {"assets/face_happy.png", "assets/face_sad.png"}
+    """All faces are there to change to; which one the head starts with is the material's."""
+    happy, sad = dress("happy"), dress("sad")
+    assert (happy.assets, happy.textures) == (sad.assets, sad.textures)
+    differ = [pair for pair in zip(happy.materials, sad.materials, strict=True) if pair[0] != pair[1]]
+    assert [(a.name, a.texture, b.texture) for a, b in differ] == [("head", "face_happy", "face_sad")]
+
+
+def test_there_is_a_material_for_each_expression_of_the_language():
+    assert set(FACES) == set(get_args(Expression))
+    shown = {material.name: material.texture for material in dress("neutral").materials}
+    assert {name: shown[face_material(name)] for name in FACES} == {name: f"face_{name}" for name in FACES}
+
+
+def test_no_two_faces_look_alike():
+    pictures = [dress("neutral").assets[f"assets/face_{name}.png"] for name in FACES]
+    assert len(set(pictures)) == len(FACES) == 7
 
 
 def test_mujoco_reads_the_pictures_as_they_were_drawn():
     appearance = dress("neutral")
     model = mujoco.MjModel.from_xml_string(mjcf(appearance), dict(appearance.assets))
     assert model.ntex == len(appearance.textures)
-    cube = model.texture("face")
+    cube = model.texture("face_neutral")
     assert cube.type[0] == mujoco.mjtTexture.mjTEXTURE_CUBE
     assert cube.height[0] == 6 * cube.width[0]
 

@@ -4,13 +4,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body import grow
+from mimoc.body import assemble, grow
 from mimoc.fits import measure
 from mimoc.scene import compose
 from mimoc.scene.appearance import HEAD_FEATURES
 from mimoc.scene.faces import FACES
 from mimoc.schema import InfantSpec
 
+MITTEN = assemble("mitten", False)
 SIZES = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")
 
 
@@ -77,14 +78,14 @@ def test_the_infant_alone_stands_on_the_ground(infants):
 
 @pytest.mark.parametrize("expression", FACES)
 def test_the_expression_changes_the_face_and_nothing_else(expression):
-    tree = grow(measure(9))
+    tree = grow(measure(9), MITTEN)
     neutral, other = compose(spec(), tree), compose(spec(body={"expression": expression}), tree)
     assert other.assets[f"assets/face_{expression}.png"]
     assert (neutral.roots, neutral.keyframes, neutral.actuators) == (other.roots, other.keyframes, other.actuators)
 
 
 def test_composing_is_pure():
-    tree = grow(measure(9))
+    tree = grow(measure(9), MITTEN)
     first, second = compose(spec(), tree), compose(spec(), tree)
     assert first == second
-    assert tree == grow(measure(9))
+    assert tree == grow(measure(9), MITTEN)

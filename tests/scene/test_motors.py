@@ -1,27 +1,47 @@
+"""What drives the joints, whatever the actuation model."""
+
+from typing import get_args
+
 import mujoco
+import numpy as np
 import pytest
 
-from mimoc.body import grow
+from mimoc.body import assemble, grow
 from mimoc.fits import measure
-from mimoc.scene.motors import MOTORS
+from mimoc.scene.motors import DRIVES
+from mimoc.scene.provenance import TRACES
+from mimoc.schema.actuation import ActuationSpec
 
 
-@pytest.fixture(scope="module")
-def tree():
-    return grow(measure(18))
+@pytest.fixture(scope="module", params=["mitten", "five_finger"])
+def tree(request):
+    return grow(measure(18), assemble(request.param, True))
 
 
-@pytest.mark.parametrize("model", MOTORS)
-def test_every_actuator_moves_a_joint_of_the_body(model, tree):
-    actuators = MOTORS[model](tree)
-    assert {actuator.joint for actuator in actuators} <= tree.joints.keys()
+def test_every_model_of_the_language_drives_and_is_traced():
+    assert list(DRIVES) == list(TRACES) == list(get_args(ActuationSpec.model_fields["model"].annotation))
+
+
+@pytest.mark.parametrize("model", DRIVES)
+def test_every_actuator_moves_the_joint_of_mimos(model, tree):
+    actuators = DRIVES[model].actuators(tree)
+    joints = {motor.name: motor.joint for motor in tree.motors}
+    assert {actuator.mimo_actuator for actuator in actuators} == joints.keys()
+    assert all(actuator.joint == joints[actuator.mimo_actuator] for actuator in actuators)
     assert len({actuator.name for actuator in actuators}) == len(actuators)
 
 
-def test_a_torque_motor_is_mimos(tree):
-    (elbow,) = [motor for motor in MOTORS["torque"](tree) if motor.name == "act:left_elbow"]
-    assert (elbow.joint, elbow.gear_nm, elbow.force_range) == ("robot:left_elbow", 3.6, (-1, 0.83))
-    assert elbow.control_range == (-1, 1)
+@pytest.mark.parametrize("model", DRIVES)
+def test_a_body_has_an_actuator_a_joint_or_two_muscles(model, tree):
+    count = len(DRIVES[model].actuators(tree)) // (2 if model == "muscle" else 1)
+    assert count == (46 if len(tree.motors) < 50 else 90)
+
+
+@pytest.mark.parametrize("model", DRIVES)
+def test_an_actuation_model_leaves_a_joint_all_but_its_spring_and_damper(model, driven):
+    plain, changed = driven("torque", 9, "five_finger"), driven(model, 9, "five_finger")
+    for what in ("jnt_axis", "jnt_range", "dof_frictionloss", "dof_armature", "jnt_pos", "body_mass"):
+        assert np.array_equal(getattr(changed, what), getattr(plain, what)), what
 
 
 def test_full_command_is_the_gear_within_the_force_range(infant_at):

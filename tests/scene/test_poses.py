@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body import grow
+from mimoc.body import assemble, grow
 from mimoc.fits import measure
 from mimoc.scene.poses import CONTACT_DEPTH_M, POSES, keyframes
 from mimoc.schema.scene import SceneSpec
 
 AGES_MONTHS = (0, 1, 6, 12, 18, 24)
 PER_AGE_AND_POSE = [(age, pose) for age in AGES_MONTHS for pose in POSES]
+WITH_FIVE_FINGERS = [(age, pose, "five_finger") for age in (0, 12, 24) for pose in POSES]
+BOTH_HANDS = [(age, pose, "mitten") for age, pose in PER_AGE_AND_POSE] + WITH_FIVE_FINGERS
+AGES_AND_HANDS = sorted({(age, hands) for age, _, hands in BOTH_HANDS})
 STATUE_ARMATURE_KGM2 = 1e6
 
 
@@ -36,7 +39,7 @@ def test_there_is_a_keyframe_for_every_pose_of_the_language(infant_at):
 
 
 def test_poses_name_joints_that_exist():
-    joints = grow(measure(9)).joints
+    joints = grow(measure(9), assemble("mitten", False)).joints
     for pose in POSES.values():
         for name in pose.angles_deg:
             assert {f"robot:{name.format(side=side)}" for side in ("left", "right")} <= joints.keys()
@@ -67,10 +70,10 @@ def test_couplings_of_the_spine_and_limits_of_the_head_hold(infant_at, pose):
     assert np.all(data.ten_length <= model.tendon_range[:, 1])
 
 
-@pytest.mark.parametrize(("age_months", "pose"), PER_AGE_AND_POSE)
-def test_a_statue_in_this_pose_does_not_tip(bundle_at, age_months, pose):
+@pytest.mark.parametrize(("age_months", "pose", "hands"), BOTH_HANDS)
+def test_a_statue_in_this_pose_does_not_tip(bundle_at, age_months, pose, hands):
     """With joints too inert to move, half a second of gravity turns and shifts it by less than one sees."""
-    files = bundle_at(age_months).files
+    files = bundle_at(age_months, hands, hands == "five_finger").files
     model = mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), dict(files))
     model.dof_armature[6:] = STATUE_ARMATURE_KGM2
     data = start(model, pose)
@@ -93,25 +96,29 @@ def test_the_body_lies_and_stands_as_the_pose_says(infant_at, age_months):
 
 
 def test_left_and_right_are_posed_alike():
-    for keyframe in keyframes(grow(measure(9))):
-        angles = dict(zip(grow(measure(9)).joints, keyframe.qpos[7:], strict=True))
+    tree = grow(measure(9), assemble("mitten", False))
+    for keyframe in keyframes(tree):
+        angles = dict(zip(tree.joints, keyframe.qpos[7:], strict=True))
         assert all(angles[name] == angles[name.replace("left", "right")] for name in angles)
 
 
 @pytest.fixture(scope="module")
 def folders(bundle_at, tmp_path_factory):
-    """Return a bundle's folder for each age."""
+    """Return a bundle's folder for each age and hands; the five-finger body with its chest joint."""
     root = tmp_path_factory.mktemp("bundles")
-    return {age: mimoc.write_bundle(bundle_at(age), root / f"age{age}") for age in AGES_MONTHS}
+    return {
+        (age, hands): mimoc.write_bundle(bundle_at(age, hands, hands == "five_finger"), root / f"age{age}_{hands}")
+        for age, hands in AGES_AND_HANDS
+    }
 
 
-@pytest.mark.parametrize(("age_months", "pose"), PER_AGE_AND_POSE)
+@pytest.mark.parametrize(("age_months", "pose", "hands"), BOTH_HANDS)
 def test_a_second_of_random_control_leaves_no_warning_and_bounded_energy(
-    folders, age_months, pose, tmp_path, monkeypatch
+    folders, age_months, pose, hands, tmp_path, monkeypatch
 ):
     """In plain MuJoCo, from the written files; a fall from standing makes some 4 J/kg."""
     monkeypatch.chdir(tmp_path)
-    model = mujoco.MjModel.from_xml_path(str(folders[age_months] / "scene.xml"))
+    model = mujoco.MjModel.from_xml_path(str(folders[age_months, hands] / "scene.xml"))
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data, chance, kinetic_j = start(model, pose), np.random.default_rng(0), 0.0
     while data.time < 1:
@@ -123,10 +130,10 @@ def test_a_second_of_random_control_leaves_no_warning_and_bounded_energy(
     assert not (tmp_path / "MUJOCO_LOG.TXT").exists()
 
 
-@pytest.mark.parametrize("age_months", AGES_MONTHS)
-def test_the_infant_alone_loads_and_steps(folders, age_months, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("age_months", "hands"), AGES_AND_HANDS)
+def test_the_infant_alone_loads_and_steps(folders, age_months, hands, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    model = mujoco.MjModel.from_xml_path(str(folders[age_months] / "infant.xml"))
+    model = mujoco.MjModel.from_xml_path(str(folders[age_months, hands] / "infant.xml"))
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, nstep=200)
     assert not any(warning.number for warning in data.warning)

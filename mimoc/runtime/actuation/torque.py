@@ -5,33 +5,21 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.runtime.senses.sense import FloatArray, IntArray
+from mimoc.runtime.actuation.commands import Commands, command_range, find_actuators, mean_effort
 from mimoc.schema.manifest import ActuationEntry
 
 
 @dataclass(frozen=True)
-class Torque:
-    """Commands in [-1, 1], shape (n,); torque = gear x command, within the motor's force range."""
+class Torque(Commands):
+    """Commands in [-1, 1]; torque = gear x command, within the motor's force range."""
 
-    actuators: IntArray
-    low: FloatArray
-    high: FloatArray
-
-    def __call__(self, action: np.ndarray, data: mujoco.MjData) -> None:
-        """Set the controls; MuJoCo clips them to their range.
-
-        Raises:
-            ValueError: If the action is not one number for each actuator.
-        """
-        if np.shape(action) != self.low.shape or np.isnan(action).any():
-            raise ValueError(f"an action is {len(self.low)} numbers, one for each actuator, and none of them NaN")
-        data.ctrl[self.actuators] = action
+    def effort(self, data: mujoco.MjData) -> float:
+        """Return what the torques of the last physics step cost; see `mean_effort`."""
+        return mean_effort(data.actuator_force[self.actuators], np.abs(self.limits_nm).max(axis=1))
 
 
 def bind_torque(entry: ActuationEntry, model: mujoco.MjModel) -> Torque:
     """Find the actuators of *entry* in *model*."""
-    return Torque(
-        actuators=np.array([model.actuator(actuator.name).id for actuator in entry.actuators]),
-        low=np.array([actuator.action_low for actuator in entry.actuators]),
-        high=np.array([actuator.action_high for actuator in entry.actuators]),
-    )
+    ids = find_actuators(entry, model)
+    limits_nm = model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
+    return Torque(ids, *command_range(entry), limits_nm)

@@ -16,6 +16,12 @@ MAX_SPEED_RAD_S = 1e3
 MAX_TORQUE_NM = 1e3
 MAX_LIMIT = 1e2
 """Bounds of the observation, far beyond what a stable simulation reaches."""
+LEAST_BOUND_NM = 1e-6
+"""Bound of the torque of actuators without strength, which some bound must have."""
+
+MUSCLE_FORCES = (2, 7, 8)
+"""Where a muscle's largest isometric force, and its passive and lengthening force relative to that, stand among
+MuJoCo's gain parameters."""
 
 
 @dataclass(frozen=True)
@@ -103,11 +109,42 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
     names = tuple(actuator.name for actuator in actuation.actuators)
     ids = np.array([model.actuator(name).id for name in names])
     gears = model.actuator_gear[ids, 0].copy()
+    by_muscles = actuation.model == "muscle"
+    activations = model.actuator_actadr[ids]
+
+    def read(data: mujoco.MjData) -> FloatArray:
+        """Return what drives each actuator, then the torque that it makes of that."""
+        drive = data.act[activations] if by_muscles else data.ctrl[ids]
+        return np.concatenate([drive, data.actuator_force[ids] * gears])
+
     return Channel(
-        lambda data: np.concatenate([data.ctrl[ids], data.actuator_force[ids] * gears]),
-        np.concatenate([np.ones(len(ids)), gears]),
-        _names(names, "command", "1") + _names(names, "torque", "N m"),
+        read,
+        np.concatenate([np.ones(len(ids)), LARGEST_TORQUES[actuation.model](model, ids)]),
+        _names(names, "activation" if by_muscles else "command", "1") + _names(names, "torque", "N m"),
     )
+
+
+def _largest_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    return np.maximum(np.abs(model.actuator_gear[ids, 0]), LEAST_BOUND_NM)
+
+
+def _largest_of_muscles(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    """Return what no muscle exceeds, even stretched as far as it is active and by its antagonist."""
+    isometric_nm, passive, lengthening = model.actuator_gainprm[ids][:, MUSCLE_FORCES].T
+    return np.maximum(isometric_nm * (passive + lengthening), LEAST_BOUND_NM)
+
+
+def _largest_of_servos(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    """Return what a servo makes of a command from one end of its joint's range while the joint is at the other."""
+    return 2 * model.actuator_gainprm[ids, 0]
+
+
+LARGEST_TORQUES: Mapping[str, Callable[[mujoco.MjModel, IntArray], FloatArray]] = {
+    "torque": _largest_of_motors,
+    "muscle": _largest_of_muscles,
+    "position": _largest_of_servos,
+}
+"""The bound of each actuator's torque, by actuation model."""
 
 
 CHANNELS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Channel]] = {

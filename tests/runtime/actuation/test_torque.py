@@ -27,3 +27,16 @@ def test_the_action_names_its_actuators_in_order(env):
         env.step(command)
         assert env.data.actuator(actuator.name).ctrl[0] == 1
         assert np.count_nonzero(env.data.ctrl) == 1
+
+
+def test_effort_is_the_mean_square_command_weighted_by_strength(env):
+    """Sum of u² T over n sum of T; u as far as the force range lets it through."""
+    assert env.effort() == 0
+    motors = [env.model.actuator(actuator.name) for actuator in env.manifest.actuation.actuators]
+    gears = np.array([motor.gear[0] for motor in motors])
+    env.step(np.full(44, 0.25))
+    assert env.effort() == pytest.approx(0.0625 / 44)
+    command = np.random.default_rng(0).uniform(-1, 1, 44)
+    env.step(command)
+    shares = np.array([np.clip(share, *motor.forcerange) for motor, share in zip(motors, command, strict=True)])
+    assert env.effort() == pytest.approx(shares**2 @ gears / (44 * gears.sum()))

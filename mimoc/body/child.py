@@ -1,0 +1,44 @@
+"""The one child that a spec asks for: the average of its age, made an individual, with single parts changed."""
+
+from mimoc.body.assembly import Anatomy
+from mimoc.body.grow import grow
+from mimoc.body.individual import individualise
+from mimoc.body.prune import prune
+from mimoc.body.strengthen import strengthen
+from mimoc.body.tree import BodyTree
+from mimoc.fits import Measured, Measurements, measure
+from mimoc.schema import InfantSpec
+from mimoc.units import cm_to_m
+
+
+def measure_child(spec: InfantSpec, anatomy: Anatomy) -> Measurements:
+    """Return the measurements of a spec's child: of its age, then of the individual, then those the spec gives.
+
+    Raises:
+        IndividualError: If no child measures what the individual should.
+    """
+    measurements = measure(spec.age_months)
+    if spec.body.individual:
+        measurements = individualise(measurements, spec.body.individual, lambda m: grow(m, anatomy))
+    return replace_given(measurements, spec)
+
+
+def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
+    """Return the measurements with those that the spec gives one by one in place of a child's own."""
+    given = {key.removesuffix("_cm"): _given(key, value_cm) for key, value_cm in spec.body.measurements.items()}
+    return measurements.replaced(given)
+
+
+def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -> BodyTree:
+    """Return the body of a spec's child: parts scaled, muscles as strong as asked for, absent limbs left out.
+
+    Raises:
+        GeometryError: If no body has these measurements.
+    """
+    scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
+    grown = grow(measurements, anatomy, scales)
+    return prune(strengthen(grown, anatomy, spec.actuation), spec.body.remove)
+
+
+def _given(key: str, value_cm: float) -> Measured:
+    return Measured(cm_to_m(value_cm), "given by the spec", given_by=(f"spec.body.measurements.{key}",))

@@ -1,0 +1,284 @@
+"""Five fingers and two toes: the parts, joints and muscles that MIMo's second body has in place of mittens.
+
+Names with `{side}` stand for a right and a left part; figures are those of the right side. Fingers are
+ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Mattern et al. 2024).
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from mimoc.body.figures import ALONG_X, ALONG_Y, LEG_LENGTH, LEG_SHARE, GeomFigures, JointFigures, MotorFigures, Part
+from mimoc.body.tree import GeomType, Vec3
+
+_PALM = ("hand_breadth", "hand_length")
+_FINGER = ("hand_length", "middle_finger_diameter")
+_THUMB = ("hand_length", "thumb_diameter")
+_FOOT = ("foot_length", "foot_breadth")
+_SOLE_GRIP = (2.0, 0.02, 0.01)
+_GRIP_CONDIM = 6
+"""Contacts of a hand resist twisting and rolling too (MIMo)."""
+
+
+def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigures:
+    euler_deg = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0)
+    name = f"geom:{{side}}_hand{number}"
+    return GeomFigures(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM)
+
+
+def _phalanx(
+    name: str, parent: str, mass_kg: float, joints: tuple[JointFigures, ...], follows: tuple[str, ...]
+) -> Part:
+    geom = GeomFigures(
+        f"geom:{{side}}_{name}1",
+        "capsule",
+        mass_kg,
+        follows,
+        f"radius from {follows[1]} / 2, length a share of half of hand_length",
+        condim=_GRIP_CONDIM,
+    )
+    place = ("where the palm ends", _PALM) if name.endswith("knuckle") else ("where the one before it ends", _PALM[1:])
+    return Part(f"{{side}}_{name}", f"{{side}}_{parent}", (geom,), joints, follows=place[1], rule=place[0])
+
+
+def _hinge(
+    name: str, axis: Vec3, range_deg: tuple[float, float], stiffness: float, damping: float, springref_deg: float = 0
+) -> JointFigures:
+    return JointFigures(f"robot:{{side}}_{name}", axis, range_deg, stiffness, damping, 0.0, 0.0001, springref_deg)
+
+
+def _finger(
+    name: str, parent: str, masses_kg: tuple[float, float, float], stiffness: tuple[float, float, float]
+) -> tuple[Part, Part, Part]:
+    """Return the three phalanges of a finger, whose first one also moves sideways."""
+    side = _hinge(f"{name}_side", (0, 1, 0), (-25, 25), 0.003, 0.001)
+    knuckle = _hinge(f"{name}_knuckle", (1, 0, 0), (-20, 90), stiffness[0], 0.0005, 45)
+    middle = _hinge(f"{name}_middle", (1, 0, 0), (-5, 100), stiffness[1], 0.0005, 45)
+    distal = _hinge(f"{name}_distal", (1, 0, 0), (-5, 80), stiffness[2], 0.0005, 30)
+    return (
+        _phalanx(f"{name}knuckle", parent, masses_kg[0], (side, knuckle), _FINGER),
+        _phalanx(f"{name}middle", f"{name}knuckle", masses_kg[1], (middle,), _FINGER),
+        _phalanx(f"{name}distal", f"{name}middle", masses_kg[2], (distal,), _FINGER),
+    )
+
+
+_METACARPAL = Part(
+    "{side}_lfmetacarpal",
+    "{side}_hand",
+    (
+        GeomFigures(
+            "geom:{side}_lfmetacarpal1",
+            "box",
+            0.002879,
+            _PALM,
+            "the outer quarter of the palm",
+            condim=_GRIP_CONDIM,
+        ),
+        GeomFigures(
+            "geom:{side}_lfmetacarpal2",
+            "cylinder",
+            0.0009879,
+            _PALM,
+            "rounds the metacarpal off at the knuckle",
+            ALONG_X,
+            condim=_GRIP_CONDIM,
+        ),
+    ),
+    (replace(_hinge("lf_meta", (0.571, 0, 0.821), (0, 40), 0.01, 0.001), left_axis=(-0.571, 0, 0.821)),),
+    follows=_PALM,
+    rule="on the little finger's side of the palm",
+)
+
+_THUMB_BASE = Part(
+    "{side}_thbase",
+    "{side}_hand",
+    (
+        GeomFigures(
+            "geom:{side}_thbase1",
+            "capsule",
+            0.005463,
+            _THUMB,
+            "radius from thumb_diameter / 2, length a share of half of hand_length",
+            condim=_GRIP_CONDIM,
+        ),
+    ),
+    (
+        _hinge("th_swivel", (3, -5, -1), (-10, 110), 0.003, 0.001, 40),
+        _hinge("th_adduction", (1, 2, 0), (-60, 0), 0.004, 0.001, -35),
+    ),
+    euler_deg=(0.0, 80.0, 30.0),
+    follows=_PALM,
+    rule="on the first finger's side of the palm, near the wrist",
+)
+
+HAND = (
+    Part(
+        "{side}_hand",
+        "{side}_lower_arm",
+        (
+            _palm(1, "box", 0.01895, "three quarters of the palm, half of hand_length long"),
+            _palm(2, "box", 0.003321, "widens the palm to hand_breadth near the wrist"),
+            _palm(3, "cylinder", 0.003367, "rounds the palm off at the knuckles"),
+            _palm(4, "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
+        ),
+        (
+            JointFigures("robot:{side}_hand1", (0, 0, -1), (-90, 90), 0.22, 0.03, 0.007, 0.001, -20),
+            JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
+            JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
+        ),
+        follows=("elbow_hand_length", "hand_length", "hand_breadth"),
+        rule="palm's middle, a quarter of hand_length past the wrist",
+    ),
+    *_finger("ff", "hand", (0.002692, 0.001497, 0.001291), (0.0008, 0.0006, 0.0006)),
+    *_finger("mf", "hand", (0.003284, 0.001757, 0.001563), (0.0010, 0.0007, 0.0006)),
+    *_finger("rf", "hand", (0.002664, 0.001476, 0.001316), (0.0009, 0.0007, 0.0006)),
+    _METACARPAL,
+    *_finger("lf", "lfmetacarpal", (0.002143, 0.001276, 0.001113), (0.0007, 0.0006, 0.0006)),
+    _THUMB_BASE,
+    _phalanx(
+        "thhub",
+        "thbase",
+        0.003021,
+        (
+            _hinge("th_pivot", (1, 0, 0), (-10, 10), 0.002, 0.001),
+            _hinge("th_middle", (0, -1, 0), (0, 90), 0.004, 0.001, 30),
+        ),
+        _THUMB,
+    ),
+    _phalanx("thdistal", "thhub", 0.002509, (_hinge("th_distal", (0, -1, 0), (0, 90), 0.004, 0.001, 20),), _THUMB),
+)
+"""Palm and fingers, in MIMo's order."""
+
+FOOT = (
+    Part(
+        "{side}_foot",
+        "{side}_lower_leg",
+        (
+            GeomFigures("geom:{side}_foot1", "cylinder", 0.03225, _FOOT, "heel, as wide as foot_breadth"),
+            GeomFigures(
+                "geom:{side}_foot2", "box", 0.04923, _FOOT, "sole, as wide as foot_breadth", friction=_SOLE_GRIP
+            ),
+            GeomFigures(
+                "geom:{side}_foot3",
+                "cylinder",
+                0.01312,
+                _FOOT,
+                "ball of the foot, as wide as foot_breadth",
+                ALONG_Y,
+                _SOLE_GRIP,
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
+            JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
+            JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
+        ),
+        follows=LEG_LENGTH,
+        rule=LEG_SHARE,
+    ),
+)
+"""The foot without its toes."""
+
+
+def _toes(name: str, masses_kg: tuple[float, float]) -> Part:
+    box, tip = masses_kg
+    return Part(
+        f"{{side}}_{name}",
+        "{side}_foot",
+        (
+            GeomFigures(
+                f"geom:{{side}}_{name}1", "box", box, _FOOT, "a share of foot_breadth wide", friction=_SOLE_GRIP
+            ),
+            GeomFigures(
+                f"geom:{{side}}_{name}2",
+                "cylinder",
+                tip,
+                _FOOT,
+                "rounds the toes off at foot_length from the heel",
+                ALONG_Y,
+                _SOLE_GRIP,
+            ),
+        ),
+        (JointFigures(f"robot:{{side}}_{name}", (0, -1, 0), (-60, 80), 0.053, 0.02, 0.002, 0.0001),),
+        follows=_FOOT,
+        rule="at the ball of the foot",
+    )
+
+
+TOES: Mapping[str, tuple[Part, ...]] = {
+    "right": (_toes("big_toe", (0.004425, 0.003934)), _toes("toes", (0.01006, 0.008612))),
+    "left": (_toes("toes", (0.01006, 0.008612)), _toes("big_toe", (0.004425, 0.003934))),
+}
+"""Big toe and the others; MIMo lists them the other way round on the left."""
+
+MASSES_KG: Mapping[str, float] = {
+    "lb": 1.1684,
+    "cb": 1.3359,
+    "ub1": 1.0976,
+    "ub2": 0.9531,
+    "{side}_uarm1": 0.2708,
+    "{side}_larm": 0.1869,
+    "head": 1.7901,
+    "geom:{side}_eye1": 0.006329,
+    "geom:{side}_upper_leg1": 0.8067,
+    "geom:{side}_lower_leg1": 0.3370,
+    "geom:{side}_lower_leg2": 0.1170,
+}
+"""Where this body's parts weigh something else than the mitten body's: together they weigh 10.9 kg again."""
+
+EXCLUDED = (
+    ("{side}_lower_arm", "{side}_thbase"),
+    ("{side}_lower_arm", "{side}_lfmetacarpal"),
+    ("{side}_thbase", "{side}_lfmetacarpal"),
+)
+"""The roots of thumb and little finger pass through their own forearm and each other (MIMo says so with bit masks)."""
+
+_FLEXORS = (-0.345, 1.0)
+"""Fingers close with more force than they open (MIMo)."""
+_EVEN = (-1.0, 1.0)
+
+
+def _finger_motors(
+    name: str, gears_nm: tuple[float, ...], vmax_lengths_per_s: tuple[float, ...]
+) -> tuple[MotorFigures, ...]:
+    """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
+    figures = zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
+    return tuple(
+        MotorFigures(
+            f"act:{{side}}_{name}_{joint}",
+            f"robot:{{side}}_{name}_{joint}",
+            gear_nm,
+            force,
+            vmax,
+            f"geom:{{side}}_{name}{mover}1",
+        )
+        for (joint, force, mover), gear_nm, vmax in figures
+    )
+
+
+_FINGER_JOINTS = (
+    ("side", _EVEN, "knuckle"),
+    ("knuckle", _FLEXORS, "knuckle"),
+    ("middle", _FLEXORS, "middle"),
+    ("distal", _FLEXORS, "distal"),
+)
+"""Joint, force range, and the phalanx whose size its strength follows."""
+_LITTLE = _finger_motors("lf", (0.05, 0.0196, 0.00653, 0.00490), (5.282, 2.337, 2.566, 2.001))
+
+HAND_MOTORS = (
+    *_finger_motors("ff", (0.05, 0.0619, 0.02063, 0.01548), (6.217, 4.368, 3.493, 2.539)),
+    *_finger_motors("mf", (0.05, 0.117, 0.039, 0.02925), (5.375, 4.325, 3.375, 2.577)),
+    *_finger_motors("rf", (0.05, 0.078, 0.026, 0.0195), (4.984, 2.817, 3.007, 2.313)),
+    _LITTLE[0],
+    MotorFigures("act:{side}_lf_meta", "robot:{side}_lf_meta", 0.064, _FLEXORS, 6.855, "geom:{side}_lfmetacarpal1"),
+    *_LITTLE[1:],
+    MotorFigures("act:{side}_thumb_side", "robot:{side}_th_swivel", 0.373, _FLEXORS, 3.491, "geom:{side}_thbase1"),
+    MotorFigures("act:{side}_thumb_add", "robot:{side}_th_adduction", 0.134, _EVEN, 5.646, "geom:{side}_thbase1"),
+    MotorFigures("act:{side}_thumb_pivot", "robot:{side}_th_pivot", 0.1, _EVEN, 9.055, "geom:{side}_thhub1"),
+    MotorFigures("act:{side}_thumb_middle", "robot:{side}_th_middle", 0.126, _FLEXORS, 3.877, "geom:{side}_thhub1"),
+    MotorFigures("act:{side}_thumb_distal", "robot:{side}_th_distal", 0.0945, _FLEXORS, 3.392, "geom:{side}_thdistal1"),
+)
+_TOE_FORCE = (-1.0, 0.3)
+_BIG_TOE = MotorFigures("act:{side}_big_toe", "robot:{side}_big_toe", 0.165, _TOE_FORCE, 1.774, "geom:{side}_big_toe1")
+_TOES = MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.165, _TOE_FORCE, 1.805, "geom:{side}_toes1")
+TOE_MOTORS: Mapping[str, tuple[MotorFigures, ...]] = {"right": (_BIG_TOE, _TOES), "left": (_TOES, _BIG_TOE)}
+"""In the order of each side's toes."""

@@ -1,0 +1,140 @@
+"""Mitten hands, whose fingers move as one, and feet whose toes do (Mattern et al. 2024).
+
+Names with `{side}` stand for a right and a left part; figures are those of the right side.
+"""
+
+from mimoc.body.figures import ALONG_X, ALONG_Y, LEG_LENGTH, LEG_SHARE, GeomFigures, JointFigures, MotorFigures, Part
+
+_HAND_GRIP = (5.0, 0.02, 0.01)
+_SOLE_GRIP = (2.0, 0.02, 0.01)
+
+HAND = (
+    Part(
+        "{side}_hand",
+        "{side}_lower_arm",
+        (
+            GeomFigures(
+                "geom:{side}_hand1",
+                "box",
+                0.04315,
+                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
+                "as wide as maximum_fist_breadth, half of hand_length less the fingertip's radius",
+            ),
+            GeomFigures(
+                "geom:{side}_hand2",
+                "cylinder",
+                0.01602,
+                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
+                "rounds the palm off at the knuckles",
+                ALONG_X,
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_hand1", (0, 0, -1), (-90, 90), 0.22, 0.03, 0.007, 0.001, -20),
+            JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
+            JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
+        ),
+        follows=("elbow_hand_length", "hand_length", "hand_breadth"),
+        rule="wrist at .763 x (elbow_hand_length - hand_length), the reference body's share between the joints",
+    ),
+    Part(
+        "{side}_fingers",
+        "{side}_hand",
+        (
+            GeomFigures(
+                "geom:{side}_fingers1",
+                "box",
+                0.03494,
+                ("hand_breadth", "hand_length"),
+                "as wide as hand_breadth, half of hand_length less the fingertip's radius",
+                friction=_HAND_GRIP,
+            ),
+            GeomFigures(
+                "geom:{side}_fingers2",
+                "cylinder",
+                0.01323,
+                ("hand_breadth", "hand_length"),
+                "rounds the fingertips off at hand_length from the wrist",
+                ALONG_X,
+                _HAND_GRIP,
+            ),
+        ),
+        (JointFigures("robot:{side}_fingers", (-1, 0, 0), (-160, 8), 0.017, 0.018, 0.0023, 0.0001, -40),),
+        follows=("hand_length", "hand_breadth"),
+        rule="at the knuckles, half of hand_length less the fingertip's radius",
+    ),
+)
+
+FOOT = (
+    Part(
+        "{side}_foot",
+        "{side}_lower_leg",
+        (
+            GeomFigures(
+                "geom:{side}_foot1",
+                "cylinder",
+                0.03219,
+                ("foot_breadth", "foot_length"),
+                "heel, as wide as foot_breadth",
+            ),
+            GeomFigures(
+                "geom:{side}_foot2",
+                "box",
+                0.05850,
+                ("foot_breadth", "foot_length"),
+                "sole, as wide as foot_breadth",
+                friction=_SOLE_GRIP,
+            ),
+            GeomFigures(
+                "geom:{side}_foot3",
+                "cylinder",
+                0.01268,
+                ("foot_breadth", "foot_length"),
+                "ball of the foot, as wide as foot_breadth",
+                ALONG_Y,
+                _SOLE_GRIP,
+            ),
+        ),
+        (
+            JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
+            JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
+            JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
+        ),
+        follows=LEG_LENGTH,
+        rule=LEG_SHARE,
+    ),
+)
+
+TOES = (
+    Part(
+        "{side}_toes",
+        "{side}_foot",
+        (
+            GeomFigures(
+                "geom:{side}_toes1",
+                "box",
+                0.01084,
+                ("foot_breadth", "foot_length"),
+                "toes, as wide as foot_breadth",
+                friction=_SOLE_GRIP,
+            ),
+            GeomFigures(
+                "geom:{side}_toes2",
+                "cylinder",
+                0.01226,
+                ("foot_breadth", "foot_length"),
+                "rounds the toes off at foot_length from the heel",
+                ALONG_Y,
+                _SOLE_GRIP,
+            ),
+        ),
+        (JointFigures("robot:{side}_toes", (0, -1, 0), (-60, 80), 0.106, 0.04, 0.005, 0.0005),),
+        follows=("foot_length", "foot_breadth"),
+        rule="in proportion to the foot",
+    ),
+)
+
+HAND_MOTORS = (
+    MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "geom:{side}_hand1"),
+)
+TOE_MOTORS = (MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), 1.29, "geom:{side}_foot2"),)

@@ -1,0 +1,78 @@
+"""One part against what the age gives it: longer or shorter, thicker or thinner, with all that is attached."""
+
+import math
+from collections.abc import Iterable, Mapping
+
+from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, Part
+from mimoc.body.layout import Layout, Solid
+from mimoc.body.tree import Vec3
+from mimoc.errors import GeometryError
+
+LYING_PARTS = ("{side}_foot", "{side}_toes", "{side}_big_toe")
+"""Parts whose length runs along x; that of all others runs along z."""
+
+
+LIMBS = (
+    ("{side}_uarm1", "{side}_lower_arm"),
+    ("{side}_larm", "{side}_hand"),
+    ("geom:{side}_upper_leg1", "{side}_lower_leg"),
+    ("geom:{side}_lower_leg1", "{side}_foot"),
+)
+"""The solid of each long segment, and the part at whose joint it ends."""
+
+
+def check_limbs(layout: Layout) -> None:
+    """Pass a layout whose limbs are longer than wide.
+
+    Raises:
+        GeometryError: If one is not.
+    """
+    for geom, end in LIMBS:
+        length_m, thickness_m = math.dist(layout.origins[end], (0, 0, 0)), 2 * layout.solids[geom].size_m[0]
+        if thickness_m >= length_m:
+            raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
+
+
+def scale_part(layout: Layout, name: str, parts: Iterable[Part], length: float, girth: float) -> Layout:
+    """Return a layout in which one part is scaled.
+
+    Args:
+        layout: Of one side.
+        name: The part, by its name with `{side}`.
+        parts: All parts of that side, to find what is attached.
+        length: Factor along the part.
+        girth: Factor across it.
+    """
+    scale = (length, girth, girth) if name in LYING_PARTS else (girth, girth, length)
+    children = [part.name for part in parts if part.parent == name]
+    (part,) = (part for part in parts if part.name == name)
+    joints = [joint.name for joint in part.joints if joint.name in layout.anchors]
+    return layout | Layout(
+        origins={child: _scaled(layout.origins[child], scale) for child in children},
+        solids={geom.name: _scale_solid(layout.solids[geom.name], geom, scale) for geom in part.geoms},
+        anchors={joint: _scaled(layout.anchors[joint], scale) for joint in joints},
+    )
+
+
+def _scale_solid(solid: Solid, geom: GeomFigures, scale: Vec3) -> Solid:
+    x, y, z = _in_geom_frame(geom.euler_deg, scale)
+    if geom.type == "sphere":
+        size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
+    elif geom.type == "box":
+        size_m = _scaled((solid.size_m[0], solid.size_m[1], solid.size_m[2]), (x, y, z))
+    else:
+        radius_m, half_m = solid.size_m
+        size_m = (radius_m * math.sqrt(x * y), half_m * z)
+    return Solid(size_m, _scaled(solid.pos_m, scale))
+
+
+def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
+    """Return scale factors of a body's axes as those of a geom's axes, which are turned by a right angle at most."""
+    x, y, z = scale
+    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
+    return turned.get(euler_deg, scale)
+
+
+def _scaled(vector: Vec3, scale: Vec3) -> Vec3:
+    x, y, z = (component * factor for component, factor in zip(vector, scale, strict=True))
+    return x, y, z

@@ -1,0 +1,55 @@
+"""Commands: an action as MuJoCo's controls, and what the actuators that follow them have in common."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.runtime.senses.sense import FloatArray, IntArray
+from mimoc.schema.manifest import ActuationEntry
+
+
+@dataclass(frozen=True)
+class Commands:
+    """One command for each of n actuators; MuJoCo clips it to its range."""
+
+    actuators: IntArray
+    """Shape (n,)."""
+    low: FloatArray
+    """Least command, shape (n,)."""
+    high: FloatArray
+    """Largest command, shape (n,)."""
+    limits_nm: FloatArray
+    """Largest torque about the joint towards negative and positive angles, shape (n, 2)."""
+
+    def __call__(self, action: np.ndarray, data: mujoco.MjData) -> None:
+        """Set the controls for the next physics steps.
+
+        Raises:
+            ValueError: If the action is not one number for each actuator.
+        """
+        if np.shape(action) != self.low.shape or np.isnan(action).any():
+            raise ValueError(f"an action is {len(self.low)} numbers, one for each actuator, and none of them NaN")
+        data.ctrl[self.actuators] = action
+
+
+def find_actuators(entry: ActuationEntry, model: mujoco.MjModel) -> IntArray:
+    """Return the index of each actuator in *model*, shape (n,)."""
+    return np.array([model.actuator(actuator.name).id for actuator in entry.actuators], dtype=np.intp)
+
+
+def command_range(entry: ActuationEntry) -> tuple[FloatArray, FloatArray]:
+    """Return the least and the largest commands, shape (n,) each."""
+    low = np.array([actuator.action_low for actuator in entry.actuators])
+    return low, np.array([actuator.action_high for actuator in entry.actuators])
+
+
+def mean_effort(shares: FloatArray, torques_nm: FloatArray) -> float:
+    """Return the sum of u² T over n times the sum of T (MIMo), between 0 and 1 / n; 0 where nothing has strength.
+
+    Args:
+        shares: How much of its strength each actuator uses (u), shape (n,).
+        torques_nm: The largest torque of each (T), shape (n,).
+    """
+    strength_nm = len(shares) * torques_nm.sum()
+    return float(shares**2 @ torques_nm / strength_nm) if strength_nm else 0.0

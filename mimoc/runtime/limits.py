@@ -1,0 +1,29 @@
+"""How strong an infant is."""
+
+from pathlib import Path
+
+from mimoc.bundle import Bundle, read_bundle
+from mimoc.runtime.actuation import ACTUATIONS
+from mimoc.runtime.model import load_model
+
+
+def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:
+    """Return the peak torque about each hinge that is driven, towards negative and positive angles, in [N m].
+
+    The first is negative. Of muscles it is what they hold at their optimal length; a servo's has no end.
+
+    Args:
+        bundle: A bundle, or the folder of one.
+
+    Raises:
+        BundleError: If the folder is not a whole bundle.
+        ModelError: If MuJoCo refuses its model.
+    """
+    bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+    entry = bundle.manifest.actuation
+    actuation = ACTUATIONS[entry.model](entry, load_model(bundle))
+    limits: dict[str, tuple[float, float]] = {}
+    for actuator, (negative_nm, positive_nm) in zip(entry.actuators, actuation.limits_nm.tolist(), strict=True):
+        so_far = limits.get(actuator.joint, (0.0, 0.0))
+        limits[actuator.joint] = (so_far[0] + negative_nm, so_far[1] + positive_nm)
+    return limits

@@ -1,0 +1,375 @@
+"""What a spec changes of a single body: measurements of both sides or of one, and parts by factors."""
+
+import math
+import random
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mimoc
+from mimoc.body import assemble, grow_child, measure_child
+from mimoc.body.mass import volume
+from mimoc.fits import measure
+from mimoc.schema import InfantSpec
+from mimoc.schema.names import LIMB_BODIES, LIMB_MEASUREMENTS, MEASUREMENTS, TRUNK_BODIES
+
+HANDS = ("mitten", "five_finger")
+UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
+INERT = {
+    "mitten": {"head_breadth", "head_length", "rump_sole_length", "middle_finger_diameter", "thumb_diameter"},
+    "five_finger": {"head_breadth", "head_length", "rump_sole_length", "maximum_fist_breadth"},
+}
+"""What no part of a body follows: heads are round, and each kind of hand has its own measurements."""
+
+
+def spec(hands: str = "mitten", age_months: float = 9, **body) -> InfantSpec:
+    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": {"hands": hands, **body}}
+    return InfantSpec.model_validate(data)
+
+
+def tree_of(infant: InfantSpec):
+    anatomy = assemble(infant.body.hands, infant.body.chest_joint)
+    return grow_child(infant, measure_child(infant, anatomy), anatomy)
+
+
+def span(infant, direction: np.ndarray, geoms: list[str]) -> float:
+    low, high = infant.span_m(direction, geoms)
+    return high - low
+
+
+def girth(geom: str):
+    return lambda infant, side: 2 * math.pi * infant.model.geom(geom.format(side=side)).size[0]
+
+
+def radius(geom: str):
+    return lambda infant, side: infant.model.geom(geom.format(side=side)).size[0]
+
+
+def across(geom: str):
+    return lambda infant, side: span(infant, LEFT, [geom])
+
+
+def between(first: str, second: str):
+    """Return the distance of the origins of two bodies, which are at their joints."""
+
+    def distance(infant, side: str) -> float:
+        ends = [infant.data.body(name.format(side=side)).xpos for name in (first, second)]
+        return float(np.linalg.norm(ends[0] - ends[1]))
+
+    return distance
+
+
+def of_hand(infant, side: str, axis: int, geoms: list[str]) -> float:
+    turn = infant.data.body(f"{side}_lower_arm").xmat.reshape(3, 3)
+    return span(infant, turn[:, axis], geoms)
+
+
+def along_arm(infant, side: str) -> np.ndarray:
+    return infant.data.body(f"{side}_lower_arm").xmat.reshape(3, 3)[:, 2]
+
+
+def elbow(infant, side: str) -> float:
+    return infant.data.body(f"{side}_lower_arm").xpos @ along_arm(infant, side)
+
+
+def wrist(infant, side: str) -> float:
+    return infant.data.joint(f"robot:{side}_hand3").xanchor @ along_arm(infant, side)
+
+
+def hand_length(infant, side: str) -> float:
+    return infant.span_m(along_arm(infant, side), infant.limb(f"{side}_hand"))[1] - wrist(infant, side)
+
+
+def hand_breadth(infant, side: str) -> float:
+    mitten = infant.hands == "mitten"
+    bodies = [f"{side}_fingers"] if mitten else [f"{side}_hand", f"{side}_lfmetacarpal"]
+    return of_hand(infant, side, 0, infant.geoms(*bodies))
+
+
+DIMENSIONS = {
+    "ankle_circumference": girth("geom:{side}_lower_leg2"),
+    "calf_circumference": girth("geom:{side}_lower_leg1"),
+    "chest_breadth": across("ub2"),
+    "chest_circumference": radius("ub2"),
+    "crown_rump_length": lambda infant, side: span(infant, UP, ["head", "lb"]),
+    "crown_sole_length": lambda infant, side: span(infant, UP, infant.limb("hip")),
+    "elbow_hand_length": lambda infant, side: wrist(infant, side) - elbow(infant, side),
+    "foot_breadth": lambda infant, side: span(infant, LEFT, infant.limb(f"{side}_foot")),
+    "foot_length": lambda infant, side: span(infant, FORWARD, infant.limb(f"{side}_foot")),
+    "forearm_circumference": girth("{side}_larm"),
+    "hand_breadth": hand_breadth,
+    "hand_length": hand_length,
+    "head_circumference": girth("head"),
+    "hip_breadth": across("lb"),
+    "hip_circumference": radius("lb"),
+    "knee_sole_length": between("{side}_lower_leg", "{side}_foot"),
+    "maximum_fist_breadth": lambda infant, side: of_hand(infant, side, 0, [f"geom:{side}_hand1"]),
+    "mid_thigh_circumference": girth("geom:{side}_upper_leg1"),
+    "middle_finger_diameter": lambda infant, side: 2 * radius("geom:{side}_mfknuckle1")(infant, side),
+    "rump_knee_length": between("{side}_upper_leg", "{side}_lower_leg"),
+    "shoulder_breadth": between("left_upper_arm", "right_upper_arm"),
+    "shoulder_elbow_length": between("{side}_upper_arm", "{side}_lower_arm"),
+    "thumb_diameter": lambda infant, side: 2 * radius("geom:{side}_thbase1")(infant, side),
+    "upper_arm_circumference": girth("{side}_uarm1"),
+    "waist_circumference": radius("cb"),
+}
+"""How a measurement is taken on a compiled infant."""
+
+IN_PROPORTION = {
+    "chest_circumference",
+    "elbow_hand_length",
+    "hip_circumference",
+    "knee_sole_length",
+    "rump_knee_length",
+    "shoulder_elbow_length",
+    "waist_circumference",
+}
+"""Those that a model has no tape for: what it has changes by the same factor."""
+
+
+def test_every_measurement_is_tried():
+    assert DIMENSIONS.keys() == set(MEASUREMENTS) - {"head_breadth", "head_length", "rump_sole_length"}
+
+
+FOLLOWED = [(hands, name) for hands in HANDS for name in MEASUREMENTS if name not in INERT[hands]]
+
+
+@pytest.mark.parametrize("factor", [0.96, 1.05])
+@pytest.mark.parametrize(("hands", "name"), FOLLOWED)
+def test_a_measurement_is_found_on_the_compiled_body(infant_with, infant_at, hands, name, factor):
+    value_m = measure(9)[name] * factor
+    changed = infant_with(hands=hands, measurements={f"{name}_cm": 100 * value_m})
+    for side in ("left", "right"):
+        found_m, before_m = (DIMENSIONS[name](infant, side) for infant in (changed, infant_at(9, hands)))
+        if name == "elbow_hand_length":
+            hand_m = measure(9)["hand_length"]
+            assert found_m / before_m == pytest.approx((value_m - hand_m) / (value_m / factor - hand_m), rel=1e-6)
+        elif name in IN_PROPORTION:
+            assert found_m / before_m == pytest.approx(factor, rel=1e-6)
+        else:
+            assert found_m == pytest.approx(value_m, abs=1e-4)
+
+
+def followers(infant: InfantSpec, name: str, side: str = "") -> tuple[set[str], set[str]]:
+    """Return the geoms and the bodies that say they follow a measurement, of one side or of all."""
+    geoms, bodies = set(), set()
+    for here, part in assemble(infant.body.hands, infant.body.chest_joint).parts:
+        if side in ("", here):
+            bodies |= {part.name.format(side=here)} if name in part.follows else set()
+            follow = [geom.name for geom in part.geoms if name in (*geom.follows, *geom.placed_by)]
+            geoms |= {geom.format(side=here) for geom in follow}
+    return geoms, bodies
+
+
+def differences(before, after) -> tuple[set[str], set[str]]:
+    """Return the geoms and the bodies that differ in size or place."""
+    geoms = {
+        name
+        for name, geom in before.geoms.items()
+        if (geom.size_m, geom.pos_m) != (after.geoms[name].size_m, after.geoms[name].pos_m)
+    }
+    pairs = zip(before.bodies, after.bodies, strict=True)
+    return geoms, {body.name for body, other in pairs if body.pos_m != other.pos_m}
+
+
+@pytest.mark.parametrize("side", ["", "left", "right"])
+@pytest.mark.parametrize("hands", HANDS)
+def test_what_changes_is_what_says_that_it_follows(hands, side):
+    """So nothing unrelated changes, `mimo explain` leaves nothing out, and one side leaves the other alone."""
+    before = tree_of(spec(hands))
+    for name in LIMB_MEASUREMENTS if side else MEASUREMENTS:
+        key = "_".join(filter(None, (side, name, "cm")))
+        changed = spec(hands, measurements={key: 103 * measure(9)[name]})
+        geoms, bodies = differences(before, tree_of(changed))
+        follow = followers(changed, name, side)
+        assert geoms <= follow[0], name
+        assert bodies <= follow[1], name
+        assert bool(geoms) == (name not in INERT[hands]), name
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_what_says_that_it_follows_a_measurement_does(hands):
+    """Tried with children whose age gives them another one, since an override of thigh leaves the shank alone."""
+    anatomy = assemble(hands, False)
+    average = measure(9)
+    before = grow_child(spec(hands), average, anatomy)
+    for name in MEASUREMENTS:
+        after = grow_child(spec(hands), average.scaled({name: 1.03}, "", ()), anatomy)
+        assert followers(spec(hands), name)[0] == differences(before, after)[0], name
+
+
+@pytest.mark.parametrize(("hands", "name"), [pair for pair in FOLLOWED if pair[1] in LIMB_MEASUREMENTS])
+def test_both_sides_one_by_one_are_both_sides_at_once(hands, name):
+    value_cm = 102 * measure(9)[name]
+    together = tree_of(spec(hands, measurements={f"{name}_cm": value_cm}))
+    apart = {f"{side}_{name}_cm": value_cm for side in ("left", "right")}
+    assert tree_of(spec(hands, measurements=apart)) == together
+    overruled = {f"{name}_cm": 1.01 * value_cm, **apart}
+    assert tree_of(spec(hands, measurements=overruled)) == together, "the one side says more than both"
+
+
+# Parts.
+
+
+def lengthened(name: str) -> int:
+    """Return the axis that a part's length runs along in its own frame."""
+    return 0 if name.split("_", 1)[-1] in ("foot", "toes", "big_toe") else 2
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_a_part_is_scaled_along_and_across_with_all_that_is_attached(hands):
+    """Sizes, joints, children, mass, strength; and nothing else."""
+    before = tree_of(spec(hands))
+    length, thickness = 1.1, 1.04
+    for part in before.bodies:
+        scaled = spec(hands, parts={part.name: {"length": length, "girth": thickness}})
+        try:
+            after = tree_of(scaled)
+        except mimoc.MimocError:
+            pytest.fail(f"{part.name} cannot be scaled")
+        factors = np.full(3, thickness)
+        factors[lengthened(part.name)] = length
+        for body, other in zip(before.bodies, after.bodies, strict=True):
+            mine, above = body.name == part.name, body.parent == part.name
+            assert other.pos_m == pytest.approx(np.multiply(body.pos_m, factors if above else 1), rel=1e-12)
+            for joint, moved in zip(body.joints, other.joints, strict=True):
+                assert moved.anchor_m == pytest.approx(np.multiply(joint.anchor_m, factors if mine else 1), rel=1e-12)
+            for geom, sized in zip(body.geoms, other.geoms, strict=True):
+                assert sized.pos_m == pytest.approx(np.multiply(geom.pos_m, factors if mine else 1), rel=1e-12)
+                growth = volume(sized.type, sized.size_m) / volume(geom.type, geom.size_m)
+                assert sized.mass_kg == pytest.approx(geom.mass_kg * growth, rel=1e-9)
+                assert (growth != 1) == mine, geom.name
+                gears = [
+                    (motor.gear_nm, stronger.gear_nm)
+                    for motor, stronger in zip(before.motors, after.motors, strict=True)
+                    if motor.mover == geom.name
+                ]
+                assert all(gear_nm * growth == pytest.approx(stronger_nm) for gear_nm, stronger_nm in gears)
+
+
+def test_a_box_and_a_rod_are_scaled_as_their_part_lies():
+    """A foot lies along x, a thigh hangs along z, and a hand's rim lies across it."""
+    parts = {name: {"length": 1.1, "girth": 0.95} for name in ("left_foot", "left_upper_leg", "left_hand")}
+    before, after = (tree_of(infant).geoms for infant in (spec(), spec(parts=parts)))
+
+    def grown(geom: str) -> list[float]:
+        pairs = zip(before[geom].size_m, after[geom].size_m, strict=True)
+        return pytest.approx([new / old for old, new in pairs], rel=1e-9)
+
+    assert grown("geom:left_foot2") == [1.1, 0.95, 0.95]
+    assert grown("geom:left_upper_leg1") == [0.95, 1.1]
+    assert grown("geom:left_hand2") == [math.sqrt(0.95 * 1.1), 0.95]
+    assert grown("geom:right_foot2") == [1, 1, 1]
+
+
+def test_what_sits_on_a_scaled_part_follows(infant_with, infant_at):
+    """Keypoints, cameras, eyes and features of the head, the site of balance, and the sole on the floor."""
+    factor = 1.1
+    parts = {
+        "head": {"length": factor, "girth": factor},
+        "left_foot": {"length": factor},
+        "left_eye": {"length": factor, "girth": factor},
+    }
+    before, after = infant_at(9), infant_with(parts=parts)
+
+    def local(infant, kind: str, name: str) -> np.ndarray:
+        return getattr(infant.model, kind)(name).pos
+
+    for kind, name in [
+        ("site", "BODY_25:Nose"),
+        ("site", "BODY_25:LEar"),
+        ("site", "vestibular"),
+        ("geom", "nose"),
+        ("geom", "left_ear"),
+        ("body", "left_eye"),
+        ("camera", "eye_left"),
+    ]:
+        assert local(after, kind, name) == pytest.approx(factor * local(before, kind, name), rel=1e-6), name
+    assert local(after, "camera", "eye_right") == pytest.approx(local(before, "camera", "eye_right"))
+    heel = [local(infant, "site", "BODY_25:LHeel")[0] for infant in (before, after)]
+    assert heel[1] == pytest.approx(factor * heel[0])
+    assert after.span_m(UP, after.limb("hip"))[0] == pytest.approx(0, abs=1e-8)
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_a_one_sided_change_leaves_the_other_side_alone(hands):
+    changes = {
+        "measurements": {"left_foot_length_cm": 11.5, "left_upper_arm_circumference_cm": 15, "left_hand_length_cm": 9},
+        "parts": {"left_lower_leg": {"girth": 1.1, "length": 0.97}},
+    }
+    before, after = tree_of(spec(hands)), tree_of(spec(hands, **changes))
+    for body, other in zip(before.bodies, after.bodies, strict=True):
+        assert (body == other) == ("left" not in body.name) or body.name in ("left_eye",), body.name
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_both_sides_of_a_symmetric_change_stay_mirror_images(hands):
+    parts = {
+        f"{side}_{limb}": {"length": 1.05, "girth": 0.9} for side in ("left", "right") for limb in ("hand", "foot")
+    }
+    for body in (tree := tree_of(spec(hands, parts=parts))).bodies:
+        if body.name.startswith("left"):
+            other = next(twin for twin in tree.bodies if twin.name == body.name.replace("left", "right"))
+            assert [geom.size_m for geom in body.geoms] == [geom.size_m for geom in other.geoms]
+            assert body.pos_m == tuple(np.multiply(other.pos_m, (1, -1, 1)))
+
+
+# Purity.
+
+CHANGED = {
+    "individual": {"sex": "female", "length_percentile": 20, "weight_kg": 8},
+    "measurements": {"foot_length_cm": 11.2, "left_forearm_circumference_cm": 13.0, "head_circumference_cm": 44},
+    "parts": {
+        "right_upper_arm": {"length": 0.95, "girth": 1.05},
+        "left_foot": {"length": 1.1},
+        "head": {"girth": 1.02},
+    },
+    "remove": ["left_hand", "right_toes"],
+    "expression": "happy",
+}
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_one_infant_leaves_nothing_behind_for_the_next(hands):
+    """A, then B, then A gives A's bytes twice."""
+    one, other = spec(hands, **CHANGED), spec(hands)
+    first, between_them, again, plain = (mimoc.build(infant).files for infant in (one, other, one, other))
+    assert first == again
+    assert between_them == plain
+    assert first["infant.xml"] != plain["infant.xml"]
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 1000))
+def test_the_order_of_keys_does_not_matter(seed):
+    """Of the sections, of the measurements, of the parts, and of what is removed."""
+    chance = random.Random(seed)
+
+    def shuffled(data):
+        if isinstance(data, list):
+            return chance.sample(data, len(data))
+        if isinstance(data, dict):
+            return {key: shuffled(data[key]) for key in chance.sample(sorted(data), len(data))}
+        return data
+
+    assert tree_of(spec(**shuffled(CHANGED))) == tree_of(spec(**CHANGED))
+
+
+@settings(max_examples=40)
+@given(data=st.data(), hands=st.sampled_from(HANDS), age_months=st.floats(0, 24))
+def test_any_mild_change_builds_and_mujoco_takes_it(data, hands, age_months, infant_with):
+    """Any measurements by up to 8 %, any parts by up to 15 %."""
+    keys = [name for name in MEASUREMENTS if name not in INERT[hands]]
+    average = measure(age_months)
+    changed = data.draw(st.dictionaries(st.sampled_from(keys), st.floats(0.92, 1.08), max_size=4))
+    factor = st.floats(0.85, 1.15)
+    scale = st.fixed_dictionaries({}, optional={"length": factor, "girth": factor})
+    parts = data.draw(st.dictionaries(st.sampled_from(TRUNK_BODIES + LIMB_BODIES[hands]), scale, max_size=4))
+    values_cm = {f"{name}_cm": 100 * average[name] * factor for name, factor in changed.items()}
+    infant = infant_with(age_months, hands=hands, measurements=values_cm, parts=parts)
+    assert infant.model.nu == {"mitten": 44, "five_finger": 88}[hands]
+    mujoco.mj_step(infant.model, infant.data, nstep=20)
+    assert np.all(np.isfinite(infant.data.qpos))

@@ -1,0 +1,99 @@
+"""Seven faces: the spec's is the first, and it can be changed while the infant lives."""
+
+from itertools import combinations
+from typing import get_args
+
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.errors import UnknownNameError
+from mimoc.schema.body import Expression
+
+EXPRESSIONS = get_args(Expression)
+LEAST_DIFFERENCE = 15
+"""So many pixels of a picture of 240 by 240 differ at least: it shows."""
+
+
+def open_env(expression: str | None = None, size: int = 240) -> mimoc.InfantEnv:
+    body = {} if expression is None else {"expression": expression}
+    spec = {"mimo": 1, "name": "x", "age_months": 9, "body": body, "scene": {"kind": "flat", "pose": "sitting"}}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    env = mimoc.InfantEnv(bundle, render_mode="rgb_array", width=size, height=size)
+    env.reset(seed=0)
+    return env
+
+
+@pytest.fixture(scope="module")
+def env():
+    env = open_env()
+    yield env
+    env.close()
+
+
+def picture(env, expression: str) -> np.ndarray:
+    env.set_expression(expression)
+    return env.render().astype(int)
+
+
+def changed_pixels(one: np.ndarray, other: np.ndarray) -> int:
+    return int((np.abs(one - other).max(axis=2) > 20).sum())
+
+
+def test_there_are_seven(env):
+    assert len(EXPRESSIONS) == 7
+    assert set(env.manifest.face.materials) == set(EXPRESSIONS)
+
+
+def test_every_two_of_them_look_different(env):
+    pictures = {expression: picture(env, expression) for expression in EXPRESSIONS}
+    for one, other in combinations(EXPRESSIONS, 2):
+        assert changed_pixels(pictures[one], pictures[other]) > LEAST_DIFFERENCE, (one, other)
+
+
+def test_changing_back_and_forth_gives_the_same_picture(env):
+    first = picture(env, "neutral")
+    assert changed_pixels(first, picture(env, "happy"))
+    assert np.array_equal(picture(env, "neutral"), first)
+
+
+@pytest.mark.parametrize("expression", EXPRESSIONS)
+def test_the_specs_expression_is_the_one_it_starts_with(env, expression):
+    started = open_env(expression)
+    assert np.array_equal(started.render(), picture(env, expression))
+    started.close()
+
+
+def test_it_starts_neutral_if_the_spec_says_nothing(env):
+    started = open_env()
+    assert np.array_equal(started.render(), picture(env, "neutral"))
+    started.close()
+
+
+def test_it_can_be_changed_while_running_and_moves_nothing():
+    """Also through Gymnasium's wrappers, by `env.unwrapped`."""
+    serious, moody = open_env(), open_env()
+    command = serious.action_space.high
+    for expression in EXPRESSIONS:
+        moody.unwrapped.set_expression(expression)
+        serious.step(command)
+        moody.step(command)
+    assert np.array_equal(serious.data.qpos, moody.data.qpos)
+    for env in (serious, moody):
+        env.close()
+
+
+def test_an_unknown_one_is_refused_and_changes_nothing(env):
+    before = picture(env, "sad")
+    with pytest.raises(UnknownNameError, match=r"'sadd' is not a face of this infant; did you mean 'sad'"):
+        env.set_expression("sadd")
+    assert np.array_equal(env.render(), before)
+
+
+def test_a_face_lasts_over_a_reset():
+    env = open_env("happy")
+    env.set_expression("angry")
+    angry = env.render()
+    env.reset(seed=0)
+    assert np.array_equal(env.render(), angry)
+    env.close()
