@@ -7,6 +7,7 @@ ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Matt
 from collections.abc import Mapping
 from dataclasses import replace
 
+from mimoc.body.anatomy import ANKLE_JOINTS, WRIST_JOINTS
 from mimoc.body.figures import ALONG_X, ALONG_Y, LEG_LENGTH, LEG_SHARE, GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.tree import GeomType, Vec3
 
@@ -120,11 +121,7 @@ HAND = (
             _palm(3, "cylinder", 0.003367, "rounds the palm off at the knuckles"),
             _palm(4, "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
         ),
-        (
-            JointFigures("robot:{side}_hand1", (0, 0, -1), (-90, 90), 0.22, 0.03, 0.007, 0.001, -20),
-            JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
-            JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
-        ),
+        WRIST_JOINTS,
         follows=("elbow_hand_length", "hand_length", "hand_breadth"),
         rule="palm's middle, a quarter of hand_length past the wrist",
     ),
@@ -167,11 +164,7 @@ FOOT = (
                 _SOLE_GRIP,
             ),
         ),
-        (
-            JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
-            JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
-            JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
-        ),
+        ANKLE_JOINTS,
         follows=LEG_LENGTH,
         rule=LEG_SHARE,
     ),
