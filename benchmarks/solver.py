@@ -30,6 +30,7 @@ CANDIDATES = {
     "implicitfast": {"integrator": mujoco.mjtIntegrator.mjINT_IMPLICITFAST},
     "20 iterations": {"iterations": 20},
     "CG": {"solver": mujoco.mjtSolver.mjSOL_CG},
+    "tolerance 1e-8": {"tolerance": 1e-8},
 }
 
 
@@ -82,7 +83,7 @@ def _print(name: str, tally: Tally) -> None:
     )
 
 
-def run(models: list[mujoco.MjModel], settings: dict[str, int], steps: int) -> Tally:
+def run(models: list[mujoco.MjModel], settings: dict[str, float], steps: int) -> Tally:
     """Return the tally of some settings over at least *steps* physics steps, spread over ages and poses."""
     tally, generator = Tally(), np.random.default_rng(0)
     starts = itertools.cycle(itertools.product(models, range(4)))

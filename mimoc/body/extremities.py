@@ -7,8 +7,6 @@ from mimoc.errors import GeometryError
 
 FINGERS = {"ff": (0.95, 0.9), "mf": (1.0, 1.0), "rf": (0.95, 0.9), "lf": (0.91, 0.88)}
 """Radius and length of each finger against the middle finger's (MIMo v2)."""
-REFERENCE_PALM_M = 0.02532
-"""Half length of the reference palm, which places the roots of little finger and thumb."""
 
 
 def lay_out_mitten(h: Hand, forearm: Limb) -> Layout:

@@ -30,7 +30,6 @@ REFERENCE_M: Mapping[str, float] = {
 CLEARANCE_M = 1e-4
 """By how much a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""
 
-
 FINGER_ROOM, THUMB_ROOM = 0.062, 0.073
 """Radius over hand length up to which the first and the last phalanx do not touch each other when straight."""
 

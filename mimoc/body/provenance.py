@@ -14,6 +14,7 @@ Entry = dict[str, Any]
 """`value`, `unit`, `rule`, and where they apply `from` (keys of other entries), `fit`, `points` and `xml`."""
 
 REFERENCE = "MIMo's reference body, 18 months"
+CONSTANT = f"{REFERENCE}; the same at every age"
 
 
 def trace_body(
@@ -110,9 +111,8 @@ def _trace_joint(joint: Joint) -> Iterator[tuple[str, Entry]]:
         "springref": (deg_to_rad(joint.springref_deg), "rad"),
     }
     for attribute, (value, unit) in constants.items():
-        rule = f"{REFERENCE}; the same at every age"
         xml = f"{_xml('joint', joint.name)}/@{attribute}"
-        yield f"joint.{joint.name}.{attribute}", {"value": value, "unit": unit, "rule": rule, "xml": xml}
+        yield f"joint.{joint.name}.{attribute}", {"value": value, "unit": unit, "rule": CONSTANT, "xml": xml}
 
 
 def _keys(names: tuple[str, ...], side: str, measurements: Measurements, scaled: tuple[str, ...]) -> list[str]:

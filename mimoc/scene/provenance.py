@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterator, Mapping
 
 from mimoc.body import Anatomy, BodyTree, Motor
-from mimoc.body.provenance import REFERENCE, Entry
+from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
 from mimoc.scene.motors import DRIVES
 from mimoc.scene.muscles import DAMPING, PEAK
 from mimoc.scene.servos import FOLLOWING, FREQUENCY_RAD_S, LAG_S
 from mimoc.scene.tree import Actuator
 
-CONSTANT = f"{REFERENCE}; the same at every age"
 MODEL_KEY = "spec.actuation.model"
 
 
