@@ -3,6 +3,8 @@
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out
+# Any version that Stable-Baselines3 takes will do; the newest comes with gigabytes of CUDA.
+TORCH ?= torch==2.13.0
 
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -23,9 +25,11 @@ demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine 
 	$(BIN)/mimo check $(INFANT)
 	$(BIN)/mimo run $(INFANT) --policy random
 	$(BIN)/mimo render $(INFANT) -o $(OUT)/nine_months.png
+	$(BIN)/mimo see $(INFANT) -o $(OUT)/seen.png
 	@echo
 	@echo "the infant   $(INFANT)/scene.xml   ($(BIN)/python -m mujoco.viewer --mjcf=$(INFANT)/scene.xml)"
 	@echo "its picture  $(OUT)/nine_months.png"
+	@echo "what it sees $(OUT)/seen.png   (through eyes of 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
 test: $(READY) opengl ## Lint, check types and run every test.
@@ -48,7 +52,7 @@ $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "mimoc needs Python 3.11 or later; name one with: make PYTHON=/path/to/python3.12"; exit 1; }
 	@$(PYTHON) -m venv $(VENV) || { echo "python's venv is missing (Debian: apt-get install python3-venv)"; exit 1; }
-	$(BIN)/pip install --quiet --editable '.[report,test,dev]'
+	$(BIN)/pip install --quiet --editable '.[report,train,test,dev]' '$(TORCH)'
 	@touch $@
 
 # Pictures need OpenGL without a screen. It is tried rather than looked up: a library may be there and not work.

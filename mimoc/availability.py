@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from mimoc.body import assemble
 from mimoc.errors import Problem, SpecError
+from mimoc.scene.world import WORLDS
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import unsided
 
@@ -24,29 +25,16 @@ def refuse_unavailable(spec: InfantSpec) -> None:
 def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each key that asks for too much, what it asks for, and what to write instead."""
     leave_out = "leave it out"
-    choices = (
-        (("delays", "preset"), spec.delays.preset, ("none",)),
-        (("scene", "kind"), spec.scene.kind, ("flat", "empty")),
-    )
-    for path, value, known in choices:
-        if value not in known:
-            yield path, f"'{value}'", f"use {' or '.join(known)}"
-    sections = (
-        (("senses", "touch"), spec.senses.touch, "touch"),
-        (("senses", "vision"), spec.senses.vision, "vision"),
-        (("scene", "toys"), spec.scene.toys, "placing toys"),
-        (("task",), spec.task, "a task"),
-    )
-    for path, value, what in sections:
-        if value not in (None, False) and value != () and value != {}:
-            yield path, what, leave_out
+    if spec.scene.kind not in WORLDS:
+        yield ("scene", "kind"), f"'{spec.scene.kind}'", f"use {' or '.join(WORLDS)}"
+    if spec.scene.toys:
+        yield ("scene", "toys"), "placing toys", leave_out
+    if spec.task:
+        yield ("task",), "a task", leave_out
     anatomy = assemble(spec.body.hands, spec.body.chest_joint)
     for key in spec.body.measurements:
         if unsided(key) not in anatomy.follows:
             yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", leave_out
-    for key, value in spec.delays:
-        if isinstance(value, float) and value > 0:
-            yield ("delays", key), "a delay", leave_out
 
 
 def _problem(spec: InfantSpec, path: KeyPath, what: str, advice: str) -> Problem:

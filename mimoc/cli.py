@@ -4,6 +4,7 @@ import io
 import json
 import os
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -107,17 +108,19 @@ def run(
     policy: Annotated[str, typer.Option("--policy", help="What acts: random or zero.")] = "random",
     steps: Annotated[int, typer.Option("--steps", min=1, help="Control steps to run.")] = 1000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the policy: the same gives the same.")] = 0,
+    window: Annotated[bool, typer.Option("--window", help="Show it in a window, in real time.")] = False,
 ) -> None:
     """Run the infant under a policy, with progress and a closing summary."""
     from mimoc import bundle, console
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
-    running = Run(InfantEnv(bundle.read_bundle(out)), policy, seed)
-    with console.progress("running") as show:
-        for step in range(steps):
-            running.step()
-            show(step + 1, steps)
+    with closing(InfantEnv(bundle.read_bundle(out), render_mode="human" if window else None)) as env:
+        running = Run(env, policy, seed)
+        with console.progress("running") as show:
+            for step in range(steps):
+                running.step()
+                show(step + 1, steps)
     console.print_run(running.summary())
 
 
@@ -152,6 +155,7 @@ def render(
     pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; the spec's.")] = None,
     width: Annotated[int, typer.Option("--width", min=16, max=4096, help="In pixels.")] = 960,
     height: Annotated[int, typer.Option("--height", min=16, max=4096, help="In pixels.")] = 720,
+    skin: Annotated[bool, typer.Option("--skin", help="Show its skin points, and what they feel.")] = False,
 ) -> None:
     """Draw a picture of the infant, or of several in a row."""
     from mimoc import bundle, files
@@ -161,5 +165,39 @@ def render(
     if len(outs) > 1 and pose not in (None, "standing"):
         raise UnknownNameError("pose for several infants", str(pose), ["standing"])
     infants = [bundle.read_bundle(out) for out in outs]
-    picture = portrait(infants[0], pose, width, height) if len(infants) == 1 else lineup(infants, width, height)
+    if len(infants) > 1:
+        picture = lineup(infants, width, height, skin=skin)
+    else:
+        picture = portrait(infants[0], pose, width, height, skin=skin)
     print(files.write_file(file, encode_png(picture)))
+
+
+@app.command(epilog="Example:  mimo see out/nine_months -o seen.png --pose sitting --ages 1,3,9")
+def see(
+    out: BundlePath,
+    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
+    ages: Annotated[str, typer.Option("--ages", metavar="MONTHS,...", help="Whose acuity: 0 to 36.")] = "1,2,4,6,12",
+    profile: Annotated[
+        str | None, typer.Option("--profile", help="Acuity by age: tac2, mayer1995 or mimo_v2; the spec's.")
+    ] = None,
+    foveation: Annotated[
+        float | None, typer.Option("--foveation", min=0, max=1000, help="Its strength; the spec's, or 5 if that is 0.")
+    ] = None,
+    pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; the spec's.")] = None,
+    eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
+    down: Annotated[float, typer.Option("--down", min=-90, max=90, help="How far the eye looks down, degrees.")] = 50,
+    size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Of each picture, pixels.")] = 256,
+) -> None:
+    """Draw what the infant sees: as drawn, as fine as several ages see it, and foveated as well."""
+    from mimoc import bundle, files, schema, source
+    from mimoc.runtime.glimpse import glimpse
+    from mimoc.scene.drawing import encode_png
+    from mimoc.scene.sheet import draw_sheet
+    from mimoc.scene.sights import compare_ages, read_ages
+
+    infant = bundle.read_bundle(out)
+    spec = schema.read_spec(source.parse(infant.files["resolved.yaml"].decode(), "resolved.yaml"))
+    vision = spec.senses.vision or schema.VisionSpec()
+    compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
+    pictures = glimpse(infant, compared.sights, pose, down)
+    print(files.write_file(file, encode_png(draw_sheet(pictures, compared.columns, compared.rows))))

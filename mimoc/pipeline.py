@@ -16,6 +16,7 @@ from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.scene.manifest import describe
 from mimoc.scene.provenance import trace_drive
+from mimoc.scene.sense_provenance import trace_senses
 from mimoc.schema import InfantSpec, read_spec, to_data
 from mimoc.schema.manifest import ChildEntry, Manifest
 from mimoc.version import __version__
@@ -54,6 +55,7 @@ def build(spec: InfantSpec) -> bundle.Bundle:
         **_trace_spec(spec, written),
         **trace_body(measurements, anatomy, tree, scaled),
         **trace_drive(spec.actuation.model, anatomy, tree, world.actuators),
+        **trace_senses(spec, manifest),
     }
     files = {
         **render.render_scene(world),

@@ -1,6 +1,7 @@
 """From a scene to text: templates and number formats, and the one place where floats are rounded."""
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
@@ -13,6 +14,9 @@ from mimoc.scene import SceneTree
 
 SIGNIFICANT_DIGITS = 9
 """Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
+
+NUMBERS = re.compile(r"\[\n([-+.,\d\seE]+)\]")
+"""A list of numbers as JSON spreads it over lines; no text in JSON has line breaks."""
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -36,8 +40,9 @@ def _indented(xml: bytes) -> bytes:
 
 
 def render_json(data: Any) -> bytes:
-    """Return *data* as JSON with sorted keys and rounded numbers."""
-    return (json.dumps(rounded(data), indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    """Return *data* as JSON with sorted keys and rounded numbers, a list of numbers on one line."""
+    text = json.dumps(rounded(data), indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
+    return (NUMBERS.sub(lambda numbers: f"[{' '.join(numbers[1].split())}]", text) + "\n").encode()
 
 
 def rounded(data: Any) -> Any:

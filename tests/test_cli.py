@@ -186,7 +186,7 @@ def test_render_draws_a_picture_of_the_size_and_pose_asked_for(mimo, built, here
 
 
 def test_the_commands_are_those_of_the_issue():
-    assert list(COMMANDS) == ["build", "validate", "run", "check", "explain", "render"]
+    assert list(COMMANDS) == ["build", "validate", "run", "check", "explain", "render", "see"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -203,7 +203,7 @@ def test_the_examples_work_as_they_are_printed(mimo, here):
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
         done = mimo(*arguments)
         assert (program, done.code, done.err) == ("mimo", 0, "")
-    assert sorted(os.listdir()) == ["configs", "growth.png", "nine_months.png", "out"]
+    assert sorted(os.listdir()) == ["configs", "growth.png", "nine_months.png", "out", "seen.png"]
 
 
 def test_mimo_alone_is_help(mimo):
@@ -253,6 +253,7 @@ BAD_INPUT = {
     "another pose for several": ("render out out -o x.png --pose prone", "'prone' is not a pose for several infants"),
     "a picture into a missing folder": ("render out -o nowhere/x.png", "nowhere/x.png: cannot be written"),
     "a picture over a folder": ("render out -o folder", "folder: cannot be written"),
+    "a skin that feels nothing": ("render out -o x.png --skin", "'nine_months' has no sense of touch"),
     "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),
     "an unknown command": ("biuld", "No such command 'biuld'"),
     "an unknown option": ("run out --step 3", "No such option: --step"),

@@ -61,7 +61,14 @@ def test_json_has_sorted_keys_rounded_numbers_and_a_last_newline(data):
     text = render_json(data).decode()
     assert text.endswith("\n")
     assert json.loads(text) == json.loads(json.dumps(rounded(data), sort_keys=True))
-    assert text == json.dumps(json.loads(text), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+    spread = json.dumps(json.loads(text), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+    assert "".join(text.split()) == "".join(spread.split())
+
+
+def test_json_has_lists_of_numbers_on_one_line_and_all_else_spread_out():
+    data = {"names": ["[\n1]", "b"], "points": [[1, -2.5e-7], [0.5, 3]], "none": []}
+    lines = ["{", ' "names": [', '  "[\\n1]",', '  "b"', " ],", ' "none": [],', ' "points": [']
+    assert render_json(data).decode().splitlines() == [*lines, "  [1, -2.5e-07],", "  [0.5, 3]", " ]", "}"]
 
 
 def test_integers_and_booleans_are_not_rounded():

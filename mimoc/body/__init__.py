@@ -2,7 +2,7 @@
 
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.child import grow_child, measure_child
-from mimoc.body.grow import grow
+from mimoc.body.grow import grow, grow_reference
 from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint, Motor, Tendon
 
 __all__ = [
@@ -17,5 +17,6 @@ __all__ = [
     "assemble",
     "grow",
     "grow_child",
+    "grow_reference",
     "measure_child",
 ]

@@ -47,6 +47,12 @@ def grow(
     )
 
 
+@cache
+def grow_reference(hands: str) -> BodyTree:
+    """Return the body of the average child of 18 months."""
+    return grow(measure(REFERENCE_AGE_MONTHS), assemble(hands, False))
+
+
 def _lay_out_side(measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str) -> Layout:
     """Return the layout of one side's measurements; of the middle's, where *side* is empty."""
     base = {name: measured.value_m for name, measured in measurements.base.items()}

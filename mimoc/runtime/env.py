@@ -1,8 +1,8 @@
 """The Gymnasium environment around a compiled infant."""
 
-from collections.abc import Mapping
+import copy
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import gymnasium
 import mujoco
@@ -13,29 +13,37 @@ from mimoc.bundle import Bundle, read_bundle
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.actuation import ACTUATIONS
 from mimoc.runtime.model import broke_down, load_model
+from mimoc.runtime.nerves import Nerves
+from mimoc.runtime.opengl import has_screen
 from mimoc.runtime.portrait import Painter
 from mimoc.runtime.senses import Sense, bind_senses
-from mimoc.runtime.senses.sense import FloatArray
+from mimoc.runtime.senses.sense import Observation
 from mimoc.schema.manifest import Manifest
-from mimoc.units import to_steps
+from mimoc.units import ms_to_s
 
-Observation = dict[str, npt.NDArray[Any]]
+if TYPE_CHECKING:  # Both need libraries that most environments do without.
+    from mimoc.runtime.senses.touch import SkinState
+    from mimoc.runtime.window import Window
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+"""All that MuJoCo's future depends on."""
 
 
 class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     """An infant in its world.
 
-    Observation: a dictionary of one float32 array a sense; `nothing`, a zero, for an infant without senses.
+    Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch and one
+    uint8 picture, shape (H, W, 3), for each eye; `nothing`, a zero, for an infant without senses.
     Action: one Box, a command for each actuator. The reward is zero: a bundle without a task has no goal.
     An episode ends only if the simulation becomes unstable, which `info["unstable"]` then says.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
+    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
 
     def __init__(
         self,
         bundle: Bundle | str | Path,
-        render_mode: Literal["rgb_array"] | None = None,
+        render_mode: Literal["human", "rgb_array"] | None = None,
         width: int = 480,
         height: int = 480,
     ):
@@ -43,24 +51,27 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
         Args:
             bundle: A bundle, or the folder of one.
-            render_mode: `rgb_array` for pictures from `render()`.
+            render_mode: `human` for a window that shows every step, `rgb_array` for pictures from `render()`.
             width: Of the pictures, in pixels.
             height: Of the pictures, in pixels.
 
         Raises:
             BundleError: If the folder is not a whole bundle.
             ModelError: If MuJoCo refuses its model.
+            RenderingError: If the infant sees or shows itself, and there is no OpenGL or no screen for that here.
             UnknownNameError: If there is no such render mode.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise UnknownNameError("render mode", str(render_mode), self.metadata["render_modes"])
         self.bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
         self.render_mode = render_mode
+        self.metadata = {
+            "render_modes": [mode for mode in self.metadata["render_modes"] if mode != "human" or has_screen()],
+            "render_fps": round(1 / ms_to_s(self.manifest.step_ms)),
+        }
         self.model = load_model(self.bundle)
-        self.data = mujoco.MjData(self.model)
         self._picture_size = width, height
-        self._painter: Painter | None = None
-        self._bind(self.manifest)
+        self._bind()
 
     @property
     def manifest(self) -> Manifest:
@@ -73,9 +84,17 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If this infant has no such sense.
         """
-        if sense not in self._senses:
-            raise UnknownNameError("sense of this infant", sense, self._senses)
-        return self._senses[sense].layout
+        return self._sense(sense).layout
+
+    @property
+    def skin(self) -> "SkinState":
+        """Where the skin points are, in the body of which, and the force on each of them now, without delay.
+
+        Raises:
+            UnknownNameError: If this infant has no sense of touch.
+        """
+        touch: Any = self._sense("touch")
+        return touch.skin_state(self.data)
 
     def set_expression(self, expression: str) -> None:
         """Change what the face shows, until it is changed again.
@@ -116,9 +135,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         pose = (options or {}).get("pose", self.manifest.pose)
         if pose not in self.manifest.poses:
             raise UnknownNameError("pose", str(pose), self.manifest.poses)
-        mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
-        mujoco.mj_forward(self.model, self.data)
-        return self._observe(), {"unstable": False}
+        observation = self._start(pose)
+        self._show()
+        return observation, {"unstable": False}
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Apply an action for one control step; what lies beyond its range is clipped.
@@ -126,61 +145,121 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             ValueError: If the action is not one number for each actuator.
         """
-        self._act(action, self.data)
-        mujoco.mj_step(self.model, self.data, self._steps)
+        self._nerves.step(action, self.data)
         unstable = broke_down(self.data)
-        observation = self._observe()
+        observation = self._nerves.observe()
         if unstable:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
+        self._show()
         return observation, 0.0, unstable, False, {"unstable": unstable}
 
+    def get_state(self) -> dict[str, Any]:
+        """Return all that the future depends on: physics, signals on their way, and chance.
+
+        It is made of arrays, lists and dictionaries of its own, which can be kept, pickled and sent elsewhere.
+        """
+        physics = np.empty(mujoco.mj_stateSize(self.model, STATE))
+        mujoco.mj_getState(self.model, self.data, physics, STATE)
+        chance = self.np_random.bit_generator.state
+        return copy.deepcopy({"physics": physics, "signals": self._nerves.state, "chance": chance})
+
+    def set_state(self, state: dict[str, Any]) -> Observation:
+        """Go back to a state of this infant, or of another environment of the same bundle; return what it observes.
+
+        Everything that follows is then as it was. What is derived from a state (contacts, places of bodies) is that
+        of the state itself, while after a step it is that of one physics step before, as MuJoCo leaves it.
+
+        Raises:
+            ValueError: If it is not a state of such an infant.
+        """
+        if np.shape(state["physics"]) != (mujoco.mj_stateSize(self.model, STATE),):
+            raise ValueError("this is the state of another infant, whose model has other parts")
+        state = copy.deepcopy(state)
+        mujoco.mj_resetData(self.model, self.data)
+        mujoco.mj_setState(self.model, self.data, state["physics"], STATE)
+        mujoco.mj_forward(self.model, self.data)
+        mujoco.mj_setState(self.model, self.data, state["physics"], STATE)  # The solver's warm start, as it was.
+        self._nerves.state = state["signals"]
+        self.np_random.bit_generator.state = state["chance"]
+        return self._nerves.observe()
+
     def render(self) -> npt.NDArray[np.uint8] | None:
-        """Return a picture of the infant, shape (height, width, 3), or None without a render mode.
+        """Return a picture of the infant, shape (height, width, 3), in render mode `rgb_array`; else None.
 
         Raises:
             RenderingError: If there is no OpenGL here.
         """
-        if self.render_mode is None:
+        if self.render_mode != "rgb_array":
             return None
         if self._painter is None:
             self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size)
         return self._painter.paint(self.data)
 
     def close(self) -> None:
-        """Free the OpenGL context, if there is one."""
+        """Free the OpenGL contexts and close the window, if there are any."""
+        for sense in self._senses.values():
+            sense.close()
         if self._painter is not None:
             self._painter.close()
             self._painter = None
+        if self._window is not None:
+            self._window.close()
+            self._window = None
 
-    def _bind(self, manifest: Manifest) -> None:
-        """Find everything the manifest names in the model, once."""
-        self._steps = to_steps(manifest.step_ms, manifest.timestep_ms)
-        self._act = ACTUATIONS[manifest.actuation.model](manifest.actuation, self.model)
-        self._senses: Mapping[str, Sense] = bind_senses(manifest, self.model)
+    def __getstate__(self) -> dict[str, Any]:
+        """Let the environment be copied and sent to other processes: what is bound to this one is left out."""
+        kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
+        return {**kept, "model": copy.copy(self.model), "state": self.get_state()}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        """Bind a copy anew, and take up where the original was."""
+        state = kept.pop("state")
+        self.__dict__.update(kept)
+        self._bind()
+        self.set_state(state)
+
+    def _bind(self) -> None:
+        """Find everything the manifest names in the model, once, and start."""
+        self.data = mujoco.MjData(self.model)
+        self._act = ACTUATIONS[self.manifest.actuation.model](self.manifest.actuation, self.model)
+        self._senses = bind_senses(self.bundle, self.model)
+        self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
         site = mujoco.mjtObj.mjOBJ_SITE
-        self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in manifest.keypoints], int)
-        self._bounds = {name: (sense.low, sense.high) for name, sense in self._senses.items()}
-        self.action_space = gymnasium.spaces.Box(
-            self._act.low.astype(np.float32), self._act.high.astype(np.float32), dtype=np.float32
-        )
+        self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
+        self._painter: Painter | None = None
+        self._start(self.manifest.pose)
+        self._window = self._open_window() if self.render_mode == "human" else None
+        low, high = (bound.astype(np.float32) for bound in (self._act.low, self._act.high))
+        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         self.observation_space = gymnasium.spaces.Dict(
-            {
-                name: gymnasium.spaces.Box(low.astype(np.float32), high.astype(np.float32), dtype=np.float32)
-                for name, (low, high) in self._bounds.items()
-            }
+            {name: space for sense in self._senses.values() for name, space in sense.spaces.items()}
         )
 
-    def _observe(self) -> Observation:
-        """Return fresh arrays, clipped to their space."""
-        return {name: _clipped(sense(self.data), *self._bounds[name]) for name, sense in self._senses.items()}
+    def _start(self, pose: str) -> Observation:
+        """Put the infant into a pose, at rest, and return what it observes."""
+        mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
+        mujoco.mj_forward(self.model, self.data)
+        return self._nerves.rest(self.data)
+
+    def _open_window(self) -> "Window":
+        from mimoc.runtime.window import Window
+
+        return Window(self.model, self.data, self.manifest.root_body)
+
+    def _show(self) -> None:
+        """Show the infant in its window, if it has one."""
+        if self._window is not None:
+            self._window.show()
+
+    def _sense(self, name: str) -> Sense:
+        if name not in self._senses:
+            raise UnknownNameError("sense of this infant", name, self._senses)
+        return self._senses[name]
 
 
-def _clipped(reading: FloatArray, low: FloatArray, high: FloatArray) -> npt.NDArray[np.float32]:
-    """Return a reading within its bounds; unlike `np.clip`, in two calls that cost next to nothing."""
-    np.maximum(reading, low, out=reading)
-    np.minimum(reading, high, out=reading)
-    return reading.astype(np.float32)
+BOUND = {"data", "_act", "_senses", "_nerves", "_keypoints", "_painter", "_window"}
+"""What an environment cannot give to a copy of itself."""
 
 
 def make(bundle: Bundle | str | Path, **options: Any) -> gymnasium.Env:

@@ -15,6 +15,9 @@ _NO_OPENGL = (
     "(Debian: apt-get install libegl1, or libosmesa6), and choose with MUJOCO_GL=egl or MUJOCO_GL=osmesa"
 )
 _PLATFORM = "PYOPENGL_PLATFORM"
+_MESA_THREADS = "LP_NUM_THREADS"
+"""How many threads Mesa draws with where there is no graphics card. A forked process has none of them, and waits for
+them for ever; without any, small pictures are drawn as fast."""
 
 
 def open_context(width: int, height: int) -> Any:
@@ -23,9 +26,14 @@ def open_context(width: int, height: int) -> Any:
     `MUJOCO_GL` says which library draws. Without it, a screen is used where there is one, and EGL or
     OSMesa where there is none; other than for MuJoCo's own renderer, it need not be set before the first import.
 
+    A process that is forked after this, as those of Gymnasium's `AsyncVectorEnv` are, can draw as well: Mesa does it
+    without threads, unless `LP_NUM_THREADS` says otherwise. The driver of a graphics card may not let it: then start
+    processes with `context="spawn"` or `"forkserver"`.
+
     Raises:
         RenderingError: If none of them works.
     """
+    os.environ.setdefault(_MESA_THREADS, "0")
     failures = []
     for name in _backends():
         try:
@@ -34,6 +42,11 @@ def open_context(width: int, height: int) -> Any:
         except Exception as error:  # Each OpenGL library fails with errors of its own.
             failures.append(f"{name}: {type(error).__name__}")
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
+
+
+def has_screen() -> bool:
+    """Return whether there is a screen that windows could be shown on."""
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
 def _open(backend: str, width: int, height: int) -> Any:
@@ -72,6 +85,6 @@ def _backends() -> Iterator[str]:
     elif sys.platform != "linux":
         yield "glfw"
     else:
-        if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        if has_screen():
             yield "glfw"
         yield from ("egl", "osmesa")

@@ -2,6 +2,8 @@
 
 import weakref
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import accumulate
 from typing import Any
 
 import mujoco
@@ -10,6 +12,7 @@ import numpy.typing as npt
 
 from mimoc.bundle import Bundle
 from mimoc.errors import UnknownNameError
+from mimoc.runtime.beads import Beads, add_beads, join_beads, scene_for, skin_beads
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import open_context
 from mimoc.units import cm_to_m
@@ -51,14 +54,17 @@ class Painter:
         self._close = weakref.finalize(self, _free, self._context, self._gl)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
-    def paint(self, data: mujoco.MjData) -> Picture:
-        """Return a picture of all of it, shape (height, width, 3)."""
+    def paint(self, data: mujoco.MjData, beads: Beads | None = None) -> Picture:
+        """Return a picture of all of it, and of some beads, shape (height, width, 3)."""
         self._gl.make_current()
+        scene = self._scene if beads is None else scene_for(beads, self._model, MAX_GEOMS)
         camera, options, perturbation = self._camera(data), mujoco.MjvOption(), mujoco.MjvPerturb()
         everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateCamera(self._model, data, camera, self._scene)  # Or shadows are those of the camera before.
-        mujoco.mjv_updateScene(self._model, data, options, perturbation, camera, everything, self._scene)
-        mujoco.mjr_render(self._viewport, self._scene, self._context)
+        mujoco.mjv_updateCamera(self._model, data, camera, scene)  # Or shadows are those of the camera before.
+        mujoco.mjv_updateScene(self._model, data, options, perturbation, camera, everything, scene)
+        if beads is not None:
+            add_beads(scene, beads)
+        mujoco.mjr_render(self._viewport, scene, self._context)
         upside_down = np.empty((self._viewport.height, self._viewport.width, 3), np.uint8)
         mujoco.mjr_readPixels(upside_down, None, self._viewport, self._context)
         return upside_down[::-1].copy()
@@ -89,12 +95,21 @@ class Painter:
         return float(np.max(needed))
 
 
-def portrait(bundle: Bundle, pose: str | None = None, width: int = 640, height: int = 480) -> npt.NDArray[np.uint8]:
+def portrait(
+    bundle: Bundle, pose: str | None = None, width: int = 640, height: int = 480, *, skin: bool = False
+) -> Picture:
     """Return a picture of an infant in a pose, shape (height, width, 3).
+
+    Args:
+        bundle: The infant.
+        pose: A keyframe; else the bundle's own.
+        width: In pixels.
+        height: In pixels.
+        skin: Whether to show the points of its skin, and which of them feel something.
 
     Raises:
         UnknownNameError: If the bundle has no such pose.
-        RenderingError: If there is no OpenGL here.
+        RenderingError: If there is no OpenGL here, or no skin to show.
     """
     manifest = bundle.manifest
     pose = pose or manifest.pose
@@ -103,39 +118,69 @@ def portrait(bundle: Bundle, pose: str | None = None, width: int = 640, height: 
     model = load_model(bundle)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-    return _paint_once(Painter(model, [manifest.root_body], width, height), model, data)
+    mujoco.mj_forward(model, data)
+    beads = skin_beads(bundle, model, data) if skin else None
+    return _paint_once(Painter(model, [manifest.root_body], width, height), data, beads)
 
 
-def lineup(bundles: Sequence[Bundle], width: int = 640, height: int = 480) -> Picture:
+def lineup(bundles: Sequence[Bundle], width: int = 640, height: int = 480, *, skin: bool = False) -> Picture:
     """Return a picture of several infants that stand in a row, to scale, shape (height, width, 3).
 
+    Args:
+        bundles: The infants, from the left.
+        width: In pixels.
+        height: In pixels.
+        skin: Whether to show the points of their skin, and which of them feel something.
+
     Raises:
-        RenderingError: If there is no OpenGL here.
+        RenderingError: If there is no OpenGL here, or no skin to show.
     """
+    places_m = _places_m(bundles)
+    model, roots = _in_a_row(bundles, places_m)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    beads = join_beads(map(_standing_beads, bundles, places_m)) if skin else None
+    return _paint_once(Painter(model, roots, width, height, FROM_BEFORE), data, beads)
+
+
+def _places_m(bundles: Sequence[Bundle]) -> list[float]:
+    """Return where each infant stands in a row, along y."""
+    halves_m = [cm_to_m(ELBOW_ROOM * bundle.manifest.child.length_cm / 2) for bundle in bundles]
+    return list(accumulate((half + before for half, before in zip(halves_m[1:], halves_m, strict=False)), initial=0.0))
+
+
+def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[mujoco.MjModel, list[str]]:
+    """Return a model of several infants in the world of the first, and the roots of their bodies."""
     first = bundles[0]
     row = mujoco.MjSpec.from_string(
         _text(first, first.manifest.scene), include=dict(first.files), assets=_assets(first)
     )
     for key in row.keys:
         row.delete(key)
-    roots, y_m = [first.manifest.root_body], 0.0
-    for number, (bundle, before) in enumerate(zip(bundles[1:], bundles, strict=False), start=1):
-        y_m += cm_to_m(ELBOW_ROOM * (bundle.manifest.child.length_cm + before.manifest.child.length_cm) / 2)
+    roots = [first.manifest.root_body]
+    for number, (bundle, y_m) in enumerate(zip(bundles[1:], places_m[1:], strict=True), start=1):
         infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_assets(bundle))
         infant.option.integrator, infant.option.timestep = row.option.integrator, row.option.timestep
         prefix = f"infant {number}: "
         row.attach(infant, frame=row.worldbody.add_frame(pos=[0, y_m, 0]), prefix=prefix)
         roots.append(prefix + bundle.manifest.root_body)
     for light in row.lights:
-        light.pos = light.pos + np.array([0.0, y_m / 2, 0.0])
-    model = row.compile()
-    return _paint_once(Painter(model, roots, width, height, FROM_BEFORE), model, mujoco.MjData(model))
+        light.pos = light.pos + np.array([0.0, places_m[-1] / 2, 0.0])
+    return row.compile(), roots
 
 
-def _paint_once(painter: Painter, model: mujoco.MjModel, data: mujoco.MjData) -> Picture:
+def _standing_beads(bundle: Bundle, y_m: float) -> Beads:
+    """Return the skin of an infant that stands somewhere along y."""
+    model = load_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    beads = skin_beads(bundle, model, data)
+    return replace(beads, positions=beads.positions + np.array((0.0, y_m, 0.0)))
+
+
+def _paint_once(painter: Painter, data: mujoco.MjData, beads: Beads | None = None) -> Picture:
     try:
-        mujoco.mj_forward(model, data)
-        return painter.paint(data)
+        return painter.paint(data, beads)
     finally:
         painter.close()
 

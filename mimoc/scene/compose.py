@@ -6,6 +6,7 @@ from mimoc.scene.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, d
 from mimoc.scene.keypoints import keypoint_sites
 from mimoc.scene.motors import DRIVES
 from mimoc.scene.poses import keyframes, standing_height
+from mimoc.scene.skin import grow_skin
 from mimoc.scene.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver
 from mimoc.scene.world import WORLDS
 from mimoc.schema import InfantSpec
@@ -49,6 +50,7 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
         sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.torque_sensors(tree)),
         world=WORLDS[spec.scene.kind](),
         keyframes=tuple(drive.keyframe(tree, keyframe) for keyframe in keyframes(tree)),
+        skin=grow_skin(tree, spec.senses.touch.density) if spec.senses.touch else None,
     )
 
 

@@ -8,6 +8,9 @@ SITE_RADIUS_M = 0.01
 FINGER_SITE_RADIUS_M = 0.002
 """Only for looking at; the second from the wrist of a five-finger hand on (MIMo)."""
 
+UNSEEN = ("head", "left_eye", "right_eye")
+"""Bodies that an infant's own eyes do not see."""
+
 CENTRE_SITE = "lowerBody_center"
 VESTIBULAR_SITE = "vestibular"
 

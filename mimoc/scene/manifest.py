@@ -3,11 +3,14 @@
 from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.stature import stature
 from mimoc.scene import instruments
+from mimoc.scene.acuity import resolve_acuity
 from mimoc.scene.appearance import face_material
 from mimoc.scene.faces import FACES
 from mimoc.scene.keypoints import KEYPOINTS, PREFIX
+from mimoc.scene.latency import delays
+from mimoc.scene.skin import Skin
 from mimoc.scene.tree import SceneTree
-from mimoc.schema import InfantSpec, SensesSpec
+from mimoc.schema import InfantSpec, TouchSpec, VestibularSpec, VisionSpec
 from mimoc.schema.manifest import (
     ActuationEntry,
     ActuatorEntry,
@@ -16,7 +19,9 @@ from mimoc.schema.manifest import (
     Manifest,
     ProprioceptionEntry,
     SensesEntry,
+    TouchEntry,
     VestibularEntry,
+    VisionEntry,
 )
 
 
@@ -32,7 +37,8 @@ def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree) -> Manifest:
         pose=spec.scene.pose,
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
         actuation=ActuationEntry(model=spec.actuation.model, actuators=tuple(_actuators(scene))),
-        senses=_senses(spec.senses, tree),
+        senses=_senses(spec, tree, scene),
+        delays=delays(spec, tree),
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )
@@ -63,12 +69,43 @@ def _actuators(scene: SceneTree) -> list[ActuatorEntry]:
     ]
 
 
-def _senses(senses: SensesSpec, tree: BodyTree) -> SensesEntry:
-    proprioception = senses.proprioception and ProprioceptionEntry(
-        include=senses.proprioception.include,
+def _senses(spec: InfantSpec, tree: BodyTree, scene: SceneTree) -> SensesEntry:
+    proprioception = spec.senses.proprioception and ProprioceptionEntry(
+        include=spec.senses.proprioception.include,
         joints=tuple(tree.joints),
         torque_sensors=tuple(sensor.name for sensor in instruments.torque_sensors(tree)),
     )
-    accelerometer, gyro = instruments.VESTIBULAR_SENSORS
-    vestibular = senses.vestibular and VestibularEntry(accelerometer=accelerometer.name, gyro=gyro.name)
-    return SensesEntry(proprioception=proprioception, vestibular=vestibular)
+    return SensesEntry(
+        proprioception=proprioception,
+        vestibular=spec.senses.vestibular and _vestibular(spec.senses.vestibular),
+        touch=_touch(spec.senses.touch, scene.skin) if spec.senses.touch and scene.skin else None,
+        vision=spec.senses.vision and _vision(spec.senses.vision, spec.age_months, tree),
+    )
+
+
+def _vestibular(vestibular: VestibularSpec) -> VestibularEntry:
+    names = {sensor.kind: sensor.name for sensor in instruments.VESTIBULAR_SENSORS}
+    felt = {kind: name for kind, name in names.items() if kind in vestibular.include}
+    return VestibularEntry(accelerometer=felt.get("accelerometer"), gyro=felt.get("gyro"))
+
+
+def _touch(touch: TouchSpec, skin: Skin) -> TouchEntry:
+    return TouchEntry(
+        quantity=touch.quantity,
+        response=touch.response,
+        points_m={body: tuple((x, y, z) for x, y, z in points.tolist()) for body, points in skin.points_m.items()},
+        spacing_m=dict(skin.spacing_m),
+    )
+
+
+def _vision(vision: VisionSpec, age_months: float, tree: BodyTree) -> VisionEntry:
+    return VisionEntry(
+        cameras=tuple(camera.name for eye in instruments.cameras(tree, vision.fovy_deg).values() for camera in eye),
+        width_px=vision.width_px,
+        height_px=vision.height_px,
+        supersample=vision.supersample,
+        acuity_cpd=resolve_acuity(vision, age_months),
+        foveation=vision.foveation,
+        foveation_radius=vision.foveation_radius,
+        unseen=instruments.UNSEEN,
+    )

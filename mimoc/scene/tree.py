@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from mimoc.body.tree import Vec3
 from mimoc.scene.appearance import Appearance, Material
+from mimoc.scene.skin import Skin
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,6 +178,8 @@ class SceneTree:
     sensors: tuple[Sensor, ...]
     world: World
     keyframes: tuple[Keyframe, ...]
+    skin: Skin | None
+    """Where it feels touch, if it does."""
 
     @property
     def textured_materials(self) -> tuple[Material, ...]:

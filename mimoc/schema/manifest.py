@@ -3,6 +3,7 @@
 from typing import Literal
 
 from mimoc.schema.base import Model
+from mimoc.schema.senses import FoveationRadius, TouchQuantity, TouchResponse
 
 MANIFEST_VERSION = 1
 """Raised when the meaning of a field changes; a new field with a default does not raise it."""
@@ -50,10 +51,74 @@ class VestibularEntry(Model):
 
     kind: Literal["vestibular"] = "vestibular"
     """Which sense this is."""
-    accelerometer: str
-    """Sensor of the head's specific force, m/s²."""
-    gyro: str
-    """Sensor of the head's angular velocity, rad/s."""
+    accelerometer: str | None = None
+    """Sensor of the head's specific force, m/s², if that is felt."""
+    gyro: str | None = None
+    """Sensor of the head's angular velocity, rad/s, if that is felt."""
+
+
+class TouchEntry(Model):
+    """The sense of touch."""
+
+    kind: Literal["touch"] = "touch"
+    """Which sense this is."""
+    quantity: TouchQuantity
+    """What each skin point feels: a force in its body's frame, in the world's, or only how hard it is pressed."""
+    response: TouchResponse
+    """Whether the skin points around a contact feel it, or only the nearest."""
+    points_m: dict[str, tuple[tuple[float, float, float], ...]]
+    """The skin points by body, in its frame; the observation has them in this order, bodies in that of the model."""
+    spacing_m: dict[str, float]
+    """Distance of neighbouring skin points by body; a contact is felt within twice that."""
+
+
+class VisionEntry(Model):
+    """The sense of sight."""
+
+    kind: Literal["vision"] = "vision"
+    """Which sense this is."""
+    cameras: tuple[str, ...]
+    """One for each eye; the pictures are observed under these names."""
+    width_px: int
+    """Width of a picture."""
+    height_px: int
+    """Height of a picture."""
+    supersample: int
+    """How many times larger it is drawn before it is averaged down."""
+    acuity_cpd: float | None
+    """Cycles per degree of the finest grating seen; None where nothing is blurred."""
+    foveation: float
+    """Strength s of the foveation; 0 is none."""
+    foveation_radius: FoveationRadius
+    """What its R reaches to."""
+    unseen: tuple[str, ...]
+    """Bodies that the eyes do not see: the infant's own head."""
+
+
+class DelayEntry(Model):
+    """How late one kind of signal is; a whole number of physics steps."""
+
+    ms: float = 0.0
+    """Delay."""
+    legs_ms: float | None = None
+    """Delay to or from legs and feet, where it is another."""
+
+
+class DelaysEntry(Model):
+    """How late signals are."""
+
+    proprioception: DelayEntry = DelayEntry()
+    """From joints and muscles."""
+    vestibular: DelayEntry = DelayEntry()
+    """From the inner ear."""
+    touch: DelayEntry = DelayEntry()
+    """From the skin."""
+    vision: DelayEntry = DelayEntry()
+    """From the eyes."""
+    motor: DelayEntry = DelayEntry()
+    """From command to muscle."""
+    legs: tuple[str, ...] = ()
+    """Bodies that the legs begin with."""
 
 
 class SensesEntry(Model):
@@ -63,6 +128,10 @@ class SensesEntry(Model):
     """Joint angles and what else is felt of them."""
     vestibular: VestibularEntry | None = None
     """Balance."""
+    touch: TouchEntry | None = None
+    """Touch."""
+    vision: VisionEntry | None = None
+    """Sight."""
 
 
 class ChildEntry(Model):
@@ -118,6 +187,8 @@ class Manifest(Model):
     """How it is moved."""
     senses: SensesEntry
     """What it senses."""
+    delays: DelaysEntry = DelaysEntry()
+    """How late it senses and moves."""
     face: FaceEntry | None = None
     """What its face can show."""
     keypoints: tuple[str, ...] = ()

@@ -5,9 +5,13 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Discriminator, Field, Tag
 
 from mimoc.schema.base import Model
-from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real
+from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
 
 ProprioceptiveQuantity = Literal["velocity", "torque", "limits", "actuation"]
+VestibularQuantity = Literal["accelerometer", "gyro"]
+TouchQuantity = Literal["force_vector", "force_vector_global", "normal"]
+TouchResponse = Literal["linear", "nearest"]
+FoveationRadius = Literal["border", "corner", "edge"]
 
 
 class ProprioceptionSpec(Model):
@@ -18,7 +22,10 @@ class ProprioceptionSpec(Model):
 
 
 class VestibularSpec(Model):
-    """The sense of balance: specific force and angular rate of the head."""
+    """The sense of balance."""
+
+    include: Annotated[tuple[VestibularQuantity, ...], Distinct, Field(min_length=1)] = ("accelerometer", "gyro")
+    """What the inner ear feels: specific force (its otoliths), angular velocity (its canals), or both."""
 
 
 class TouchSpec(Model):
@@ -26,9 +33,9 @@ class TouchSpec(Model):
 
     density: Annotated[Real, Field(ge=0.1, le=10)] = 1.0
     """Skin points for each that an infant's two-point discrimination asks for."""
-    quantity: Literal["force_vector", "force_vector_global", "normal"] = "force_vector"
+    quantity: TouchQuantity = "force_vector"
     """Force in the part's own frame, in the world's, or only the pressure."""
-    response: Literal["linear", "nearest"] = "linear"
+    response: TouchResponse = "linear"
     """Whether a contact is felt by the skin points around it, or by the nearest."""
 
 
@@ -66,8 +73,17 @@ class VisionSpec(Model):
     """Vertical field of view."""
     acuity: Acuity = "age"
     """How fine the eyes see: `off`, `age` (that of the body), an age in months, or `{cpd: 4.2}`."""
+    acuity_profile: Literal["tac2", "mayer1995", "mimo_v2"] = "tac2"
+    """Whose measurements say how fine an age sees: Neijzen et al. 2025 on the Teller Acuity Cards' scale (the paper's
+    source, pooled anew), Mayer et al. 1995, or the figures of MIMo v2."""
     foveation: Annotated[Real, Field(ge=0, le=1000)] = 0.0
     """How much finer the centre is than the rim, as s of the mapping r = R log(1 + s r'/R) / log(1 + s); 0 is even."""
+    foveation_radius: FoveationRadius = "border"
+    """What the R of that mapping reaches to: the picture's border along each ray (nothing is lost), its corners (the
+    middles of the edges are cut off), or the nearest edge (beyond it nothing is seen)."""
+    supersample: Annotated[Whole, Field(ge=1, le=8)] = 1
+    """How many times larger, in both directions, the picture is drawn and blurred before it is averaged down: a
+    grating of f cycles a degree only shows in a picture of more than 2 f x fovy_deg pixels."""
 
 
 class SensesSpec(Model):

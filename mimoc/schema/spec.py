@@ -66,6 +66,13 @@ class InfantSpec(Model):
             self._source = context
 
     @model_validator(mode="after")
+    def _vision_has_eyes(self) -> Self:
+        if self.senses.vision and {"left_eye", "right_eye"} <= set(self.body.remove):
+            message = "an infant without eyes cannot see; leave it out, or keep an eye"
+            raise KeyedError(("senses", "vision"), message, against=("body", "remove"))
+        return self
+
+    @model_validator(mode="after")
     def _delays_are_whole_steps(self) -> Self:
         for key, delay_ms in self.delays:
             if not isinstance(delay_ms, float):

@@ -24,6 +24,12 @@ def config(request) -> mimoc.Bundle:
 
 
 @pytest.fixture(scope="session")
+def built() -> Callable[..., mimoc.Bundle]:
+    """Return what builds the spec given as keywords."""
+    return build
+
+
+@pytest.fixture(scope="session")
 def bundle() -> mimoc.Bundle:
     """Return a sitting infant with every sense there is."""
     return build(scene={"kind": "flat", "pose": "sitting"})
@@ -34,8 +40,11 @@ def open_env(bundle) -> Iterator[Callable[..., mimoc.InfantEnv]]:
     """Return what opens the environment of a spec given as keywords, or without any of the usual infant."""
     opened = []
 
-    def open_one(render_mode: str | None = None, **keys: Any) -> mimoc.InfantEnv:
-        opened.append(mimoc.InfantEnv(build(**keys) if keys else bundle, render_mode=render_mode))
+    usual = bundle
+
+    def open_one(render_mode: str | None = None, bundle: mimoc.Bundle | None = None, **keys: Any) -> mimoc.InfantEnv:
+        found = bundle or (build(**keys) if keys else usual)
+        opened.append(mimoc.InfantEnv(found, render_mode=render_mode))
         return opened[-1]
 
     yield open_one

@@ -63,8 +63,8 @@ def test_what_is_no_bundle_is_refused(tmp_path):
 
 
 def test_an_unknown_render_mode_is_refused(bundle):
-    with pytest.raises(UnknownNameError, match="'human' is not a render mode; choose from rgb_array"):
-        mimoc.InfantEnv(bundle, render_mode="human")
+    with pytest.raises(UnknownNameError, match="'ansi' is not a render mode; choose from human, rgb_array"):
+        mimoc.InfantEnv(bundle, render_mode="ansi")
 
 
 def test_without_a_render_mode_there_is_no_picture(env):

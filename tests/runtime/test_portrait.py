@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import UnknownNameError
+from mimoc.errors import RenderingError, UnknownNameError
+from mimoc.runtime.beads import MOST, RESTING, skin_beads
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import open_context
 from mimoc.runtime.portrait import Painter, lineup, portrait
+from mimoc.runtime.senses import touch
 
 
 def share_of(picture, colour):
@@ -215,3 +217,72 @@ def test_infants_of_any_kind_stand_in_one_row(bundle):
     spec = {"mimo": 1, "name": "other", "age_months": 12, **other}
     picture = lineup([bundle, mimoc.build(mimoc.InfantSpec.model_validate(spec)), bundle], width=90, height=60)
     assert picture.std() > 10
+
+
+@pytest.fixture(scope="module")
+def feeling():
+    """Return a standing infant that feels touch, and its model and state."""
+    spec = {"mimo": 1, "name": "feeling", "age_months": 9, "senses": {"touch": {"density": 0.3}}}
+    spec |= {"scene": {"pose": "standing"}}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    return bundle, *posed(bundle, "standing")
+
+
+def share_of_skin_points(picture):
+    """Return how much of a picture is the blue of points that feel nothing, and the red of those that do.
+
+    Nothing else is as much more blue than red, or red than green.
+    """
+    red, green, blue = picture.astype(int).transpose(2, 0, 1)
+    return (blue - red > 80).mean(), (red - green > 80).mean()
+
+
+def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_colour(feeling):
+    bundle, *_ = feeling
+    bare, skin = (portrait(bundle, width=320, height=240, skin=show) for show in (False, True))
+    assert skin.shape == bare.shape
+    assert share_of_skin_points(bare) == (0, 0)
+    assert share_of_skin_points(skin)[0] > 0.001
+    assert share_of_skin_points(skin)[1] > 0.0001
+
+
+def test_the_points_that_are_pressed_are_larger_and_the_one_most_so_has_the_strongest_colour(feeling):
+    beads = skin_beads(*feeling)
+    bundle, model, data = feeling
+    state = touch.bind(bundle.manifest.senses.touch, bundle, model).skin_state(data)
+    forces_n = np.linalg.norm(state.forces, axis=1)
+    assert np.array_equal(beads.positions, state.positions)
+    assert set(state.bodies[forces_n > 0]) <= {"left_foot", "right_foot", "left_toes", "right_toes"}
+    assert beads.radii_m[forces_n > 0].min() > 1.2 * beads.radii_m[forces_n == 0].max()
+    assert beads.colours[forces_n.argmax()] == pytest.approx(MOST)
+    assert beads.colours[forces_n == 0] == pytest.approx(np.tile(RESTING, ((forces_n == 0).sum(), 1)))
+
+
+def test_where_nothing_is_felt_all_points_are_alike(feeling):
+    bundle, model, _ = feeling
+    data = mujoco.MjData(model)
+    data.qpos[2] += 1
+    mujoco.mj_forward(model, data)
+    assert len(np.unique(skin_beads(bundle, model, data).colours, axis=0)) == 1
+
+
+def test_skin_points_are_in_one_picture_only(feeling, open_painter):
+    bundle, model, data = feeling
+    painter = open_painter(model, 64, 64)
+    first = painter.paint(data)
+    assert not np.array_equal(painter.paint(data, skin_beads(bundle, model, data)), first)
+    assert np.array_equal(painter.paint(data), first)
+
+
+def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
+    bundle, *_ = feeling
+    bare, skin = (lineup([bundle, bundle], width=320, height=240, skin=show) for show in (False, True))
+    assert share_of_skin_points(bare) == (0, 0)
+    for half in (skin[:, :160], skin[:, 160:]):
+        assert min(share_of_skin_points(half)) > 0.0003
+
+
+@pytest.mark.parametrize("draw", [portrait, lambda bundle, skin: lineup([bundle, bundle], skin=skin)])
+def test_an_infant_without_touch_has_no_skin_to_show(bundle_at, draw):
+    with pytest.raises(RenderingError, match=r"'infant' has no sense of touch.* add `senses: \{touch: \{\}\}`"):
+        draw(bundle_at(9), skin=True)

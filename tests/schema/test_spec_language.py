@@ -72,6 +72,7 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
     delays_ms = st.none() | st.integers(0, 100).map(lambda steps: steps * timestep_ms)
     acuity = st.sampled_from(("off", "age", {"cpd": 4.2})) | st.floats(0, 36)
     bodies = st.sampled_from(TRUNK_BODIES + LIMB_BODIES[hands])
+    removable = [name for name in LIMB_BODIES[hands] if name != "left_eye"]  # With an eye, it can see.
     parts = st.dictionaries(bodies, st.builds(PartSpec, length=factors, girth=factors), max_size=3)
     return InfantSpec.model_validate(
         {
@@ -81,7 +82,7 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
                 "hands": hands,
                 "measurements": data.draw(st.dictionaries(keys, st.floats(0.1, 100), max_size=3)),
                 "parts": data.draw(parts),
-                "remove": data.draw(st.lists(st.sampled_from(LIMB_BODIES[hands]), unique=True, max_size=3)),
+                "remove": data.draw(st.lists(st.sampled_from(removable), unique=True, max_size=3)),
             },
             "actuation": {"strength": data.draw(st.dictionaries(st.sampled_from(STRENGTH_GROUPS), factors))},
             "senses": {"touch": data.draw(st.none() | st.just({})), "vision": {"acuity": data.draw(acuity)}},

@@ -4,17 +4,22 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import mujoco
-import numpy as np
+import numpy.typing as npt
 
 from mimoc.runtime.actuation.muscle import bind_muscle
 from mimoc.runtime.actuation.position import bind_position
 from mimoc.runtime.actuation.torque import bind_torque
-from mimoc.runtime.senses.sense import FloatArray
+from mimoc.runtime.senses.sense import FloatArray, IntArray
 from mimoc.schema.manifest import ActuationEntry
 
 
 class Actuation(Protocol):
     """What turns an action into controls."""
+
+    @property
+    def actuators(self) -> IntArray:
+        """Index of each actuator in the model, shape (n,)."""
+        ...
 
     @property
     def low(self) -> FloatArray:
@@ -31,8 +36,8 @@ class Actuation(Protocol):
         """Largest torque of each actuator towards negative and positive angles, shape (n, 2)."""
         ...
 
-    def __call__(self, action: np.ndarray, data: mujoco.MjData) -> None:
-        """Set the controls for the next physics steps."""
+    def __call__(self, action: npt.ArrayLike) -> FloatArray:
+        """Return the control of each actuator, shape (n,), an array of its own."""
         ...
 
     def effort(self, data: mujoco.MjData) -> float:

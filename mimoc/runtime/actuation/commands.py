@@ -1,9 +1,10 @@
-"""Commands: an action as MuJoCo's controls, and what the actuators that follow them have in common."""
+"""Commands: an action as controls, and what the actuators that follow them have in common."""
 
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.runtime.senses.sense import FloatArray, IntArray
 from mimoc.schema.manifest import ActuationEntry
@@ -11,10 +12,10 @@ from mimoc.schema.manifest import ActuationEntry
 
 @dataclass(frozen=True)
 class Commands:
-    """One command for each of n actuators; MuJoCo clips it to its range."""
+    """One command for each of n actuators; a control of MuJoCo's, which clips it to its range."""
 
     actuators: IntArray
-    """Shape (n,)."""
+    """Index of each in the model, shape (n,)."""
     low: FloatArray
     """Least command, shape (n,)."""
     high: FloatArray
@@ -22,15 +23,15 @@ class Commands:
     limits_nm: FloatArray
     """Largest torque about the joint towards negative and positive angles, shape (n, 2)."""
 
-    def __call__(self, action: np.ndarray, data: mujoco.MjData) -> None:
-        """Set the controls for the next physics steps.
+    def __call__(self, action: npt.ArrayLike) -> FloatArray:
+        """Return the control of each actuator, shape (n,), an array of its own.
 
         Raises:
             ValueError: If the action is not one number for each actuator.
         """
         if np.shape(action) != self.low.shape or np.isnan(action).any():
             raise ValueError(f"an action is {len(self.low)} numbers, one for each actuator, and none of them NaN")
-        data.ctrl[self.actuators] = action
+        return np.array(action, dtype=np.float64)
 
 
 def find_actuators(entry: ActuationEntry, model: mujoco.MjModel) -> IntArray:

@@ -1,27 +1,40 @@
 """Senses: each is bound to a model once, then reads arrays."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
 import mujoco
 
-from mimoc.runtime.senses.nothing import Nothing
-from mimoc.runtime.senses.proprioception import bind_proprioception
+from mimoc.bundle import Bundle
+from mimoc.runtime.senses.nothing import nothing
 from mimoc.runtime.senses.sense import Sense
-from mimoc.runtime.senses.vestibular import bind_vestibular
-from mimoc.schema.manifest import ActuationEntry, Manifest
 
-SENSES: Mapping[str, Callable[[Any, ActuationEntry, mujoco.MjModel], Sense]] = {
-    "proprioception": bind_proprioception,
-    "vestibular": bind_vestibular,
+SENSES: Mapping[str, str] = {
+    "proprioception": "mimoc.runtime.senses.proprioception",
+    "vestibular": "mimoc.runtime.senses.vestibular",
+    "touch": "mimoc.runtime.senses.touch",
+    "vision": "mimoc.runtime.senses.vision",
 }
-"""By kind: from the entry in the manifest and the model to a sense."""
+"""The module of each kind, whose `bind` takes the entry in the manifest, the bundle and the model.
+
+They are imported when first needed: SciPy, which touch and vision need, is most of what they would cost the others.
+"""
 
 
-def bind_senses(manifest: Manifest, model: mujoco.MjModel) -> dict[str, Sense]:
-    """Return the senses of an infant by name; one that has none observes nothing."""
-    senses = {name: SENSES[name](entry, manifest.actuation, model) for name, entry in manifest.senses if entry}
-    return senses or {"nothing": Nothing()}
+def bind_senses(bundle: Bundle, model: mujoco.MjModel) -> dict[str, Sense]:
+    """Return the senses of an infant by name; one that has none observes nothing.
+
+    Raises:
+        RenderingError: If it sees, and there is no OpenGL here.
+    """
+    senses = {name: bind_sense(name, bundle, model) for name, entry in bundle.manifest.senses if entry is not None}
+    return senses or {"nothing": nothing()}
 
 
-__all__ = ["SENSES", "Sense", "bind_senses"]
+def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:
+    """Return one of the senses that an infant has; see `bind_senses`."""
+    return import_module(SENSES[name]).bind(getattr(bundle.manifest.senses, name), bundle, model)
+
+
+__all__ = ["SENSES", "Sense", "bind_sense", "bind_senses"]

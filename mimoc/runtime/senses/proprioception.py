@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.runtime.senses.sense import FloatArray, IntArray
+from mimoc.bundle import Bundle
+from mimoc.runtime.senses.sense import FloatArray, IntArray, Vector
 from mimoc.schema.manifest import ActuationEntry, ProprioceptionEntry
 
 LIMIT_MARGIN_RAD = 0.035
@@ -32,23 +33,15 @@ class Channel:
     high: FloatArray
     """Largest reading, shape (n,); the least is its negative."""
     layout: tuple[str, ...]
+    bodies: IntArray
+    """The body in which each number is felt, shape (n,)."""
 
 
 @dataclass(frozen=True)
-class Proprioception:
+class Proprioception(Vector):
     """Joint angles, then the other channels in their order, shape (n,)."""
 
     channels: tuple[Channel, ...]
-
-    @property
-    def low(self) -> FloatArray:
-        """Least reading, shape (n,)."""
-        return -self.high
-
-    @property
-    def high(self) -> FloatArray:
-        """Largest reading, shape (n,)."""
-        return np.concatenate([channel.high for channel in self.channels])
 
     @property
     def layout(self) -> tuple[str, ...]:
@@ -60,16 +53,22 @@ class Proprioception:
         return np.concatenate([channel.read(data) for channel in self.channels])
 
 
-def bind_proprioception(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Proprioception:
+def bind(entry: ProprioceptionEntry, bundle: Bundle, model: mujoco.MjModel) -> Proprioception:
     """Find the joints, sensors and actuators of *entry* in *model*."""
-    bound = (CHANNELS[name](entry, actuation, model) for name in entry.include)
-    return Proprioception((_angles(entry, model), *bound))
+    actuation = bundle.manifest.actuation
+    channels = (_angles(entry, model), *(CHANNELS[name](entry, actuation, model) for name in entry.include))
+    high = np.concatenate([channel.high for channel in channels])
+    bodies = np.concatenate([channel.bodies for channel in channels])
+    return Proprioception("proprioception", -high, high, bodies, channels)
 
 
 def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Channel:
     addresses = _addresses(model, entry.joints, "qposadr")
     return Channel(
-        lambda data: data.qpos[addresses], np.full(len(addresses), 4 * np.pi), _names(entry.joints, "angle", "rad")
+        lambda data: data.qpos[addresses],
+        np.full(len(addresses), 4 * np.pi),
+        _names(entry.joints, "angle", "rad"),
+        _addresses(model, entry.joints, "bodyid"),
     )
 
 
@@ -79,6 +78,7 @@ def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mu
         lambda data: data.qvel[addresses],
         np.full(len(addresses), MAX_SPEED_RAD_S),
         _names(entry.joints, "velocity", "rad/s"),
+        _addresses(model, entry.joints, "bodyid"),
     )
 
 
@@ -89,6 +89,7 @@ def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoc
         lambda data: data.sensordata[addresses],
         np.full(len(addresses), MAX_TORQUE_NM),
         _names(sensors, "torque", "N m"),
+        np.repeat(model.site_bodyid[[model.sensor(name).objid[0] for name in entry.torque_sensors]], 3),
     )
 
 
@@ -102,7 +103,12 @@ def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco
         beyond = np.abs(data.qpos[addresses] - middle) - reach
         return np.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
 
-    return Channel(read, np.full(len(addresses), MAX_LIMIT), _names(entry.joints, "limit", "1 at the limit"))
+    return Channel(
+        read,
+        np.full(len(addresses), MAX_LIMIT),
+        _names(entry.joints, "limit", "1 at the limit"),
+        _addresses(model, entry.joints, "bodyid"),
+    )
 
 
 def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
@@ -121,6 +127,7 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
         read,
         np.concatenate([np.ones(len(ids)), LARGEST_TORQUES[actuation.model](model, ids)]),
         _names(names, "activation" if by_muscles else "command", "1") + _names(names, "torque", "N m"),
+        np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
     )
 
 

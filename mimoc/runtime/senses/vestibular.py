@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.runtime.senses.sense import FloatArray, IntArray
-from mimoc.schema.manifest import ActuationEntry, VestibularEntry
+from mimoc.bundle import Bundle
+from mimoc.runtime.senses.sense import FloatArray, IntArray, Vector
+from mimoc.schema.manifest import VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4
 """Bound of the observation; hard knocks of the head reach some hundreds."""
@@ -15,28 +16,28 @@ MAX_RATE_RAD_S = 1e3
 
 
 @dataclass(frozen=True)
-class Vestibular:
-    """Specific force, then angular velocity, in the frame of the head: shape (6,), [m/s², rad/s]."""
+class Vestibular(Vector):
+    """Specific force, then angular velocity, in the frame of the head: shape (3,) each, [m/s², rad/s]."""
 
     addresses: IntArray
-    low: FloatArray
-    high: FloatArray
     layout: tuple[str, ...]
 
     def __call__(self, data: mujoco.MjData) -> FloatArray:
-        """Return the reading of both sensors."""
+        """Return the readings of its sensors."""
         return data.sensordata[self.addresses]
 
 
-def bind_vestibular(entry: VestibularEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Vestibular:
+def bind(entry: VestibularEntry, bundle: Bundle, model: mujoco.MjModel) -> Vestibular:
     """Find the sensors of *entry* in *model*."""
-    names = (entry.accelerometer, entry.gyro)
-    high = np.repeat([MAX_ACCELERATION_M_S2, MAX_RATE_RAD_S], 3)
+    wanted = ((entry.accelerometer, MAX_ACCELERATION_M_S2, "m/s²"), (entry.gyro, MAX_RATE_RAD_S, "rad/s"))
+    sensors = [(name, high, unit) for name, high, unit in wanted if name]
+    high = np.repeat([high for _, high, _ in sensors], 3)
+    sites = [model.sensor(name).objid[0] for name, _, _ in sensors]
     return Vestibular(
-        addresses=np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name in names]),
+        name="vestibular",
         low=-high,
         high=high,
-        layout=tuple(
-            f"{name}.{axis} [{unit}]" for name, unit in zip(names, ("m/s²", "rad/s"), strict=True) for axis in "xyz"
-        ),
+        bodies=np.repeat(model.site_bodyid[sites], 3),
+        addresses=np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name, _, _ in sensors]),
+        layout=tuple(f"{name}.{axis} [{unit}]" for name, _, unit in sensors for axis in "xyz"),
     )

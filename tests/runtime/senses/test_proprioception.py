@@ -1,4 +1,5 @@
 from itertools import combinations
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -6,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.runtime.senses.proprioception import CHANNELS, LIMIT_MARGIN_RAD, bind_proprioception
+from mimoc.runtime.senses.proprioception import CHANNELS, LIMIT_MARGIN_RAD, bind
 from mimoc.schema.manifest import ActuationEntry, ActuatorEntry, ProprioceptionEntry
 
 LOW_RAD, HIGH_RAD, GEAR_NM = -0.5, 1.2, 3.0
@@ -28,6 +29,7 @@ ARM = f"""
 ACTUATION = ActuationEntry(
     actuators=(ActuatorEntry(name="biceps", mimo_actuator="biceps", joint="elbow", action_low=-1, action_high=1),)
 )
+BUNDLE = SimpleNamespace(manifest=SimpleNamespace(actuation=ACTUATION))
 ORDER = ("velocity", "torque", "limits", "actuation")
 SUBSETS = [subset for size in range(5) for subset in combinations(ORDER, size)]
 
@@ -36,7 +38,7 @@ def bound(*include):
     """Return an arm and the sense of it."""
     model = mujoco.MjModel.from_xml_string(ARM)
     entry = ProprioceptionEntry(include=include, joints=("elbow",), torque_sensors=("load",))
-    return model, mujoco.MjData(model), bind_proprioception(entry, ACTUATION, model)
+    return model, mujoco.MjData(model), bind(entry, BUNDLE, model)
 
 
 def felt(env, quantity, observation):

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mimoc.runtime.senses.vestibular import bind_vestibular
-from mimoc.schema.manifest import ActuationEntry, VestibularEntry
+from mimoc.runtime.senses.vestibular import bind
+from mimoc.schema.manifest import VestibularEntry
 
 GRAVITY_M_S2 = 9.81
 HEAD = """
@@ -27,10 +27,10 @@ vectors = arrays(np.float64, 3, elements=st.floats(-10, 10))
 quaternions = arrays(np.float64, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1)
 
 
-def bound(held):
+def bound(held, entry=ENTRY):
     """Return a head in the air, held against gravity or not, and its sense of balance."""
     model = mujoco.MjModel.from_xml_string(HEAD.format(held=int(held)))
-    return model, mujoco.MjData(model), bind_vestibular(ENTRY, ActuationEntry(actuators=()), model)
+    return model, mujoco.MjData(model), bind(entry, bundle=None, model=model)
 
 
 def rotation(quaternion):
@@ -70,6 +70,17 @@ def test_the_layout_says_acceleration_first(env):
         *(f"vestibular_acc.{axis} [m/s²]" for axis in "xyz"),
         *(f"vestibular_gyro.{axis} [rad/s]" for axis in "xyz"),
     )
+
+
+@pytest.mark.parametrize(("include", "felt"), [("accelerometer", slice(0, 3)), ("gyro", slice(3, 6))])
+def test_each_half_can_be_felt_alone(open_env, include, felt):
+    both, half = open_env(senses={"vestibular": {}}), open_env(senses={"vestibular": {"include": [include]}})
+    assert half.layout("vestibular") == both.layout("vestibular")[felt]
+    command = both.action_space.high
+    for env in (both, half):
+        env.reset(seed=0)
+    readings = [env.step(command)[0]["vestibular"] for env in (both, half)]
+    assert np.array_equal(readings[1], readings[0][felt])
 
 
 @pytest.mark.parametrize("pose", ["supine", "prone"])

@@ -1,0 +1,167 @@
+"""Foveation: how a picture is warped so that its centre is seen finer than its rim."""
+
+import functools
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse, special
+
+Pictures = npt.NDArray[np.float32]
+"""Shape (..., height, width, colours), 0 to 255."""
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+SIDE_PARTS = 4
+"""Straight parts that stand for each side of a pixel, which the warp bends."""
+CELLS_AT_ONCE = 4096
+"""Pixels whose sources are looked up in one go: as much as keeps the arrays within some ten megabytes."""
+
+
+def foveate(pictures: Pictures, sources: sparse.csr_array) -> Pictures:
+    """Return warped pictures.
+
+    Args:
+        pictures: Of the size that the sources are for.
+        sources: What `source_weights` returns.
+    """
+    *others, height, width, colours = pictures.shape
+    flat = pictures.reshape(-1, height * width, colours)
+    return np.stack([sources @ picture for picture in flat]).reshape(*others, height, width, colours)
+
+
+def to_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, radius: str) -> FloatArray:
+    """Return where the light at points of a warped picture comes from in the picture as it was drawn.
+
+    What is r from the centre shows what was R expm1((r / R) log1p(s)) / s from it, in the same direction.
+
+    Args:
+        points_px: x and y from the centre, shape (..., 2).
+        size_px: Width and height.
+        strength: The s of the mapping; at 0 nothing is warped.
+        radius: What R reaches to, a key of `RADII`.
+    """
+    growth = np.log1p(strength)
+    share = RADII[radius](points_px, size_px)[..., None]
+    magnification = strength / growth if strength else 1.0
+    return points_px * np.asarray(special.exprel(share * growth)) / magnification
+
+
+def from_source(points_px: FloatArray, size_px: tuple[int, int], strength: float, radius: str) -> FloatArray:
+    """Return where a warped picture shows points of the picture as it was drawn: the inverse of `to_source`."""
+    share = RADII[radius](points_px, size_px)[..., None]
+    magnification = strength / np.log1p(strength) if strength else 1.0
+    stretched = strength * share
+    return (
+        points_px
+        * magnification
+        * np.divide(np.log1p(stretched), stretched, out=np.ones_like(share), where=stretched > 0)
+    )
+
+
+def _to_border(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+    return np.abs(points_px / np.divide(size_px, 2)).max(axis=-1)
+
+
+def _to_corner(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+    return np.hypot(*np.moveaxis(points_px, -1, 0)) / (np.hypot(*size_px) / 2)
+
+
+def _to_edge(points_px: FloatArray, size_px: tuple[int, int]) -> FloatArray:
+    return np.hypot(*np.moveaxis(points_px, -1, 0)) / (min(size_px) / 2)
+
+
+RADII: Mapping[str, Callable[[FloatArray, tuple[int, int]], FloatArray]] = {
+    "border": _to_border,
+    "corner": _to_corner,
+    "edge": _to_edge,
+}
+"""How far points are from the centre, as a share of R, by what R reaches to: the border of the picture in the same
+direction, which loses nothing; its corners, which loses the middles of its edges; or the nearest edge, beyond which
+there is nothing to see."""
+
+
+@functools.lru_cache(maxsize=32)
+def source_weights(width_px: int, height_px: int, strength: float, radius: str) -> sparse.csr_array:
+    """Return what each pixel of a warped picture averages of the picture as it was drawn, shape (pixels, pixels).
+
+    A pixel's weights are the areas of its preimage within the pixels drawn, as shares of all of it; the rows of pixels
+    that have no source, which stay black, are empty. Pixels count along the rows, from the top left.
+
+    Args:
+        width_px: Of both pictures.
+        height_px: Of both pictures.
+        strength: The s of the mapping, above 0.
+        radius: What R reaches to, a key of `RADII`.
+    """
+    size_px, pixels = (width_px, height_px), width_px * height_px
+    shown = np.flatnonzero(RADII[radius](_corners(np.arange(pixels), size_px) + 0.5, size_px) <= 1)
+    parts = []
+    for start in range(0, len(shown), CELLS_AT_ONCE):
+        cells = shown[start : start + CELLS_AT_ONCE]
+        outlines_px = to_source(_outlines(cells, size_px), size_px, strength, radius)
+        owners, sources = _overlapping(outlines_px, size_px)
+        areas_px2 = _areas_within(outlines_px[owners] - _corners(sources, size_px)[:, None])
+        parts.append((areas_px2, cells[owners], sources))
+    areas_px2, cells, sources = map(np.concatenate, zip(*parts, strict=True))
+    weights = areas_px2 / np.bincount(cells, areas_px2, pixels)[cells]
+    kept = weights > 0
+    placed = (weights[kept].astype(np.float32), (cells[kept].astype(np.int32), sources[kept].astype(np.int32)))
+    return sparse.coo_array(placed, shape=(pixels, pixels)).tocsr()
+
+
+def _corners(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
+    """Return the top left corner of pixels, x and y from the centre of the picture, shape (n, 2)."""
+    rows, columns = np.divmod(cells, size_px[0])
+    return np.stack([columns, rows], axis=-1) - np.divide(size_px, 2)
+
+
+def _outlines(cells: IntArray, size_px: tuple[int, int]) -> FloatArray:
+    """Return points around pixels, shape (n, 4 `SIDE_PARTS`, 2)."""
+    along = np.arange(SIDE_PARTS) / SIDE_PARTS
+    there, back = np.ones(SIDE_PARTS), 1 - along
+    x, y = np.concatenate([along, there, back, 0 * there]), np.concatenate([0 * there, along, there, back])
+    return _corners(cells, size_px)[:, None] + np.stack([x, y], axis=-1)
+
+
+def _overlapping(outlines_px: FloatArray, size_px: tuple[int, int]) -> tuple[IntArray, IntArray]:
+    """Return pairs of an outline and a pixel of the picture in the box around it, as two arrays of shape (n,)."""
+    width = size_px[0]
+    first = np.floor(outlines_px.min(axis=1) + np.divide(size_px, 2)).astype(int).clip(0)
+    last = np.ceil(outlines_px.max(axis=1) + np.divide(size_px, 2)).astype(int).clip(max=size_px)
+    columns, rows = (last - first).T
+    counts = columns * rows
+    owners = np.repeat(np.arange(len(counts)), counts)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    row, column = np.divmod(within, columns[owners])
+    return owners, (first[owners, 1] + row) * width + first[owners, 0] + column
+
+
+def _areas_within(outlines: FloatArray) -> FloatArray:
+    """Return the area that each outline has in common with the square from 0 to 1, shape (n,).
+
+    By Green's theorem: around the outline, the integral of y over x, with x and y kept within the square.
+
+    Args:
+        outlines: Points around each, shape (n, points, 2).
+    """
+    x, y = outlines[..., 0], outlines[..., 1]
+    next_x, next_y = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    slope = np.divide(next_y - y, next_x - x, out=np.zeros_like(x), where=next_x != x)
+    inner_x, inner_next_x = x.clip(0, 1), next_x.clip(0, 1)
+    inner_y, inner_next_y = y + (inner_x - x) * slope, y + (inner_next_x - x) * slope
+    integrals = (inner_next_x - inner_x) * _mean_clipped(inner_y, inner_next_y)
+    return np.abs(integrals.sum(axis=1))
+
+
+def _mean_clipped(start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return the mean of the numbers from one to another, each clipped to the range from 0 to 1."""
+    middle, step = (start + end) / 2, end - start
+    is_long = np.abs(step) > 1e-6
+    return np.divide(_summed_clipped(end) - _summed_clipped(start), step, out=middle.clip(0, 1), where=is_long)
+
+
+def _summed_clipped(number: FloatArray) -> FloatArray:
+    """Return the integral of `clip(x, 0, 1)` over x up to a number."""
+    inner = number.clip(0, 1)
+    return inner**2 / 2 + np.maximum(number - 1, 0)

@@ -1,0 +1,100 @@
+"""Sights to compare: a view as drawn, as eyes of several ages see it, and foveated as well."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mimoc.errors import MimocError, UnknownNameError
+from mimoc.scene.acuity import PROFILES, acuity_at
+from mimoc.scene.instruments import UNSEEN
+from mimoc.schema import VisionSpec
+from mimoc.schema.manifest import VisionEntry
+
+SIDES = ("left", "right")
+LAST_MONTH = 36.0
+"""Of the ages that acuity is known for."""
+ROWS = ("as drawn", "acuity", "acuity and foveation")
+"""What is compared, as in the paper (López et al. 2025, figure 3)."""
+TELLING_FOVEATION = 5.0
+"""Shown where the infant's own eyes have none."""
+SUPERSAMPLE = 2
+"""Smooths the edges of what is drawn, so that nothing but acuity blurs them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Sights in rows and columns, and what these are."""
+
+    sights: tuple[tuple[VisionEntry, ...], ...]
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+
+def compare_ages(
+    vision: VisionSpec,
+    side: str,
+    ages_months: Sequence[float],
+    size_px: int,
+    *,
+    profile: str | None = None,
+    foveation: float | None = None,
+) -> Comparison:
+    """Return the sights of one eye, with a column for each age.
+
+    Args:
+        vision: Whose profile of acuity and whose foveation it is, unless others are given.
+        side: left or right.
+        ages_months: Of the eyes; the body is what it is.
+        size_px: Width and height of each picture.
+        profile: Whose measurements say how fine an age sees.
+        foveation: Strength of the foveation.
+
+    Raises:
+        UnknownNameError: If there is no such side or profile.
+    """
+    profile = profile or vision.acuity_profile
+    foveation = vision.foveation or TELLING_FOVEATION if foveation is None else foveation
+    for kind, name, known in (("side", side, SIDES), ("profile of acuity", profile, PROFILES)):
+        if name not in known:
+            raise UnknownNameError(kind, name, known)
+
+    def sight(acuity_cpd: float | None, foveation: float) -> VisionEntry:
+        return VisionEntry(
+            cameras=(f"eye_{side}",),
+            width_px=size_px,
+            height_px=size_px,
+            supersample=SUPERSAMPLE,
+            acuity_cpd=acuity_cpd,
+            foveation=foveation,
+            foveation_radius=vision.foveation_radius,
+            unseen=UNSEEN,
+        )
+
+    acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
+    return Comparison(
+        sights=(
+            tuple(sight(None, 0) for _ in acuities_cpd),
+            tuple(sight(acuity_cpd, 0) for acuity_cpd in acuities_cpd),
+            tuple(sight(acuity_cpd, foveation) for acuity_cpd in acuities_cpd),
+        ),
+        rows=ROWS,
+        columns=tuple(map(_caption, ages_months, acuities_cpd)),
+    )
+
+
+def read_ages(text: str) -> tuple[float, ...]:
+    """Return the ages, in months, that a list such as `1,2.5,12` names.
+
+    Raises:
+        MimocError: If it names none, or one that acuity is not known for.
+    """
+    try:
+        ages_months = tuple(map(float, text.split(",")))
+    except ValueError:
+        ages_months = ()
+    if not ages_months or not all(0 <= age_months <= LAST_MONTH for age_months in ages_months):
+        raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH:g}, as in 1,2.5,12")
+    return ages_months
+
+
+def _caption(age_months: float, acuity_cpd: float) -> str:
+    return f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"

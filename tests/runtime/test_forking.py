@@ -1,0 +1,42 @@
+import os
+import subprocess
+import sys
+
+import pytest
+
+import mimoc
+
+PATIENCE_S = 60
+SEE = """
+import sys
+import gymnasium, numpy as np
+import mimoc
+
+if __name__ == "__main__":
+    here = mimoc.InfantEnv(sys.argv[1])
+    alone = here.reset(seed=0)[0]["eye_left"]
+    envs = gymnasium.make_vec("mimoc/Infant-v0", 2, "async", bundle=sys.argv[1])
+    seen = envs.reset(seed=0)[0]["eye_left"]
+    envs.step(envs.action_space.sample())
+    envs.close()
+    print(all(np.array_equal(picture, alone) for picture in seen), alone.std() > 5)
+    print(np.array_equal(here.reset(seed=0)[0]["eye_left"], alone))
+    here.close()
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> str:
+    vision = {"width_px": 32, "height_px": 32}
+    spec = {"mimo": 1, "name": "infant", "age_months": 9, "senses": {"vision": vision}}
+    compiled = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "scene": {"pose": "sitting"}}))
+    return str(mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "infant"))
+
+
+def test_processes_that_gymnasium_forks_after_it_has_drawn_draw_the_same(folder, tmp_path):
+    """`AsyncVectorEnv` opens an environment, closes it, and then forks: without a remedy, Mesa hangs."""
+    (tmp_path / "see.py").write_text(SEE)
+    environment = {name: value for name, value in os.environ.items() if name != "LP_NUM_THREADS"}
+    command = [sys.executable, "-W", "ignore", str(tmp_path / "see.py"), folder]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+    assert (done.returncode, done.stdout) == (0, "True True\nTrue\n"), done.stderr

@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.errors import UnknownNameError
+from mimoc.runtime.glimpse import glimpse
+from mimoc.runtime.senses.acuity import blur, contrast_gain
+from mimoc.schema.manifest import VisionEntry
+
+DRAWN = VisionEntry(
+    cameras=("eye_left",),
+    width_px=48,
+    height_px=48,
+    supersample=1,
+    acuity_cpd=None,
+    foveation=0,
+    foveation_radius="border",
+    unseen=("head", "left_eye", "right_eye"),
+)
+BLURRED = DRAWN.model_copy(update={"acuity_cpd": 0.3})
+
+
+def test_each_sight_shows_the_same_view(bundle):
+    """The infant need not have a sense of vision."""
+    assert bundle.manifest.senses.vision is None
+    ((drawn, again), (blurred,)) = glimpse(bundle, [[DRAWN, DRAWN], [BLURRED]], "sitting", 50)
+    assert drawn.std() > 10
+    assert np.array_equal(drawn, again)
+    by_hand = blur(drawn.astype(np.float32), contrast_gain(48, 48, 60.0, 0.3))
+    assert np.array_equal(blurred, np.rint(by_hand))
+
+
+def test_it_is_what_the_environment_observes(bundle):
+    """Straight ahead, in the pose of the reset."""
+    vision = {"width_px": 48, "height_px": 48, "acuity": {"cpd": 0.3}}
+    spec = {"mimo": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}, "senses": {"vision": vision}}
+    env = mimoc.InfantEnv(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
+    observed = env.reset(seed=0)[0]["eye_left"]
+    env.close()
+    assert np.array_equal(glimpse(bundle, [[BLURRED]])[0][0], observed)
+
+
+def test_an_eye_that_looks_down_sees_things_higher_up(bundle):
+    """The horizon rises, and is gone at last."""
+    shares = []
+    for down_deg in (-10, 0, 10, 20, 60):
+        ((picture,),) = glimpse(bundle, [[DRAWN]], "standing", down_deg)
+        is_sky = picture[..., 2].astype(int) > picture[..., 0]
+        shares.append(is_sky.mean())
+    assert shares == sorted(shares, reverse=True)
+    assert shares[0] > 0.6
+    assert shares[-1] == 0
+
+
+def test_the_pose_is_that_of_the_bundle_unless_another_is_asked_for(bundle):
+    usual, sitting, prone = (glimpse(bundle, [[DRAWN]], pose)[0][0] for pose in (None, "sitting", "prone"))
+    assert np.array_equal(usual, sitting)
+    assert not np.array_equal(usual, prone)
+
+
+def test_unknown_poses_and_eyes_are_refused(bundle):
+    with pytest.raises(UnknownNameError, match="'sit' is not a pose; did you mean 'sitting'"):
+        glimpse(bundle, [[DRAWN]], "sit")
+    missing = DRAWN.model_copy(update={"cameras": ("eye_middle",)})
+    with pytest.raises(UnknownNameError, match="'eye_middle' is not a camera of this infant"):
+        glimpse(bundle, [[missing]])

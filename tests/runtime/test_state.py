@@ -1,0 +1,149 @@
+"""A state can be kept, sent elsewhere and gone back to: what follows is the same to the bit."""
+
+import copy
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+
+import mimoc
+
+SENSES = {
+    "proprioception": {},
+    "vestibular": {},
+    "touch": {"density": 0.2},
+    "vision": {"width_px": 8, "height_px": 6},
+}
+DELAYS = {"sensory_ms": 35, "vision_ms": 100, "motor_ms": 15}
+
+
+@pytest.fixture(scope="module", params=["torque", "muscle"])
+def bundle(request, built) -> mimoc.Bundle:
+    """Return an infant with every sense, all signals late."""
+    return built(senses=SENSES, delays=DELAYS, actuation={"model": request.param})
+
+
+def actions(env, count=30, seed=0):
+    return np.random.default_rng(seed).uniform(-1, 1, (count, *env.action_space.shape)).astype(np.float32)
+
+
+def run(env, commands):
+    """Return what follows: observations and, at the end, the whole state of the physics."""
+    seen = [env.step(command)[0] for command in commands]
+    return seen, env.get_state()["physics"]
+
+
+def same(one, other):
+    return np.array_equal(one[1], other[1]) and all(
+        np.array_equal(mine[key], theirs[key]) for mine, theirs in zip(one[0], other[0], strict=True) for key in mine
+    )
+
+
+def test_what_follows_a_state_follows_it_again(open_env, bundle):
+    env = open_env(bundle=bundle)
+    env.reset(seed=0)
+    run(env, actions(env, seed=1))
+    state, last = env.get_state(), env.step(env.action_space.high)[0]
+    before = env.get_state()
+    first = run(env, actions(env))
+    run(env, actions(env, seed=2))
+    env.reset(seed=3)
+    observation = env.set_state(before)
+    assert all(np.array_equal(observation[key], last[key]) for key in last)
+    assert same(run(env, actions(env)), first)
+    env.set_state(state)
+    again = env.step(env.action_space.high)[0]
+    assert all(np.array_equal(again[key], last[key]) for key in last)
+
+
+def test_a_run_can_be_forked_into_another_environment(open_env, bundle):
+    env, fork = open_env(bundle=bundle), open_env(bundle=bundle)
+    env.reset(seed=0)
+    run(env, actions(env, seed=1))
+    fork.set_state(pickle.loads(pickle.dumps(env.get_state())))
+    assert same(run(env, actions(env)), run(fork, actions(env)))
+
+
+def test_a_state_is_not_changed_by_what_follows(open_env, bundle):
+    env = open_env(bundle=bundle)
+    env.reset(seed=0)
+    run(env, actions(env, 5))
+    state = env.get_state()
+    kept = pickle.dumps(state)
+    env.set_state(state)
+    run(env, actions(env))
+    assert pickle.dumps(state) == kept
+
+
+def test_chance_is_part_of_the_state(open_env, bundle):
+    env = open_env(bundle=bundle)
+    env.reset(seed=0)
+    state = env.get_state()
+    drawn = env.np_random.random(3)
+    env.set_state(state)
+    assert np.array_equal(env.np_random.random(3), drawn)
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, copy.copy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_a_copy_goes_on_where_the_environment_was(bundle, duplicate, wrapped):
+    env = mimoc.make(bundle, render_mode="rgb_array") if wrapped else mimoc.InfantEnv(bundle)
+    env.reset(seed=0)
+    for command in actions(env, seed=1):
+        env.step(command)
+    twin = duplicate(env)
+    mine = run(env.unwrapped, actions(env))
+    if duplicate is not copy.copy or not wrapped:  # A shallow copy of a wrapper wraps the same environment.
+        assert twin.unwrapped.data is not env.unwrapped.data
+        assert same(run(twin.unwrapped, actions(env)), mine)
+    twin.close()
+    env.close()
+
+
+def test_a_copy_can_be_made_before_the_first_reset(bundle):
+    env = mimoc.InfantEnv(bundle)
+    twin = copy.deepcopy(env)
+    for each in (env, twin):
+        each.reset(seed=0)
+    assert same(run(env, actions(env, 5)), run(twin, actions(env, 5)))
+    twin.close()
+    env.close()
+
+
+def test_a_copy_keeps_what_was_changed_in_the_model_for_itself(bundle):
+    env = mimoc.InfantEnv(bundle)
+    env.set_expression("sad")
+    twin = copy.deepcopy(env)
+    env.set_expression("happy")
+    face = env.manifest.face
+    assert twin.model.geom(face.geom).matid == twin.model.material(face.materials["sad"]).id
+    twin.close()
+    env.close()
+
+
+def test_the_state_of_another_infant_is_refused(open_env, bundle):
+    env = open_env(bundle=bundle)
+    other = open_env(body={"hands": "five_finger"})
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="the state of another infant"):
+        env.set_state(other.get_state())
+    env.step(env.action_space.high)
+
+
+def test_an_infant_that_broke_down_is_well_again_in_an_earlier_state(open_env, bundle):
+    env = open_env(bundle=bundle)
+    env.reset(seed=0)
+    state, first = env.get_state(), run(env, actions(env, 5))
+    env.data.qvel[20] = np.nan
+    assert env.step(env.action_space.high)[2]
+    env.set_state(state)
+    assert same(run(env, actions(env, 5)), first)
+
+
+def test_a_time_limit_truncates(bundle):
+    env = gymnasium.make("mimoc/Infant-v0", bundle=bundle, max_episode_steps=3)
+    env.reset(seed=0)
+    ends = [env.step(env.action_space.sample())[2:4] for _ in range(3)]
+    assert ends == [(False, False), (False, False), (False, True)]
+    env.close()
