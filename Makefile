@@ -25,11 +25,14 @@ demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine 
 	$(BIN)/mimo check $(INFANT)
 	$(BIN)/mimo run $(INFANT) --policy random
 	$(BIN)/mimo render $(INFANT) -o $(OUT)/nine_months.png
-	$(BIN)/mimo see $(INFANT) -o $(OUT)/seen.png
+	$(BIN)/mimo rooms configs/playroom.yaml --seeds 0:12 -o $(OUT)/rooms.png
+	$(BIN)/mimo build configs/playroom.yaml --seed 1 -o $(OUT)/playroom --force
+	$(BIN)/mimo see $(OUT)/playroom -o $(OUT)/seen.png
 	@echo
 	@echo "the infant   $(INFANT)/scene.xml   ($(BIN)/python -m mujoco.viewer --mjcf=$(INFANT)/scene.xml)"
 	@echo "its picture  $(OUT)/nine_months.png"
-	@echo "what it sees $(OUT)/seen.png   (through eyes of 1 to 12 months)"
+	@echo "rooms        $(OUT)/rooms.png"
+	@echo "what it sees $(OUT)/seen.png   (in one of them, through eyes of 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
 test: $(READY) opengl ## Lint, check types and run every test.
@@ -52,7 +55,7 @@ $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "mimoc needs Python 3.11 or later; name one with: make PYTHON=/path/to/python3.12"; exit 1; }
 	@$(PYTHON) -m venv $(VENV) || { echo "python's venv is missing (Debian: apt-get install python3-venv)"; exit 1; }
-	$(BIN)/pip install --quiet --editable '.[report,train,test,dev]' '$(TORCH)'
+	$(BIN)/pip install --quiet --editable '.[report,toys,train,test,dev]' '$(TORCH)'
 	@touch $@
 
 # Pictures need OpenGL without a screen. It is tried rather than looked up: a library may be there and not work.

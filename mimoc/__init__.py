@@ -9,8 +9,9 @@ from mimoc.version import __version__
 if TYPE_CHECKING:
     from mimoc.bundle import Bundle, read_bundle, write_bundle
     from mimoc.errors import MimocError
+    from mimoc.making import make
     from mimoc.pipeline import build, load_spec
-    from mimoc.runtime import InfantEnv, make, torque_limits
+    from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.schema import InfantSpec
 
 _HOMES = {
@@ -20,7 +21,7 @@ _HOMES = {
     "MimocError": "mimoc.errors",
     "build": "mimoc.pipeline",
     "load_spec": "mimoc.pipeline",
-    "make": "mimoc.runtime",
+    "make": "mimoc.making",
     "read_bundle": "mimoc.bundle",
     "torque_limits": "mimoc.runtime",
     "write_bundle": "mimoc.bundle",

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from mimoc.body import assemble
 from mimoc.errors import Problem, SpecError
-from mimoc.scene.world import WORLDS
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import unsided
 
@@ -25,10 +24,6 @@ def refuse_unavailable(spec: InfantSpec) -> None:
 def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each key that asks for too much, what it asks for, and what to write instead."""
     leave_out = "leave it out"
-    if spec.scene.kind not in WORLDS:
-        yield ("scene", "kind"), f"'{spec.scene.kind}'", f"use {' or '.join(WORLDS)}"
-    if spec.scene.toys:
-        yield ("scene", "toys"), "placing toys", leave_out
     if spec.task:
         yield ("task",), "a task", leave_out
     anatomy = assemble(spec.body.hands, spec.body.chest_joint)

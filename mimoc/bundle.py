@@ -40,17 +40,23 @@ class Bundle:
         return _bundle, (dict(self.files), self.manifest, self.path)
 
 
-def seal(files: Mapping[str, bytes], versions: Mapping[str, str], inputs: Mapping[str, bytes]) -> Bundle:
+def seal(
+    files: Mapping[str, bytes],
+    versions: Mapping[str, str],
+    inputs: Mapping[str, bytes],
+    manifest: Manifest | None = None,
+) -> Bundle:
     """Return a bundle of some files, manifest included, and a lock over them.
 
     Args:
         files: Content by path in the bundle.
         versions: Of the software that made them, by name.
         inputs: Tables they were made from, by name; only their digests are kept.
+        manifest: What is in the file of that name, if it need not be read again.
     """
     lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
     sealed = {**files, LOCK: (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()}
-    return _bundle(sealed, _manifest(files[MANIFEST]), None)
+    return _bundle(sealed, manifest or _manifest(files[MANIFEST]), None)
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:

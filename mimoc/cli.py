@@ -14,6 +14,8 @@ from mimoc.errors import MimocError, UnknownNameError
 from mimoc.version import __version__
 
 BAD_INPUT, FAILED_CHECK = 2, 1
+MOST_ROOMS = 400
+"""On one sheet."""
 
 app = typer.Typer(
     name="mimo",
@@ -66,13 +68,17 @@ def build(
     spec: SpecPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write the bundle to.")],
     force: Annotated[bool, typer.Option("--force", help="Replace the bundle that is there.")] = False,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the scene; the spec's.")] = None,
 ) -> None:
     """Compile SPEC into a bundle: MuJoCo XML, textures, and all that is known of them."""
     from mimoc import bundle, console, pipeline
 
-    built = pipeline.build(pipeline.load_spec(spec))
+    infant = pipeline.load_spec(spec)
+    with console.status("building"):
+        built = pipeline.builder(infant)(infant.scene.seed if seed is None else seed)
     folder = bundle.write_bundle(built, out, force=force)
     console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
+    console.print_toys(built.manifest)
     print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimo run {folder}")
 
 
@@ -201,3 +207,39 @@ def see(
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
     pictures = glimpse(infant, compared.sights, pose, down)
     print(files.write_file(file, encode_png(draw_sheet(pictures, compared.columns, compared.rows))))
+
+
+@app.command(epilog="Example:  mimo rooms configs/playroom.yaml --seeds 0:12 -o rooms.png")
+def rooms(
+    spec: SpecPath,
+    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
+    seeds: Annotated[str, typer.Option("--seeds", metavar="FIRST:END", help="Seeds of the scenes.")] = "0:12",
+    size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each picture, pixels.")] = 320,
+) -> None:
+    """Draw the scenes that several seeds give, on one sheet."""
+    from mimoc import console, files, pipeline
+    from mimoc.runtime.overview import overview
+    from mimoc.scene.drawing import encode_png
+    from mimoc.scene.sheet import draw_grid
+
+    wanted, builder, pictures = read_range(seeds), pipeline.builder(pipeline.load_spec(spec)), []
+    with console.progress("drawing") as show:
+        for number, seed in enumerate(wanted, start=1):
+            pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
+            show(number, len(wanted))
+    print(files.write_file(file, encode_png(draw_grid(pictures, [f"seed {seed}" for seed in wanted]))))
+
+
+def read_range(text: str) -> range:
+    """Return the seeds that a text such as `0:12` names: the first, and the first that is not.
+
+    Raises:
+        MimocError: If it names none.
+    """
+    first, colon, end = text.partition(":")
+    if not (first.isdecimal() and (end if colon else first).isdecimal()):
+        raise MimocError(f"'{text}' names no seeds; write the first and the end, such as 0:12")
+    found = range(int(first), int(end) if colon else int(first) + 1)
+    if not 0 < len(found) <= MOST_ROOMS:
+        raise MimocError(f"'{text}' names {len(found)} seeds; give 1 to {MOST_ROOMS}")
+    return found

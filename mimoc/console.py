@@ -59,6 +59,32 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     _console().print(table)
 
 
+@contextmanager
+def status(what: str) -> Iterator[None]:
+    """Show on the terminal that something is being done."""
+    console = Console(stderr=True)
+    if console.is_terminal:
+        with console.status(what):
+            yield
+    else:
+        yield
+
+
+def print_toys(manifest: Manifest) -> None:
+    """Print the toys around an infant, and what its user should know."""
+    console = _console()
+    if manifest.toys:
+        table = Table(title=f"{len(manifest.toys)} toys", title_justify="left")
+        table.add_column("toy")
+        for heading in ("longest side [cm]", "weight [g]"):
+            table.add_column(heading, justify="right")
+        for toy in manifest.toys:
+            table.add_row(toy.object, f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
+        console.print(table)
+    for note in manifest.notes:
+        console.print(Text(f"note: {note}", style="yellow"))
+
+
 def print_growth(report: GrowthReport) -> None:
     """Print one table for each indicator, a row for each age, and what it comes to."""
     console = _console()

@@ -44,12 +44,20 @@ class IndividualError(MimocError):
     """A child that there is none of."""
 
 
+class NoRoomError(MimocError):
+    """Toys that have no place."""
+
+
 class DataError(MimocError):
     """A table that came with mimoc is missing or damaged."""
 
 
 class BundleError(MimocError):
     """A folder that is not a bundle, or not the one that was written."""
+
+
+class TextureError(MimocError):
+    """Pictures of a user's own that a room cannot be decorated with."""
 
 
 class ModelError(MimocError):
@@ -63,6 +71,15 @@ class ModelError(MimocError):
 
 class RenderingError(MimocError):
     """Pictures cannot be drawn here."""
+
+
+class ToyError(MimocError):
+    """A toy that cannot be had, or no folder to have it from."""
+
+    def __init__(self, message: str, name: str | None = None):
+        super().__init__(message)
+        self.name = name
+        """Of the object or category, if one is meant."""
 
 
 class OutputError(MimocError):

@@ -2,23 +2,27 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
+import numpy.typing as npt
 
 from mimoc import body, bundle, fits, render, scene, source
 from mimoc.availability import refuse_unavailable
 from mimoc.blame import blame
 from mimoc.body.provenance import trace_body
-from mimoc.errors import GeometryError, IndividualError, ModelError, SpecError
+from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError
 from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
-from mimoc.scene.manifest import describe
+from mimoc.scene.manifest import describe, describe_toys
 from mimoc.scene.provenance import trace_drive
 from mimoc.scene.sense_provenance import trace_senses
 from mimoc.schema import InfantSpec, read_spec, to_data
-from mimoc.schema.manifest import ChildEntry, Manifest
+from mimoc.schema.manifest import ChildEntry, Manifest, ToyEntry
+from mimoc.supplies import gather, notes
 from mimoc.version import __version__
 
 SPEC_FILE = "spec.yaml"
@@ -34,11 +38,85 @@ def load_spec(path: str | Path) -> InfantSpec:
 
 
 def build(spec: InfantSpec) -> bundle.Bundle:
-    """Compile a spec: a pure function, the same spec gives the same bytes.
+    """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
 
     Raises:
-        SpecError: If the spec asks for what this version cannot build, or for a child that there is none of.
+        SpecError: If the spec asks for what this version cannot build, for a child that there is none of, or for toys
+            or pictures that are not there.
         ModelError: If MuJoCo refuses the model.
+    """
+    return builder(spec)(spec.scene.seed)
+
+
+@dataclass(frozen=True, slots=True)
+class Builder:
+    """A spec whose child is grown: what is left to do is to put it into the world that a seed draws."""
+
+    spec: InfantSpec
+    tree: body.BodyTree
+    infant: scene.SceneTree
+    """In no world yet."""
+    discs: npt.NDArray[np.float64]
+    """What it takes up of the floor."""
+    supplies: scene.Supplies
+    files: Mapping[str, bytes]
+    """Of the infant alone."""
+    manifest: Manifest
+    manifest_members: Mapping[str, str]
+    """The manifest's text, by key."""
+    origins: Mapping[str, Any]
+    """Where the infant's numbers come from."""
+    origin_members: Mapping[str, str]
+    """The same as text, by key."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it be copied and sent to other processes, which grow the child anew."""
+        return builder, (self.spec,)
+
+    def __call__(self, seed: int, *, check: bool = True) -> bundle.Bundle:
+        """Return the bundle of a seed.
+
+        Args:
+            seed: Of the scene.
+            check: Whether to have MuJoCo check the model; what loads it next does so too.
+
+        Raises:
+            SpecError: If there is no room for the toys, or nothing can be made of one.
+            ModelError: If MuJoCo refuses the model.
+        """
+        spec = _with_seed(self.spec, seed)
+        written = _as_written(spec)
+        try:
+            furnished = scene.furnish(self.infant, spec.scene, self.tree, self.supplies, self.discs)
+        except (NoRoomError, ToyError) as error:
+            raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
+        toys = tuple(ToyEntry.model_validate(render.rounded(toy.model_dump())) for toy in describe_toys(furnished))
+        changes = {"seed": seed, "toys": toys, "notes": notes(spec, toys)}
+        manifest = self.manifest.model_copy(update=changes)
+        changed = render.json_members(manifest.model_dump(include=set(changes)))
+        spec_origins = _trace_spec(spec, written)
+        files = {
+            **self.files,
+            **render.render_world(furnished),
+            SPEC_FILE: written.text.encode(),
+            "resolved.yaml": source.dump(render.rounded(to_data(spec))).encode(),
+            "provenance.json": render.join_json({**render.json_members(spec_origins), **self.origin_members}),
+            "manifest.json": render.join_json({**self.manifest_members, **changed}),
+            "README.md": render.render_text("README.md.j2", manifest=manifest, version=__version__),
+        }
+        try:
+            if check:
+                compile_model(files)
+        except ModelError as error:
+            raise _blame(error, written, {**spec_origins, **self.origins}) from None
+        return bundle.seal(files, {"mimoc": __version__}, data_files(), manifest)
+
+
+def builder(spec: InfantSpec) -> Builder:
+    """Return what compiles a spec for any seed of its scene; the child, which is always the same, is grown now.
+
+    Raises:
+        SpecError: As `build`.
     """
     refuse_unavailable(spec)
     written = _as_written(spec)
@@ -48,28 +126,33 @@ def build(spec: InfantSpec) -> bundle.Bundle:
         tree = body.grow_child(spec, measurements, anatomy)
     except (GeometryError, IndividualError) as error:
         raise SpecError([blame(error, spec, written)]) from None
-    world = scene.compose(spec, tree)
-    manifest = Manifest.model_validate(render.rounded(describe(spec, tree, world).model_dump()))
+    infant = scene.compose(spec, tree)
+    manifest = Manifest.model_validate(render.rounded(describe(spec, tree, infant).model_dump()))
     scaled = {name: tuple(f"spec.body.parts.{name}.{key}" for key, _ in part) for name, part in spec.body.parts.items()}
-    provenance = {
-        **_trace_spec(spec, written),
+    origins = {
         **trace_body(measurements, anatomy, tree, scaled),
-        **trace_drive(spec.actuation.model, anatomy, tree, world.actuators),
+        **trace_drive(spec.actuation.model, anatomy, tree, infant.actuators),
         **trace_senses(spec, manifest),
     }
-    files = {
-        **render.render_scene(world),
-        SPEC_FILE: written.text.encode(),
-        "resolved.yaml": source.dump(render.rounded(to_data(spec))).encode(),
-        "provenance.json": render.render_json(provenance),
-        "manifest.json": render.render_json(manifest.model_dump()),
-        "README.md": render.render_text("README.md.j2", manifest=manifest, version=__version__),
-    }
-    try:
-        compile_model(files)
-    except ModelError as error:
-        raise _blame(error, written, provenance) from None
-    return bundle.seal(files, versions={"mimoc": __version__}, inputs=data_files())
+    return Builder(
+        spec=spec,
+        tree=tree,
+        infant=infant,
+        discs=scene.outline(infant, spec.scene, tree),
+        supplies=gather(spec, written),
+        files=render.render_infant(infant),
+        manifest=manifest,
+        manifest_members=render.json_members(manifest.model_dump()),
+        origins=origins,
+        origin_members=render.json_members(origins),
+    )
+
+
+def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:
+    """Return a spec whose scene has another seed."""
+    if seed == spec.scene.seed:
+        return spec
+    return spec.model_copy(update={"scene": spec.scene.model_copy(update={"seed": seed})})
 
 
 def who_percentiles(child: ChildEntry) -> dict[str, float]:

@@ -23,8 +23,17 @@ TEMPLATES = Path(__file__).parent / "templates"
 
 def render_scene(scene: SceneTree) -> dict[str, bytes]:
     """Return the MJCF and assets of a scene, by path in the bundle."""
-    xml = {name: _indented(render_text(f"{name}.j2", scene=scene)) for name in ("infant.xml", "scene.xml")}
-    return {**xml, **scene.assets}
+    return {**render_infant(scene), **render_world(scene)}
+
+
+def render_infant(scene: SceneTree) -> dict[str, bytes]:
+    """Return the MJCF and assets of the infant alone."""
+    return {"infant.xml": _indented(render_text("infant.xml.j2", scene=scene)), **scene.appearance.assets}
+
+
+def render_world(scene: SceneTree) -> dict[str, bytes]:
+    """Return the MJCF and assets of what is around the infant."""
+    return {"scene.xml": _indented(render_text("scene.xml.j2", scene=scene)), **scene.world.assets}
 
 
 def render_text(template: str, **values: Any) -> bytes:
@@ -41,8 +50,22 @@ def _indented(xml: bytes) -> bytes:
 
 def render_json(data: Any) -> bytes:
     """Return *data* as JSON with sorted keys and rounded numbers, a list of numbers on one line."""
+    return f"{_json(data)}\n".encode()
+
+
+def json_members(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return the text of each member of an object in JSON, for `join_json`: it can be kept while others change."""
+    return {key: _json({key: value})[2:-2] for key, value in data.items()}
+
+
+def join_json(members: Mapping[str, str]) -> bytes:
+    """Return the object that some members make, as `render_json` would have it."""
+    return "{{\n{}\n}}\n".format(",\n".join(members[key] for key in sorted(members))).encode()
+
+
+def _json(data: Any) -> str:
     text = json.dumps(rounded(data), indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
-    return (NUMBERS.sub(lambda numbers: f"[{' '.join(numbers[1].split())}]", text) + "\n").encode()
+    return NUMBERS.sub(lambda numbers: f"[{' '.join(numbers[1].split())}]", text)
 
 
 def rounded(data: Any) -> Any:

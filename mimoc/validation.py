@@ -15,7 +15,7 @@ from mimoc.availability import refuse_unavailable
 from mimoc.body.stature import Stature
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.pipeline import compile_model
-from mimoc.schema import InfantSpec
+from mimoc.schema import InfantSpec, SceneSpec
 from mimoc.units import m_to_cm
 
 MONTHS = range(25)
@@ -151,14 +151,15 @@ def _is_of_one_age(spec: InfantSpec) -> bool:
 
 
 def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
-    """Return the model of a spec as MuJoCo compiles it from the files of a bundle.
+    """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
 
     Raises:
         ModelError: If MuJoCo refuses it.
     """
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
-    return compile_model(render.render_scene(scene.compose(spec, tree)))
+    infant = scene.furnish(scene.compose(spec, tree), SceneSpec(pose=spec.scene.pose), tree, scene.Supplies())
+    return compile_model(render.render_scene(infant))
 
 
 def measure_compiled(model: mujoco.MjModel) -> Stature:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,8 @@ def process(*arguments: object, **options) -> subprocess.Popen:
     """Start a command in a process of its own."""
     command = [sys.executable, "-m", "mimoc", *map(str, arguments)]
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen(command, **pipes | options)
+    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
+    return subprocess.Popen(command, **pipes | {"preexec_fn": heeding} | options)
 
 
 def finished(*arguments: object, **environment: str) -> Outcome:
@@ -186,7 +188,7 @@ def test_render_draws_a_picture_of_the_size_and_pose_asked_for(mimo, built, here
 
 
 def test_the_commands_are_those_of_the_issue():
-    assert list(COMMANDS) == ["build", "validate", "run", "check", "explain", "render", "see"]
+    assert list(COMMANDS) == ["build", "validate", "run", "check", "explain", "render", "see", "rooms"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -203,7 +205,7 @@ def test_the_examples_work_as_they_are_printed(mimo, here):
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
         done = mimo(*arguments)
         assert (program, done.code, done.err) == ("mimo", 0, "")
-    assert sorted(os.listdir()) == ["configs", "growth.png", "nine_months.png", "out", "seen.png"]
+    assert sorted(os.listdir()) == ["configs", "growth.png", "nine_months.png", "out", "rooms.png", "seen.png"]
 
 
 def test_mimo_alone_is_help(mimo):
@@ -244,6 +246,11 @@ BAD_INPUT = {
     "a damaged bundle": ("run damaged", "damaged: infant.xml was changed"),
     "a bundle that lacks a file": ("check lacking", "lacking: scene.xml is missing"),
     "an unknown policy": ("run out --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
+    "seeds that are none": (
+        "rooms configs/playroom.yaml --seeds 7:7 -o rooms.png",
+        "'7:7' names 0 seeds; give 1 to 400",
+    ),
+    "seeds in words": ("rooms configs/playroom.yaml --seeds many -o rooms.png", "'many' names no seeds"),
     "no steps": ("run out --steps 0", "'--steps'"),
     "steps that are no number": ("run out --steps many", "'--steps'"),
     "a seed below zero": ("run out --seed -1", "'--seed'"),

@@ -1,6 +1,7 @@
 """The Gymnasium environment around a compiled infant."""
 
 import copy
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,7 +16,7 @@ from mimoc.runtime.actuation import ACTUATIONS
 from mimoc.runtime.model import broke_down, load_model
 from mimoc.runtime.nerves import Nerves
 from mimoc.runtime.opengl import has_screen
-from mimoc.runtime.portrait import Painter
+from mimoc.runtime.portrait import FROM_THE_SIDE, Painter, towards
 from mimoc.runtime.senses import Sense, bind_senses
 from mimoc.runtime.senses.sense import Observation
 from mimoc.schema.manifest import Manifest
@@ -46,6 +47,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         render_mode: Literal["human", "rgb_array"] | None = None,
         width: int = 480,
         height: int = 480,
+        next_bundle: Callable[[int], Bundle] | None = None,
     ):
         """Open a bundle.
 
@@ -54,6 +56,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             render_mode: `human` for a window that shows every step, `rgb_array` for pictures from `render()`.
             width: Of the pictures, in pixels.
             height: Of the pictures, in pixels.
+            next_bundle: Returns the same infant in another scene, by its seed, for `reset`.
 
         Raises:
             BundleError: If the folder is not a whole bundle.
@@ -71,6 +74,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         }
         self.model = load_model(self.bundle)
         self._picture_size = width, height
+        self._next_bundle = next_bundle
         self._bind()
 
     @property
@@ -126,15 +130,22 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start again from a pose: the bundle's own, or `options={"pose": name}`.
 
+        An environment that was made from a spec can also get another scene: `options={"scene_seed": N}`.
+
         Raises:
             UnknownNameError: If there is no such pose or option.
+            ValueError: If the seed is no whole number from 0 on.
         """
         super().reset(seed=seed)
-        for key in set(options or {}) - {"pose"}:
-            raise UnknownNameError("reset option", str(key), ["pose"])
-        pose = (options or {}).get("pose", self.manifest.pose)
+        options = options or {}
+        known = ["pose", *(["scene_seed"] if self._next_bundle else [])]
+        for key in options.keys() - known:
+            raise UnknownNameError("reset option", str(key), known)
+        pose = options.get("pose", self.manifest.pose)
         if pose not in self.manifest.poses:
             raise UnknownNameError("pose", str(pose), self.manifest.poses)
+        if "scene_seed" in options:
+            self._change_scene(options["scene_seed"])
         observation = self._start(pose)
         self._show()
         return observation, {"unstable": False}
@@ -193,7 +204,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if self.render_mode != "rgb_array":
             return None
         if self._painter is None:
-            self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size)
+            view = towards(FROM_THE_SIDE, self.data, self.manifest.root_body)
+            self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size, view)
         return self._painter.paint(self.data)
 
     def close(self) -> None:
@@ -235,6 +247,16 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.observation_space = gymnasium.spaces.Dict(
             {name: space for sense in self._senses.values() for name, space in sense.spaces.items()}
         )
+
+    def _change_scene(self, seed: int) -> None:
+        """Put the infant into another scene."""
+        if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+            raise ValueError(f"a scene's seed is a whole number from 0 on, not {seed!r}")
+        if self._next_bundle is not None and seed != self.manifest.seed:
+            self.bundle = self._next_bundle(int(seed))
+            self.close()
+            self.model = load_model(self.bundle)
+            self._bind()
 
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, and return what it observes."""

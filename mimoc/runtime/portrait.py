@@ -36,16 +36,28 @@ class Painter:
     """A camera that looks at one infant or at several, and the OpenGL context it needs."""
 
     def __init__(
-        self, model: mujoco.MjModel, root_bodies: Sequence[str], width: int, height: int, view: View = FROM_THE_SIDE
+        self,
+        model: mujoco.MjModel,
+        root_bodies: Sequence[str],
+        width: int,
+        height: int,
+        view: View = FROM_THE_SIDE,
     ):
-        """Open an OpenGL context for pictures of this size, in pixels, of what hangs on these bodies.
+        """Open an OpenGL context for pictures of what hangs on some bodies.
+
+        Args:
+            model: The model.
+            root_bodies: Names of the bodies.
+            width: In pixels.
+            height: In pixels.
+            view: From where they are seen.
 
         Raises:
             RenderingError: If there is no OpenGL here.
         """
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         self._model = model
-        self._view = view
+        self.view = view
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
         self._viewport = mujoco.MjrRect(0, 0, width, height)
         self._gl = open_context(width, height)
@@ -73,19 +85,24 @@ class Painter:
         """Free the OpenGL context; closing twice is fine."""
         self._close()
 
+    def place(self, data: mujoco.MjData) -> FloatArray:
+        """Return where the camera is, shape (3,), in the world, [m]."""
+        camera = self._camera(data)
+        return camera.lookat - camera.distance * _camera_axes(self.view)[0]
+
     def _camera(self, data: mujoco.MjData) -> mujoco.MjvCamera:
         """Return a camera just far enough away to see everything from top to toe."""
         centres, radii = data.geom_xpos[self._seen], self._model.geom_rbound[self._seen]
         low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
         camera = mujoco.MjvCamera()
         camera.lookat[:] = (low + high) / 2
-        camera.azimuth, camera.elevation = self._view
+        camera.azimuth, camera.elevation = self.view
         camera.distance = MARGIN * self._distance_m(centres - camera.lookat, radii)
         return camera
 
     def _distance_m(self, centres: FloatArray, radii: FloatArray) -> float:
         """Return from how far the camera sees all of some balls, whose centres are told from where it looks at."""
-        ahead, *across = _camera_axes(self._view) @ centres.T
+        ahead, *across = _camera_axes(self.view) @ centres.T
         half_height = np.tan(np.radians(self._model.vis.global_.fovy) / 2)
         half_angles = np.arctan([half_height * self._viewport.width / self._viewport.height, half_height])
         needed = [
@@ -93,6 +110,13 @@ class Painter:
             for offset, half in zip(across, half_angles, strict=True)
         ]
         return float(np.max(needed))
+
+
+def towards(view: View, data: mujoco.MjData, body: str) -> View:
+    """Return a view as a body sees it that is turned about the vertical and may lie on its back or its face."""
+    across_x, across_y = data.body(body).xmat.reshape(3, 3)[:2, 1]  # Its left, which stays level.
+    azimuth, elevation = view
+    return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation
 
 
 def portrait(
@@ -120,7 +144,8 @@ def portrait(
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
     mujoco.mj_forward(model, data)
     beads = skin_beads(bundle, model, data) if skin else None
-    return _paint_once(Painter(model, [manifest.root_body], width, height), data, beads)
+    view = towards(FROM_THE_SIDE, data, manifest.root_body)
+    return _paint_once(Painter(model, [manifest.root_body], width, height, view), data, beads)
 
 
 def lineup(bundles: Sequence[Bundle], width: int = 640, height: int = 480, *, skin: bool = False) -> Picture:

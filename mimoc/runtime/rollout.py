@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
+import mujoco
 import numpy as np
 
 from mimoc.errors import UnknownNameError
@@ -71,6 +72,8 @@ class Run:
         self._env, self._act = env, POLICIES[policy](env)
         self._generator = np.random.default_rng(seed)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
+        model = env.model
+        self._hinges = model.jnt_dofadr[model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE]
         self._hip_m: list[FloatArray] = []
         self._head_m: list[float] = []
         self._speeds: list[float] = []
@@ -87,7 +90,7 @@ class Run:
         data, root = self._env.data, self._env.manifest.root_body
         self._hip_m.append(data.body(root).xpos.copy())
         self._head_m.append(float(data.geom("head").xpos[2]))
-        self._speeds.append(float(np.abs(data.qvel[6:]).mean()))
+        self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
         if terminated or truncated:
             self._episodes += 1
             self._env.reset()

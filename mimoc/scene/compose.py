@@ -1,4 +1,4 @@
-"""The whole scene: an infant with its senses, motors and clothes, in its world."""
+"""An infant with its senses, motors and clothes, before it is put into its world."""
 
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.scene import instruments
@@ -7,8 +7,7 @@ from mimoc.scene.keypoints import keypoint_sites
 from mimoc.scene.motors import DRIVES
 from mimoc.scene.poses import keyframes, standing_height
 from mimoc.scene.skin import grow_skin
-from mimoc.scene.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver
-from mimoc.scene.world import WORLDS
+from mimoc.scene.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver, World
 from mimoc.schema import InfantSpec
 from mimoc.units import deg_to_rad, ms_to_s
 
@@ -16,7 +15,7 @@ BODY_GROUP, LOOKS_GROUP = 0, 1
 
 
 def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
-    """Return the scene of a spec around a grown body."""
+    """Return the scene of a spec around a grown body, its poses at the origin of a world without anything."""
     fovy_deg = spec.senses.vision.fovy_deg if spec.senses.vision else 60.0
     sites, cameras = instruments.sites(tree), instruments.cameras(tree, fovy_deg)
 
@@ -48,7 +47,7 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
         actuator_defaults=drive.defaults,
         actuators=drive.actuators(tree),
         sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.torque_sensors(tree)),
-        world=WORLDS[spec.scene.kind](),
+        world=World(),
         keyframes=tuple(drive.keyframe(tree, keyframe) for keyframe in keyframes(tree)),
         skin=grow_skin(tree, spec.senses.touch.density) if spec.senses.touch else None,
     )

@@ -116,8 +116,8 @@ def _bare_head() -> FloatArray:
     x, y, z = np.moveaxis(direction, 2, 0)
     front, side = x > 0, np.abs(y)
     image = np.full(direction.shape, SKIN, np.float64)
-    image = _over(image, BLUSH, 0.42 * front * _blob(side - 0.53, z + 0.36, 0.17, 0.14))
-    image = _over(image, BLUSH, 0.18 * front * _blob(y, z + 0.27, 0.09, 0.08))
+    image = over(image, BLUSH, 0.42 * front * _blob(side - 0.53, z + 0.36, 0.17, 0.14))
+    image = over(image, BLUSH, 0.18 * front * _blob(y, z + 0.27, 0.09, 0.08))
     image = _hair(image, x, y, z)
     image = _eye_opening(image, side, z, front)
     image.flags.writeable = False
@@ -132,16 +132,16 @@ def _hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> Flo
     waves = 0.6 * np.sin(23 * around + 3 * angle) + 0.4 * np.sin(59 * around - 5 * angle)
     strands = waves * np.clip(2 * angle, 0, 1)  # They would be finer than a texel at the whorl.
     reach = 1.18 + 0.08 * strands
-    return _over(image, HAIR, (0.62 + 0.10 * strands) * _within(angle - reach, 0.45))
+    return over(image, HAIR, (0.62 + 0.10 * strands) * within(angle - reach, 0.45))
 
 
 def _eye_opening(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
     """Draw the lids and the white around each eyeball; the eyeball itself is another geom."""
     across, up = (side - EYE_Y) / 0.145, (z - EYE_Z) / 0.118
-    image = _over(image, BLUSH, 0.30 * front * _blob(side - EYE_Y, z - EYE_Z, 0.22, 0.19))
+    image = over(image, BLUSH, 0.30 * front * _blob(side - EYE_Y, z - EYE_Z, 0.22, 0.19))
     lashes = np.hypot(across, up - 0.12) - 1.12
-    image = _over(image, LID, 0.9 * front * np.clip(0.4 + up, 0.2, 1) * _within(lashes, 0.34))
-    return _over(image, WHITE, front * _within(np.hypot(across, up) - 0.98, 0.26))
+    image = over(image, LID, 0.9 * front * np.clip(0.4 + up, 0.2, 1) * within(lashes, 0.34))
+    return over(image, WHITE, front * within(np.hypot(across, up) - 0.98, 0.26))
 
 
 def _brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
@@ -150,7 +150,7 @@ def _brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray,
     middle = face.brow_height + face.brow_tilt * across - 0.035 * across**2
     thickness = 0.026 * np.clip(1 - across**2, 0, 1)
     strength = 0.7 * front * np.clip(1.3 - across**2, 0, 1)
-    return _over(image, HAIR, strength * (np.abs(across) < 1) * _within(np.abs(z - middle) - thickness, 0.03))
+    return over(image, HAIR, strength * (np.abs(across) < 1) * within(np.abs(z - middle) - thickness, 0.03))
 
 
 def _mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
@@ -161,9 +161,9 @@ def _mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, f
     bow = 0.014 * np.exp(-((across / 0.16) ** 2))
     lip = np.where(height > 0, 0.046 - bow, 0.058)
     mouth = front * (np.abs(across) < 1)
-    gap = mouth * _within(np.abs(height) - np.maximum(face.opening, 0.006) * taper, 0.032)
-    image = _over(image, LIP, 0.85 * mouth * _within(np.abs(height) - (face.opening + lip) * taper, 0.032))
-    return _over(image, INSIDE, gap)
+    gap = mouth * within(np.abs(height) - np.maximum(face.opening, 0.006) * taper, 0.032)
+    image = over(image, LIP, 0.85 * mouth * within(np.abs(height) - (face.opening + lip) * taper, 0.032))
+    return over(image, INSIDE, gap)
 
 
 def _eye_colour(direction: FloatArray) -> FloatArray:
@@ -171,24 +171,24 @@ def _eye_colour(direction: FloatArray) -> FloatArray:
     x, y, z = np.moveaxis(direction, 2, 0)
     angle = np.degrees(np.arccos(np.clip(x, -1, 1)))
     image = np.full(direction.shape, WHITE, np.float64)
-    image = _over(image, IRIS_RIM, _within(angle - 41, 4))
-    image = _over(image, IRIS, _within(angle - 36, 5))
-    image = _over(image, PUPIL, _within(angle - 20, 3))
-    return _over(image, (255, 255, 255), _within(np.hypot(y - 0.16, z - 0.2) - 0.085, 0.05) * (x > 0))
+    image = over(image, IRIS_RIM, within(angle - 41, 4))
+    image = over(image, IRIS, within(angle - 36, 5))
+    image = over(image, PUPIL, within(angle - 20, 3))
+    return over(image, (255, 255, 255), within(np.hypot(y - 0.16, z - 0.2) - 0.085, 0.05) * (x > 0))
 
 
 def _ear_colour(direction: FloatArray) -> FloatArray:
     """Return the colour of an ear, by direction from its middle; its hollow looks along y."""
     x, _, z = np.moveaxis(direction, 2, 0)
     hollow = np.hypot(x / 0.55, (z - 0.12) / 0.62) - 1
-    return _over(np.full(direction.shape, EAR, np.float64), EAR_HOLLOW, 0.8 * _within(hollow, 0.5))
+    return over(np.full(direction.shape, EAR, np.float64), EAR_HOLLOW, 0.8 * within(hollow, 0.5))
 
 
 def _cloth_colour(direction: FloatArray, ground: Colour, stripe: Colour) -> FloatArray:
     """Return the colour of striped cloth, by direction from the middle of a capsule along z."""
     x, y, _ = np.moveaxis(direction, 2, 0)
     wave = np.cos(STRIPES * np.arctan2(y, x))
-    return _over(np.full(direction.shape, ground, np.float64), stripe, _within(0.45 - wave, 0.5))
+    return over(np.full(direction.shape, ground, np.float64), stripe, within(0.45 - wave, 0.5))
 
 
 def _blob(across: FloatArray, up: FloatArray, width: float, height: float) -> FloatArray:
@@ -196,7 +196,7 @@ def _blob(across: FloatArray, up: FloatArray, width: float, height: float) -> Fl
     return np.exp(-((across / width) ** 2) - (up / height) ** 2)
 
 
-def _within(distance: FloatArray, edge: float) -> FloatArray:
+def within(distance: FloatArray, edge: float) -> FloatArray:
     """Return 1 where *distance* is negative and 0 where it is positive, blended over *edge*.
 
     The blend is as wide as a texel or more, so the drawing needs no supersampling.
@@ -205,7 +205,7 @@ def _within(distance: FloatArray, edge: float) -> FloatArray:
     return t * t * (3 - 2 * t)
 
 
-def _over(image: FloatArray, colour: Colour, coverage: FloatArray) -> FloatArray:
+def over(image: FloatArray, colour: Colour, coverage: FloatArray) -> FloatArray:
     """Return *image* with *colour* laid over it; *coverage* is 0 to 1, shape `(rows, columns)`."""
     return image + coverage[..., None] * (np.asarray(colour, np.float64) - image)
 
@@ -214,4 +214,12 @@ def encode_png(image: npt.NDArray[Any]) -> bytes:
     """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), without any metadata."""
     buffer = io.BytesIO()
     Image.fromarray(np.rint(image).astype(np.uint8)).save(buffer, "PNG", compress_level=6)
+    return buffer.getvalue()
+
+
+def encode_palette_png(image: npt.NDArray[Any], colours: int = 64) -> bytes:
+    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), in a few colours: a third of the size."""
+    few = Image.fromarray(np.rint(image).astype(np.uint8)).quantize(colours, Image.Quantize.MEDIANCUT)
+    buffer = io.BytesIO()
+    few.save(buffer, "PNG", compress_level=6)
     return buffer.getvalue()

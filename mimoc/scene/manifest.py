@@ -20,6 +20,7 @@ from mimoc.schema.manifest import (
     ProprioceptionEntry,
     SensesEntry,
     TouchEntry,
+    ToyEntry,
     VestibularEntry,
     VisionEntry,
 )
@@ -41,6 +42,22 @@ def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree) -> Manifest:
         delays=delays(spec, tree),
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
+    )
+
+
+def describe_toys(scene: SceneTree) -> tuple[ToyEntry, ...]:
+    """Return what the manifest says of the toys in a scene."""
+    return tuple(
+        ToyEntry(
+            body=prop.name,
+            joint=prop.joint,
+            object=prop.object,
+            category=prop.category,
+            source=prop.source,
+            size_m=prop.size_m,
+            mass_kg=prop.mass_kg,
+        )
+        for prop in scene.world.props
     )
 
 

@@ -1,5 +1,6 @@
 """Pictures side by side on one sheet, with captions."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -39,6 +40,20 @@ def draw_sheet(pictures: Sequence[Sequence[Picture]], columns: Sequence[str] = (
     for row, text in enumerate(rows):
         sheet.paste(_label(text, height, left, font_px).rotate(90, expand=True), (0, top + row * down))
     return np.asarray(sheet)
+
+
+def draw_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Picture:
+    """Return a sheet of pictures in rows, wider than it is high, each below its caption.
+
+    Args:
+        pictures: All of one size.
+        captions: One for each.
+    """
+    across = math.ceil(math.sqrt(len(pictures) * 4 / 3))
+    captioned = [
+        draw_sheet([[picture]], columns=[caption]) for picture, caption in zip(pictures, captions, strict=True)
+    ]
+    return draw_sheet([captioned[start : start + across] for start in range(0, len(captioned), across)])
 
 
 def _label(text: str, width: int, height: int, font_px: int) -> Image.Image:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from mimoc.body.tree import Vec3
 from mimoc.scene.appearance import Appearance, Material
+from mimoc.scene.furniture import Furniture, Headlight, WorldMaterial
 from mimoc.scene.skin import Skin
 
 
@@ -152,12 +153,90 @@ class Light:
 
 
 @dataclass(frozen=True, slots=True)
+class MeshFile:
+    """The triangles of a mesh."""
+
+    name: str
+    file: str
+    """Path inside the bundle."""
+    content: bytes
+    """An OBJ."""
+    inertia: str
+    """How MuJoCo is to reckon its volume: `shell` for what only shows and may be open, or `convex`."""
+
+
+@dataclass(frozen=True, slots=True)
+class PropGeom:
+    """A primitive or a mesh of a toy."""
+
+    name: str
+    type: str
+    names: tuple[tuple[str, str], ...]
+    """The name of its mesh, if it is one, as an attribute."""
+    sizes: tuple[tuple[str, tuple[float, ...]], ...]
+    """The size of a primitive, as an attribute."""
+    pos_m: Vec3
+    quat: tuple[float, float, float, float]
+    mass_kg: float
+    material: str
+    contype: int
+    conaffinity: int
+    condim: int
+    friction: Vec3
+    solmix: float
+    group: int
+
+
+@dataclass(frozen=True, slots=True)
+class Prop:
+    """A toy, which moves freely."""
+
+    name: str
+    object: str
+    """What it is, such as `truck_003`."""
+    category: str
+    source: str
+    """Where its shape comes from."""
+    joint: str
+    pos_m: Vec3
+    quat: tuple[float, float, float, float]
+    size_m: float
+    """Its longest side."""
+    mass_kg: float
+    geoms: tuple[PropGeom, ...]
+    materials: tuple[WorldMaterial, ...]
+    meshes: tuple[MeshFile, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class World:
     """What is around the infant."""
 
-    gravity_m_s2: Vec3
-    grounds: tuple[Ground, ...]
-    lights: tuple[Light, ...]
+    gravity_m_s2: Vec3 = (0.0, 0.0, -9.81)
+    grounds: tuple[Ground, ...] = ()
+    """Floors without end."""
+    lights: tuple[Light, ...] = ()
+    """Those from afar."""
+    headlight: Headlight = Headlight((0.45, 0.45, 0.45), (0.35, 0.35, 0.35))  # noqa: RUF009 - it is frozen.
+    furniture: Furniture = Furniture()  # noqa: RUF009
+    props: tuple[Prop, ...] = ()
+    midphase: str = "enable"
+    """Whether MuJoCo looks for touching geoms of two bodies in a tree of boxes: quicker among many bars only."""
+
+    @property
+    def plain_materials(self) -> tuple[WorldMaterial, ...]:
+        """Materials of one colour."""
+        return (*self.furniture.plain_materials, *(material for prop in self.props for material in prop.materials))
+
+    @property
+    def meshes(self) -> tuple[MeshFile, ...]:
+        """The triangles of all toys."""
+        return tuple(mesh for prop in self.props for mesh in prop.meshes)
+
+    @property
+    def assets(self) -> Mapping[str, bytes]:
+        """Binary files by path in the bundle."""
+        return {each.file: each.content for each in (*self.furniture.textures, *self.meshes)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,8 +269,3 @@ class SceneTree:
     def plain_materials(self) -> tuple[Material, ...]:
         """Materials of one colour."""
         return tuple(material for material in self.appearance.materials if not material.texture)
-
-    @property
-    def assets(self) -> Mapping[str, bytes]:
-        """Binary files by path in the bundle."""
-        return self.appearance.assets

@@ -5,7 +5,7 @@ from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
 from mimoc.schema.control import ControlSpec
 from mimoc.schema.delays import DelaysSpec
 from mimoc.schema.reading import read_spec, to_data
-from mimoc.schema.scene import RoomSpec, SceneSpec, ToysSpec
+from mimoc.schema.scene import RoomSpec, SceneSpec, TexturesSpec, ToysSpec
 from mimoc.schema.senses import (
     AcuitySpec,
     ProprioceptionSpec,
@@ -31,6 +31,7 @@ __all__ = [
     "SceneSpec",
     "SensesSpec",
     "TaskSpec",
+    "TexturesSpec",
     "TouchSpec",
     "ToysSpec",
     "VestibularSpec",

@@ -160,6 +160,25 @@ class FaceEntry(Model):
     """Material by expression."""
 
 
+class ToyEntry(Model):
+    """A toy in the infant's world."""
+
+    body: str
+    """Name of its body in the model."""
+    joint: str
+    """Its free joint."""
+    object: str
+    """What it is, such as `truck_003`."""
+    category: str
+    """Of which kind, such as `truck`."""
+    source: str
+    """Where its shape comes from."""
+    size_m: float
+    """Its longest side."""
+    mass_kg: float
+    """What it weighs."""
+
+
 class Manifest(Model):
     """What travels from the compiler to the runtime."""
 
@@ -191,5 +210,11 @@ class Manifest(Model):
     """How late it senses and moves."""
     face: FaceEntry | None = None
     """What its face can show."""
+    seed: int = 0
+    """Of its scene."""
+    toys: tuple[ToyEntry, ...] = ()
+    """What there is to play with."""
+    notes: tuple[str, ...] = ()
+    """What its user should know of how it was built."""
     keypoints: tuple[str, ...] = ()
     """The BODY_25 sites, in BODY_25's order; of limbs it does not have too."""

@@ -21,13 +21,27 @@ class RoomSpec(Model):
     """Ranges of depth, width and height."""
 
 
+PathText = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
+
+
+class TexturesSpec(Model):
+    """A user's own pictures, drawn from besides mimoc's; each a PNG or a folder of them, seen from the spec's."""
+
+    floor: PathText | None = None
+    """For the floor of a room."""
+    ceiling: PathText | None = None
+    """For its ceiling."""
+    wall: PathText | None = None
+    """For its walls."""
+
+
 class ToysSpec(Model):
     """The toys around the infant."""
 
     source: Literal["builtin", "toys4k"] = "builtin"
     """Those that come with mimoc, or the Toys4K data set."""
-    root: Annotated[str, StringConstraints(strict=True, min_length=1)] | None = None
-    """Folder that Toys4K was unpacked to."""
+    root: PathText | None = None
+    """Folder that Toys4K was unpacked to; `~` and environment variables count, and it is seen from the spec's."""
     subset: Annotated[tuple[ToyName, ...], Distinct] = ()
     """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all."""
     count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
@@ -53,5 +67,13 @@ class SceneSpec(Model):
     """How the infant starts."""
     room: RoomSpec = Field(default_factory=RoomSpec)
     """The room, where the kind is room."""
+    textures: TexturesSpec = Field(default_factory=TexturesSpec)
+    """What else its floor, ceiling and walls may look like."""
     toys: ToysSpec | None = None
     """Toys; left out, there are none."""
+
+    @model_validator(mode="after")
+    def _toys_have_a_floor(self) -> Self:
+        if self.toys and self.kind == "empty":
+            raise KeyedError(("toys",), "toys need a floor, and an empty world has none; use another kind of scene")
+        return self

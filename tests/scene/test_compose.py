@@ -80,7 +80,7 @@ def test_the_infant_alone_stands_on_the_ground(infants):
 def test_the_expression_changes_the_face_and_nothing_else(expression):
     tree = grow(measure(9), MITTEN)
     neutral, other = compose(spec(), tree), compose(spec(body={"expression": expression}), tree)
-    assert other.assets[f"assets/face_{expression}.png"]
+    assert other.appearance.assets[f"assets/face_{expression}.png"]
     assert (neutral.roots, neutral.keyframes, neutral.actuators) == (other.roots, other.keyframes, other.actuators)
 
 

@@ -1,8 +1,17 @@
+import math
+from functools import cache
+
 import mujoco
+import numpy as np
 import pytest
 
 import mimoc
-from mimoc.scene.world import WORLDS
+from mimoc import pipeline
+from mimoc.scene.footprint import footprint
+from mimoc.scene.room import CLEARANCE_M, Decor, Placement
+from mimoc.scene.tree import Keyframe
+from mimoc.scene.world import WORLDS, Setting, moved, put
+from mimoc.schema.scene import SceneSpec
 
 
 def compiled(kind: str) -> mujoco.MjModel:
@@ -42,3 +51,71 @@ def test_a_dropped_infant_stays_above_the_floor():
     data.qpos[2] += 0.2
     mujoco.mj_step(model, data, nstep=400)
     assert data.xpos[1:, 2].min() > 0
+
+
+def around(kind: str, age_months: float, seed: int = 0) -> tuple[pipeline.Builder, Setting]:
+    """Return an infant, and the world around it."""
+    infant = grown(age_months)
+    scene = SceneSpec.model_validate({"kind": kind, "seed": seed})
+    return infant, WORLDS[kind](scene, Decor(), infant.tree, taken(age_months))
+
+
+@cache
+def grown(age_months: float) -> pipeline.Builder:
+    return pipeline.builder(mimoc.InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": age_months}))
+
+
+@cache
+def taken(age_months: float) -> np.ndarray:
+    infant = grown(age_months)
+    return footprint(infant.tree, [pose.qpos for pose in infant.infant.keyframes])
+
+
+@pytest.mark.parametrize("kind", ["empty", "flat", "crib"])
+def test_only_a_room_has_the_infant_elsewhere_than_in_the_middle(kind):
+    assert around(kind, 9, seed=5)[1].start == Placement(0, 0, 0)
+
+
+@pytest.mark.parametrize("age_months", [0, 9, 24])
+def test_an_infant_in_any_pose_fits_between_the_bars_of_its_crib(age_months):
+    setting = around("crib", age_months)[1]
+    discs = taken(age_months)
+    free_m = setting.half_size_m - (np.abs(discs[:, :2]) + discs[:, 2:])
+    assert free_m.min() >= 0.01 - 1e-9
+
+
+@pytest.mark.parametrize("age_months", [0, 9, 24])
+def test_an_infant_in_a_room_is_clear_of_the_walls_in_every_pose(age_months):
+    """In a thousand usual rooms, which all are wide enough."""
+    for seed in range(1000 if age_months == 9 else 100):
+        setting = around("room", age_months, seed)[1]
+        discs = moved(taken(age_months), setting.start)
+        assert (np.abs(discs[:, :2]) + discs[:, 2:] <= np.array(setting.half_size_m) - CLEARANCE_M + 1e-9).all()
+
+
+def test_the_walls_of_a_room_are_where_its_floor_ends():
+    setting = around("room", 9)[1]
+    front, left = (
+        next(geom for geom in setting.world.furniture.geoms if geom.name == f"wall_{side}")
+        for side in ("front", "left")
+    )
+    assert setting.half_size_m == (front.pos_m[0], left.pos_m[1])
+
+
+def test_what_is_put_elsewhere_is_turned_about_the_vertical_and_moved():
+    pose = Keyframe("x", (0.1, 0.0, 0.3, math.cos(0.4), 0.0, math.sin(0.4), 0.0, 0.7))
+    there = put(pose, Placement(2.0, -1.0, math.pi / 2))
+    assert there.qpos[:3] == pytest.approx((2.0, -0.9, 0.3))
+    turn = np.empty(4)
+    mujoco.mju_axisAngle2Quat(turn, [0, 0, 1], math.pi / 2)
+    expected = np.empty(4)
+    mujoco.mju_mulQuat(expected, turn, np.array(pose.qpos[3:7]))
+    assert there.qpos[3:7] == pytest.approx(expected)
+    assert there.qpos[7:] == pose.qpos[7:]
+    assert put(pose, Placement(0, 0, 0)) == pose
+
+
+def test_what_an_infant_takes_up_moves_with_it():
+    infant, there = grown(9), Placement(1.0, -2.0, 2.5)
+    elsewhere = footprint(infant.tree, [put(pose, there).qpos for pose in infant.infant.keyframes])
+    assert moved(taken(9), there) == pytest.approx(elsewhere)

@@ -1,0 +1,1 @@
+"""How floors, walls, ceilings and pictures are drawn."""

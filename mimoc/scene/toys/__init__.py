@@ -1,0 +1,1 @@
+"""Toys: what they look like, what they touch with, what they weigh."""

@@ -1,0 +1,71 @@
+"""A toy as a shape, before it gets a size, a colour and a place."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.body.tree import Vec3
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+Tint = Literal["main", "accent", "dark", "light"]
+"""What colours a part: the colour drawn for the toy, one that goes with it, nearly black or nearly white."""
+SolidType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box", "mesh"]
+Quaternion = tuple[float, float, float, float]
+"""w, x, y, z."""
+
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """A surface of triangles, wound so that they face outwards."""
+
+    vertices: FloatArray
+    """Shape (n, 3)."""
+    faces: IntArray
+    """Shape (m, 3)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of what is seen of a toy."""
+
+    mesh: Mesh
+    tint: Tint = "main"
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A convex shape that a toy touches with."""
+
+    type: SolidType
+    size: tuple[float, ...]
+    """As MuJoCo wants it (radius, then half length along z; half edges; half axes); empty for a mesh."""
+    pos: Vec3 = (0.0, 0.0, 0.0)
+    quat: Quaternion = UPRIGHT
+    mesh: Mesh | None = None
+    """The convex hull, of a mesh."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToyModel:
+    """The shape of a toy. Lengths are in units of its longest side; it stands on z = 0, centred over the origin."""
+
+    name: str
+    """Of this very object, such as `truck_003`."""
+    category: str
+    """Of its kind, as Toys4K has them, such as `truck`."""
+    parts: tuple[Part, ...]
+    """What is seen of it."""
+    solids: tuple[Solid, ...]
+    """What it touches with."""
+    volume: float
+    """How much material there is."""
+    density_kg_m3: float
+    """Of the material, with whatever hollows it has."""
+    source: str
+    """Where it comes from, for the README of a bundle."""

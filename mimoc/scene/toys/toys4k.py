@@ -1,0 +1,140 @@
+"""The objects of Toys4K, where a user unpacked it."""
+
+import os
+import re
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from mimoc.errors import ToyError, suggestion
+
+FORMATS = ("obj", "ply", "glb", "stl")
+"""What is read, the best first."""
+LAYOUT = (
+    "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or <category>_<NNN>.stl (or the others) in one folder"
+)
+
+_OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
+_VARIABLE = re.compile(r"\$(\w+|\{[^}]*\})", re.ASCII)
+
+
+@dataclass(frozen=True, slots=True)
+class Toys4K:
+    """The objects that are there."""
+
+    root: Path
+    """Their folder, with no symbolic link in its path."""
+    objects: Mapping[str, Path]
+    """The mesh of every object, sorted by name."""
+    categories: Mapping[str, tuple[str, ...]]
+    """The objects of every category, both sorted."""
+    outside: Mapping[str, Path]
+    """What looks like an object, but lies out of the root."""
+
+
+def expand_root(text: str, spec_folder: Path) -> Path:
+    """Return the folder that a spec means: `~` and environment variables expanded, relative to the spec.
+
+    Raises:
+        ToyError: If a variable is not set, or nobody's home is.
+    """
+    unset = [name.strip("{}") for name in _VARIABLE.findall(text) if name.strip("{}") not in os.environ]
+    if unset:
+        raise ToyError(f"'{text}': ${unset[0]} is not set; set it, or write the folder out")
+    try:
+        return spec_folder / Path(os.path.expandvars(text)).expanduser()
+    except RuntimeError:
+        raise ToyError(f"'{text}': there is no such user; write the folder out") from None
+
+
+def find_toys(root: Path) -> Toys4K:
+    """Return the objects in a folder, of both layouts; see `LAYOUT`.
+
+    Raises:
+        ToyError: If there is no such folder, it cannot be read, or it holds no objects.
+    """
+    try:
+        real = Path(os.path.realpath(root))
+        found = dict(sorted(_objects_in(real), reverse=True))  # Of several of one name, the first is kept.
+    except (OSError, ValueError) as error:
+        where, reason = getattr(error, "filename", None) or root, getattr(error, "strerror", None) or error
+        raise ToyError(f"{where}: cannot be read ({reason}); give the folder that Toys4K was unpacked to") from None
+    if not found:
+        raise ToyError(f"{root}: holds no objects of Toys4K; give the folder that has {LAYOUT}")
+    outside = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
+    objects = {name: path for name, path in sorted(found.items()) if name not in outside}
+    categories = defaultdict[str, list[str]](list)
+    for name in objects:
+        categories[category_of(name)].append(name)
+    return Toys4K(real, objects, {name: tuple(categories[name]) for name in sorted(categories)}, outside)
+
+
+def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
+    """Return the objects of some categories and single objects, sorted; all of them if none are named.
+
+    Raises:
+        ToyError: If one is not there, with all that are not, one a line.
+    """
+    wrong = unknown(found, subset)
+    if wrong:
+        raise ToyError("\n".join(wrong.values()), next(iter(wrong)))
+    if not subset and not found.objects:
+        raise ToyError("\n".join(_outside(found, name) for name in found.outside), next(iter(found.outside)))
+    names = {name for each in subset for name in found.categories.get(each, (each,))}
+    return tuple(sorted(names or found.objects))
+
+
+def unknown(found: Toys4K, subset: Collection[str]) -> dict[str, str]:
+    """Return what is wrong with each name of a subset that is neither a category nor an object."""
+    known = found.categories.keys() | found.objects.keys()
+    return {name: _reason_against(found, name) for name in subset if name not in known}
+
+
+def category_of(name: str) -> str:
+    """Return the category of an object."""
+    return name.rpartition("_")[0]
+
+
+def lies_in(path: Path, root: Path) -> bool:
+    """Tell whether a file is below a folder, once all symbolic links are followed."""
+    return Path(os.path.realpath(path)).is_relative_to(root)
+
+
+def _objects_in(root: Path) -> Iterator[tuple[str, Path]]:
+    for entry in _shown(root):
+        if entry.is_file() and entry.suffix[1:].lower() in FORMATS and _OBJECT.fullmatch(entry.stem.lower()):
+            yield entry.stem.lower(), entry
+        elif entry.is_dir():
+            for folder in _shown(entry):
+                match = _OBJECT.fullmatch(folder.name.lower())
+                if match and match["category"] == entry.name.lower() and (meshes := _meshes_in(folder)):
+                    yield folder.name.lower(), meshes[0]
+
+
+def _meshes_in(folder: Path) -> list[Path]:
+    """Return the meshes of an object, the best format first and then by name."""
+    meshes = [path for path in _shown(folder) if path.is_file()] if folder.is_dir() else []
+    ranks = {path: FORMATS.index(kind) for path in meshes if (kind := path.suffix[1:].lower()) in FORMATS}
+    return sorted(ranks, key=ranks.__getitem__)
+
+
+def _shown(folder: Path) -> list[Path]:
+    """Return what is in a folder by name, but for what is hidden."""
+    return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
+
+
+def _reason_against(found: Toys4K, name: str) -> str:
+    beyond = [each for each in found.outside if name in (each, category_of(each))]
+    if beyond:
+        return _outside(found, beyond[0])
+    known = found.categories.keys() | found.objects.keys()
+    advice = suggestion(name, known)
+    if advice.startswith("choose"):  # Thousands of objects say less than their kinds.
+        advice = suggestion(name, found.categories)
+    return f"'{name}' is neither a category nor an object in {found.root}; {advice}"
+
+
+def _outside(found: Toys4K, name: str) -> str:
+    path = found.outside[name].relative_to(found.root)
+    return f"'{name}' ({path}) is a link to a file out of {found.root}; copy the file there"

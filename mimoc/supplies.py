@@ -1,0 +1,90 @@
+"""What a scene is made of besides its spec: toys and wallpapers, mimoc's own and the user's."""
+
+from collections.abc import Sequence
+from functools import cache, partial
+from pathlib import Path
+
+from mimoc.errors import SpecError, TextureError, ToyError, suggestion
+from mimoc.scene.furnish import BUILTIN_TOYS, Supplies
+from mimoc.scene.own_textures import read_textures
+from mimoc.scene.room import Decor
+from mimoc.scene.toys.cache import MeshCache
+from mimoc.scene.toys.choosing import Toybox
+from mimoc.scene.toys.convex import has_coacd
+from mimoc.scene.toys.meshes import load_toy
+from mimoc.scene.toys.toys4k import choose, expand_root, find_toys, unknown
+from mimoc.scene.wallpaper import CEILINGS, FLOORS, WALLS, Wallpaper
+from mimoc.schema import InfantSpec
+from mimoc.schema.manifest import ToyEntry
+from mimoc.schema.scene import ToysSpec
+from mimoc.source import Source
+
+
+def gather(spec: InfantSpec, written: Source) -> Supplies:
+    """Return what a spec's scene is made of.
+
+    Args:
+        spec: What is wanted.
+        written: Where it was written: paths are seen from there, and problems point there.
+
+    Raises:
+        SpecError: If a toy or a picture that it names is not there, or is none.
+    """
+    folder = Path(written.file).parent
+    decor = Decor(
+        floors=(*FLOORS.values(), *_own("floor", spec, written, folder)),
+        ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written, folder)),
+        walls=(*WALLS.values(), *_own("wall", spec, written, folder)),
+    )
+    if spec.scene.toys is None:
+        return Supplies(decor)
+    boxes = {"builtin": _builtin, "toys4k": _toys4k}
+    return Supplies(decor, boxes[spec.scene.toys.source](spec.scene.toys, written, folder))
+
+
+def _own(kind: str, spec: InfantSpec, written: Source, folder: Path) -> tuple[Wallpaper, ...]:
+    path = getattr(spec.scene.textures, kind)
+    if path is None:
+        return ()
+    try:
+        return read_textures(folder / Path(path).expanduser())
+    except TextureError as error:
+        problems = str(error).splitlines()
+        raise SpecError(written.problem(("scene", "textures", kind), problem) for problem in problems) from None
+
+
+def _builtin(toys: ToysSpec, written: Source, folder: Path) -> Toybox:
+    wrong = {name: suggestion(name, BUILTIN_TOYS.names) for name in toys.subset if name not in BUILTIN_TOYS.names}
+    if wrong:
+        raise _unknown_toys(
+            toys, written, {name: f"'{name}' is not among mimoc's toys; {advice}" for name, advice in wrong.items()}
+        )
+    return Toybox(tuple(sorted(toys.subset)) or BUILTIN_TOYS.names, BUILTIN_TOYS.take)
+
+
+def _toys4k(toys: ToysSpec, written: Source, folder: Path) -> Toybox:
+    try:
+        found = find_toys(expand_root(str(toys.root), folder))
+        if wrong := unknown(found, toys.subset):
+            raise _unknown_toys(toys, written, wrong)
+        return Toybox(choose(found, toys.subset), cache(partial(load_toy, found, cache=MeshCache())))
+    except ToyError as error:
+        problems = str(error).splitlines()
+        raise SpecError(written.problem(("scene", "toys", "root"), problem) for problem in problems) from None
+
+
+def _unknown_toys(toys: ToysSpec, written: Source, messages: dict[str, str]) -> SpecError:
+    """Return an error that points at each name of the subset that is not there."""
+    names: Sequence[str] = toys.subset
+    return SpecError(
+        written.problem(("scene", "toys", "subset", names.index(name)), message) for name, message in messages.items()
+    )
+
+
+def notes(spec: InfantSpec, toys: Sequence[ToyEntry]) -> tuple[str, ...]:
+    """Return what the user of a bundle should know of how it was built."""
+    if toys and spec.scene.toys and spec.scene.toys.source == "toys4k" and not has_coacd():
+        return (
+            "toys touch with their convex hulls only; for a closer fit: pip install 'mimoc[toys]', and build again",
+        )
+    return ()
