@@ -161,3 +161,26 @@ def test_the_command_line_builds_another_scene(tmp_path, monkeypatch, capsys):
     assert (own.manifest.seed, seven.manifest.seed) == (4, 7)
     assert seven.files["scene.xml"] == mimoc.build(spec(7)).files["scene.xml"] != own.files["scene.xml"]
     assert b"seed: 7" in seven.files["resolved.yaml"]
+
+
+def test_an_infant_that_sees_takes_its_eyes_along():
+    """What it sees in another scene is what it would see there anyway; and so when it comes back."""
+    senses = {"vision": {"width_px": 24, "height_px": 24, "foveation": 3}, "touch": {"density": 0.2}}
+    spec = {
+        "mimo": 1,
+        "name": "infant",
+        "age_months": 9,
+        "senses": senses,
+        "scene": {"kind": "room", "pose": "sitting"},
+    }
+    infant = mimoc.InfantSpec.model_validate(spec)
+    moving, other = mimoc.make(infant), mimoc.make(infant)
+    first, _ = moving.reset(seed=0)
+    seen, _ = moving.reset(options={"scene_seed": 5})
+    expected, _ = other.reset(options={"scene_seed": 5})
+    back, _ = moving.reset(options={"scene_seed": 0})
+    assert all(np.array_equal(seen[key], expected[key]) for key in expected)
+    assert all(np.array_equal(back[key], first[key]) for key in first)
+    assert not np.array_equal(seen["eye_left"], first["eye_left"])
+    for env in (moving, other):
+        env.close()

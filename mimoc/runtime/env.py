@@ -1,8 +1,9 @@
 """The Gymnasium environment around a compiled infant."""
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import gymnasium
@@ -212,6 +213,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Free the OpenGL contexts and close the window, if there are any."""
         for sense in self._senses.values():
             sense.close()
+        self._close_pictures()
+
+    def _close_pictures(self) -> None:
         if self._painter is not None:
             self._painter.close()
             self._painter = None
@@ -231,11 +235,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._bind()
         self.set_state(state)
 
-    def _bind(self) -> None:
-        """Find everything the manifest names in the model, once, and start."""
+    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
+        """Find everything the manifest names in the model, once, and start; senses from before are taken along."""
         self.data = mujoco.MjData(self.model)
         self._act = ACTUATIONS[self.manifest.actuation.model](self.manifest.actuation, self.model)
-        self._senses = bind_senses(self.bundle, self.model)
+        self._senses = bind_senses(self.bundle, self.model, former)
         self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
@@ -253,10 +257,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
             raise ValueError(f"a scene's seed is a whole number from 0 on, not {seed!r}")
         if self._next_bundle is not None and seed != self.manifest.seed:
-            self.bundle = self._next_bundle(int(seed))
-            self.close()
-            self.model = load_model(self.bundle)
-            self._bind()
+            bundle = self._next_bundle(int(seed))
+            model = load_model(bundle)
+            self._close_pictures()
+            self.bundle, self.model = bundle, model
+            self._bind(self._senses)
 
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, and return what it observes."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from importlib import import_module
+from types import MappingProxyType
 from typing import Any
 
 import mujoco
@@ -22,14 +23,24 @@ They are imported when first needed: SciPy, which touch and vision need, is most
 """
 
 
-def bind_senses(bundle: Bundle, model: mujoco.MjModel) -> dict[str, Sense]:
+def bind_senses(
+    bundle: Bundle, model: mujoco.MjModel, former: Mapping[str, Sense] = MappingProxyType({})
+) -> dict[str, Sense]:
     """Return the senses of an infant by name; one that has none observes nothing.
+
+    Args:
+        bundle: The infant.
+        model: Its model.
+        former: Its senses in the scene that it was in before; they are taken along, or closed.
 
     Raises:
         RenderingError: If it sees, and there is no OpenGL here.
     """
-    senses = {name: bind_sense(name, bundle, model) for name, entry in bundle.manifest.senses if entry is not None}
-    return senses or {"nothing": nothing()}
+    taken = {name: sense for name, sense in former.items() if sense.follow(model)}
+    for name in former.keys() - taken.keys():
+        former[name].close()
+    names = [name for name, entry in bundle.manifest.senses if entry is not None]
+    return {name: taken.get(name) or bind_sense(name, bundle, model) for name in names} or {"nothing": nothing()}
 
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:

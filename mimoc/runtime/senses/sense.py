@@ -41,6 +41,10 @@ class Sense(Protocol):
         """Return a reading, of now or of earlier, as fresh arrays within their spaces."""
         ...
 
+    def follow(self, model: mujoco.MjModel) -> bool:
+        """Go with the infant into another scene, or return False: then a new sense must be bound there."""
+        ...
+
     def close(self) -> None:
         """Free what the sense holds; it is not read any more."""
         ...
@@ -69,6 +73,10 @@ class Vector:
         observed = np.maximum(reading, self.low)
         np.minimum(observed, self.high, out=observed)
         return {self.name: observed.astype(np.float32)}
+
+    def follow(self, model: mujoco.MjModel) -> bool:
+        """Return False: what costs next to nothing is bound anew."""
+        return False
 
     def close(self) -> None:
         """Do nothing: numbers hold nothing."""

@@ -96,6 +96,10 @@ class Touch:
             np.clip(observed, self.quantity.low_n, MAX_FORCE_N, out=observed)
         return {"touch": observed}
 
+    def follow(self, model: mujoco.MjModel) -> bool:
+        """Return False: other scenes have other geoms."""
+        return False
+
     def close(self) -> None:
         """Do nothing: numbers hold nothing."""
 

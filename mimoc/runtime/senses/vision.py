@@ -50,6 +50,11 @@ class Vision:
         """Return a picture for each eye."""
         return {name: picture.copy() for name, picture in zip(self.cameras, reading, strict=True)}
 
+    def follow(self, model: mujoco.MjModel) -> bool:
+        """See another scene, with the same eyes."""
+        self.eyes.turn_to(model)
+        return True
+
     def close(self) -> None:
         """Free the OpenGL context."""
         self.eyes.close()

@@ -201,3 +201,17 @@ def test_coarser_limbs_hardly_change_the_picture(height_px, open_eyes, monkeypat
     outline_px = np.pi * height_px / 2
     assert differing.sum() < outline_px * 0.6
     assert (fine[0, height_px // 2, height_px // 2] == coarse[0, height_px // 2, height_px // 2]).all()
+
+
+def test_eyes_that_turn_to_another_scene_see_what_new_ones_see(open_eyes):
+    """And leave nothing behind: the context is closed as that of the first scene would be."""
+    first, data = posed()
+    other, other_data = posed(wall='rgba="1 1 0 1"')
+    eyes = open_eyes(first)
+    before = eyes(data)
+    eyes.turn_to(other)
+    assert np.array_equal(eyes(other_data), open_eyes(other)(other_data))
+    eyes.turn_to(first)
+    assert np.array_equal(eyes(data), before)
+    eyes.close()
+    eyes.close()
