@@ -4,7 +4,8 @@
 
 Both go through the same states: the same reset, and the same random command for each control step. The bare loop
 writes the command and calls `mujoco.mj_step` twice. The infants are those of `configs/`; the environment is the one
-that `gymnasium.make` returns, with Gymnasium's own wrappers. Wanted: at most 1.3 times.
+that `gymnasium.make` returns, with Gymnasium's own wrappers. Infants whose commands are late are left out. Wanted: at
+most 1.3 times.
 """
 
 import argparse
@@ -29,7 +30,10 @@ def main() -> None:
     rounds = parser.parse_args().rounds
     print(f"{'infant':17} {'numbers':>8} {'mimoc [us]':>11} {'bare [us]':>10} {'ratio':>6}")
     for config in CONFIGS:
-        env = mimoc.make(mimoc.build(mimoc.load_spec(config)))
+        bundle = mimoc.build(mimoc.load_spec(config))
+        if bundle.manifest.delays.motor.ms:
+            continue  # Its commands come later than those of the bare loop.
+        env = mimoc.make(bundle)
         shape = (CONTROL_STEPS, *env.action_space.shape)
         commands = np.random.default_rng(0).uniform(-1, 1, shape).astype(np.float32)
         model = env.unwrapped.model

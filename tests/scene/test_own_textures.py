@@ -130,7 +130,6 @@ def broken(folder: Path) -> dict[str, Path]:
     return made
 
 
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such pipes")
 def test_what_is_no_texture_is_named_with_what_to_do(tmp_path):
     for fault, path in broken(tmp_path).items():
         with pytest.raises(TextureError) as raised:

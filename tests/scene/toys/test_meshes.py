@@ -312,7 +312,6 @@ def test_what_is_where_in_a_scene_counts(load):
 
 
 def test_coacd_keeps_hollows_open(load):
-    pytest.importorskip("coacd")
     toy = load(USABLE["torus"]())
     assert_usable(toy)
     assert len(toy.solids) > 3
@@ -323,12 +322,10 @@ def test_coacd_keeps_hollows_open(load):
 
 @pytest.mark.parametrize("kind", ["nested_shells", "non_manifold", "table"])
 def test_coacd_takes_what_is_not_one_closed_shell(kind, load):
-    pytest.importorskip("coacd")
     assert_usable(load(USABLE[kind]()))
 
 
 def test_coacd_gives_the_same_parts_again(load):
-    pytest.importorskip("coacd")
     first, second = (load(mesh_kinds.arrays_of(mesh_kinds.creation.torus(1, 0.4, 16, 8))).solids for _ in range(2))
     for one, other in zip(first, second, strict=True):
         assert one.mesh
@@ -346,8 +343,6 @@ def test_if_coacd_fails_the_convex_hull_is_taken(body, load, monkeypatch, tmp_pa
     monkeypatch.setattr(apart.worker, "__file__", str(tmp_path / "worker.py"))
     monkeypatch.setattr(convex, "has_coacd", lambda: True)
     monkeypatch.setattr(convex, "LIMIT_S", 1)
-    if body == "print('hello')":
-        pytest.importorskip("coacd")
     toy = load(USABLE["box"]())
     assert_usable(toy)
     assert len(toy.solids) == 1
