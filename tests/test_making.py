@@ -184,3 +184,20 @@ def test_an_infant_that_sees_takes_its_eyes_along():
     assert not np.array_equal(seen["eye_left"], first["eye_left"])
     for env in (moving, other):
         env.close()
+
+
+def test_a_state_brings_its_scene_along(env):
+    env.reset(options={"scene_seed": 9})
+    state = env.unwrapped.get_state()
+    expected = env.step(env.action_space.high)[0]
+    env.reset(options={"scene_seed": 10})
+    env.unwrapped.set_state(state)
+    assert env.unwrapped.manifest.seed == 9
+    again = env.step(env.action_space.high)[0]
+    assert all(np.array_equal(again[key], expected[key]) for key in expected)
+
+
+def test_a_bundle_refuses_the_state_of_another_scene():
+    one, other = (mimoc.make(mimoc.build(spec(seed))) for seed in (1, 2))
+    with pytest.raises(ValueError, match="a state of scene 1; here is scene 2"):
+        other.unwrapped.set_state(one.unwrapped.get_state())

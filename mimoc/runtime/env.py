@@ -174,7 +174,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         physics = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, physics, STATE)
         chance = self.np_random.bit_generator.state
-        return copy.deepcopy({"physics": physics, "signals": self._nerves.state, "chance": chance})
+        signals, scene_seed = self._nerves.state, self.manifest.seed
+        return copy.deepcopy({"physics": physics, "signals": signals, "chance": chance, "scene_seed": scene_seed})
 
     def set_state(self, state: dict[str, Any]) -> Observation:
         """Go back to a state of this infant, or of another environment of the same bundle; return what it observes.
@@ -182,9 +183,15 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Everything that follows is then as it was. What is derived from a state (contacts, places of bodies) is that
         of the state itself, while after a step it is that of one physics step before, as MuJoCo leaves it.
 
+        An environment that was made from a spec goes back to the scene of the state, too.
+
         Raises:
-            ValueError: If it is not a state of such an infant.
+            ValueError: If it is not a state of such an infant, or of another scene than this environment has.
         """
+        if state["scene_seed"] != self.manifest.seed:
+            if self._next_bundle is None:
+                raise ValueError(f"this is a state of scene {state['scene_seed']}; here is scene {self.manifest.seed}")
+            self._change_scene(state["scene_seed"])
         if np.shape(state["physics"]) != (mujoco.mj_stateSize(self.model, STATE),):
             raise ValueError("this is the state of another infant, whose model has other parts")
         state = copy.deepcopy(state)
