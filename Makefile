@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out
+APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 # Any version that Stable-Baselines3 takes will do; the newest comes with gigabytes of CUDA.
 TORCH ?= torch==2.13.0
 
@@ -14,16 +15,17 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test golden bench opengl clean
+.PHONY: help demo test golden bench container apptainer opengl clean
 
 help: ## Say what there is to make.
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine months.
+demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine months, and let it reach.
 	$(BIN)/mimo build configs/nine_months.yaml -o $(INFANT) --force
 	$(BIN)/mimo validate --against who --plot $(OUT)/growth.png
 	$(BIN)/mimo check $(INFANT)
 	$(BIN)/mimo run $(INFANT) --policy random
+	$(BIN)/mimo run $(INFANT) --policy reach --steps 600
 	$(BIN)/mimo render $(INFANT) -o $(OUT)/nine_months.png
 	$(BIN)/mimo rooms configs/playroom.yaml --seeds 0:12 -o $(OUT)/rooms.png
 	$(BIN)/mimo build configs/playroom.yaml --seed 1 -o $(OUT)/playroom --force
@@ -46,6 +48,15 @@ golden: $(READY) ## Renew the golden files; read the difference before you commi
 
 bench: $(READY) ## Measure speed and the solver (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
+
+container: apptainer $(READY) ## Build dist/mimoc.sif, a container with all that mimoc needs, and test it.
+	rm -f dist/mimoc-*.whl
+	$(BIN)/python -m build --wheel --no-isolation --outdir dist .
+	$(APPTAINER) build --force dist/mimoc.sif containers/mimoc.def
+
+apptainer:
+	@[ -n "$(APPTAINER)" ] || { echo "make container needs Apptainer or Singularity, and there is none; install one" \
+		"(https://apptainer.org/docs/admin/main/installation.html), or name it with: make container APPTAINER=..."; exit 1; }
 
 clean: ## Remove what was built here: .venv, out, caches.
 	rm -rf $(VENV) $(OUT) dist build .pytest_cache .ruff_cache .hypothesis .benchmarks

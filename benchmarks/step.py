@@ -31,8 +31,8 @@ def main() -> None:
     print(f"{'infant':17} {'numbers':>8} {'mimoc [us]':>11} {'bare [us]':>10} {'ratio':>6}")
     for config in CONFIGS:
         bundle = mimoc.build(mimoc.load_spec(config))
-        if bundle.manifest.delays.motor.ms:
-            continue  # Its commands come later than those of the bare loop.
+        if bundle.manifest.delays.motor.ms or bundle.manifest.task.kind != "free":
+            continue  # Commands come later than those of the bare loop; or there is more to do than physics.
         env = mimoc.make(bundle)
         shape = (CONTROL_STEPS, *env.action_space.shape)
         commands = np.random.default_rng(0).uniform(-1, 1, shape).astype(np.float32)

@@ -9,36 +9,59 @@ from mimoc.version import __version__
 if TYPE_CHECKING:
     from mimoc.bundle import Bundle, read_bundle, write_bundle
     from mimoc.errors import MimocError
+    from mimoc.experiments import run_experiment
     from mimoc.making import make
     from mimoc.pipeline import build, load_spec
     from mimoc.runtime import InfantEnv, torque_limits
+    from mimoc.runtime.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
     from mimoc.schema import InfantSpec
+    from mimoc.training import evaluate, load_policy, train
 
 _HOMES = {
+    "Align": "mimoc.runtime.control",
     "Bundle": "mimoc.bundle",
+    "Gains": "mimoc.runtime.control",
     "InfantEnv": "mimoc.runtime",
     "InfantSpec": "mimoc.schema",
+    "InverseDynamics": "mimoc.runtime.control",
+    "LookAt": "mimoc.runtime.control",
     "MimocError": "mimoc.errors",
+    "Posture": "mimoc.runtime.control",
+    "Reach": "mimoc.runtime.control",
     "build": "mimoc.pipeline",
+    "evaluate": "mimoc.training",
+    "load_policy": "mimoc.training",
     "load_spec": "mimoc.pipeline",
     "make": "mimoc.making",
     "read_bundle": "mimoc.bundle",
+    "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
+    "train": "mimoc.training",
     "write_bundle": "mimoc.bundle",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
 
 __all__ = [
+    "Align",
     "Bundle",
+    "Gains",
     "InfantEnv",
     "InfantSpec",
+    "InverseDynamics",
+    "LookAt",
     "MimocError",
+    "Posture",
+    "Reach",
     "__version__",
     "build",
+    "evaluate",
+    "load_policy",
     "load_spec",
     "make",
     "read_bundle",
+    "run_experiment",
     "torque_limits",
+    "train",
     "write_bundle",
 ]
 

@@ -24,8 +24,6 @@ def refuse_unavailable(spec: InfantSpec) -> None:
 def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each key that asks for too much, what it asks for, and what to write instead."""
     leave_out = "leave it out"
-    if spec.task:
-        yield ("task",), "a task", leave_out
     anatomy = assemble(spec.body.hands, spec.body.chest_joint)
     for key in spec.body.measurements:
         if unsided(key) not in anatomy.follows:

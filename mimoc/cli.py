@@ -4,14 +4,18 @@ import io
 import json
 import os
 import sys
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.errors import MimocError, OutputError, UnknownNameError
 from mimoc.version import __version__
+
+if TYPE_CHECKING:
+    from mimoc.runtime.rollout import PolicyMaker
 
 BAD_INPUT, FAILED_CHECK = 2, 1
 MOST_ROOMS = 400
@@ -111,9 +115,17 @@ def validate(
 @app.command(epilog="Example:  mimo run out/nine_months --policy random --steps 500 --seed 1")
 def run(
     out: BundlePath,
-    policy: Annotated[str, typer.Option("--policy", help="What acts: random or zero.")] = "random",
+    policy: Annotated[
+        str,
+        typer.Option(
+            "--policy",
+            help="What acts: random, zero, reach (by inverse dynamics; not for servos), or a training's policy.zip.",
+        ),
+    ] = "random",
     steps: Annotated[int, typer.Option("--steps", min=1, help="Control steps to run.")] = 1000,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the policy: the same gives the same.")] = 0,
+    seed: Annotated[
+        int, typer.Option("--seed", min=0, help="Of the policy and the episodes: the same gives the same.")
+    ] = 0,
     window: Annotated[bool, typer.Option("--window", help="Show it in a window, in real time.")] = False,
 ) -> None:
     """Run the infant under a policy, with progress and a closing summary."""
@@ -122,12 +134,98 @@ def run(
     from mimoc.runtime.rollout import Run
 
     with closing(InfantEnv(bundle.read_bundle(out), render_mode="human" if window else None)) as env:
-        running = Run(env, policy, seed)
+        running = Run(env, _read_policy(policy), seed)
         with console.progress("running") as show:
             for step in range(steps):
                 running.step()
                 show(step + 1, steps)
     console.print_run(running.summary())
+
+
+@contextmanager
+def _can_go_on() -> Iterator[None]:
+    """Say, where Ctrl-C ends something long, that nothing but the last part is lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        print("stopped; the same command goes on from what is there", file=sys.stderr)
+        raise
+
+
+def _read_policy(policy: str) -> "str | PolicyMaker":
+    """Return what the name of a file makes act; any other name as it is."""
+    if not policy.endswith(".zip"):
+        return policy
+    from mimoc.training import load_policy
+
+    return load_policy(policy)
+
+
+@app.command(epilog="Example:  mimo train configs/reach.yaml -o runs/reach --algo ppo --steps 4096")
+def train(
+    source: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle, or a spec (.yaml) to build.")],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training.")],
+    algo: Annotated[str, typer.Option("--algo", help="How it learns: ppo or sac.")] = "ppo",
+    steps: Annotated[
+        int, typer.Option("--steps", min=1, help="Control steps to learn from, of all infants.")
+    ] = 500_000,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed: the same learns the same.")] = 0,
+    envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Infants that act at a time.")] = 8,
+    every: Annotated[
+        int, typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints; a kill loses at most these.")
+    ] = 20_480,
+    knobs: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="NAME=VALUE", help="A hyper-parameter, such as gamma=0.99; a wrong name lists them."
+        ),
+    ] = None,
+    processes: Annotated[
+        bool | None,
+        typer.Option(
+            "--processes/--one-process",
+            help="Whether each infant has a process of its own; by itself, where that is faster.",
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Begin anew what is in the folder.")] = False,
+) -> None:
+    """Train the infant; the same command again goes on with a training that was interrupted."""
+    from mimoc import console, training
+    from mimoc.training import hyper
+
+    chosen = hyper.read(algo, knobs or [])
+    with console.progress("training") as show, _can_go_on():
+        done = training.train(
+            source,
+            out,
+            algo=algo,
+            steps=steps,
+            seed=seed,
+            envs=envs,
+            checkpoint_every=every,
+            hyper=chosen,
+            processes=processes,
+            force=force,
+            progress=show,
+        )
+    console.print_training(done)
+    print(f"{out}: see {out / 'curve.png'}, or try: mimo run {out / 'bundle'} --policy {done.policy}")
+
+
+@app.command(epilog="Example:  mimo experiment growth -o out/growth --quick")
+def experiment(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="growth, strength, acuity, delays, inverse, rooms.")],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, pictures and page.")],
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer ages, seeds or steps: seconds, or minutes for delays.")
+    ] = False,
+) -> None:
+    """Repeat an experiment of the paper: CSV, PNG, and a page with what was measured next to what the paper says."""
+    from mimoc import console, experiments
+
+    with console.progress(name) as show, _can_go_on():
+        page = experiments.run_experiment(name, out, quick=quick, progress=show)
+    print(page)
 
 
 @app.command(epilog="Example:  mimo check out/nine_months")
@@ -228,6 +326,27 @@ def rooms(
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
             show(number, len(wanted))
     print(files.write_file(file, encode_png(draw_grid(pictures, [f"seed {seed}" for seed in wanted]))))
+
+
+@app.command("import", epilog="Example:  mimo import babybench configs/babybench.yml -o self_touch.yaml")
+def import_config(
+    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Whose configuration it is: babybench.")],
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="The configuration, a YAML file.")],
+    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace the spec that is there.")] = False,
+) -> None:
+    """Turn the configuration of another system into a spec, and say what of it has no counterpart."""
+    from mimoc import files, importers
+
+    imported = importers.import_config(system, config)
+    if file.resolve() == config.resolve():
+        raise OutputError(f"{file}: this is the configuration itself; choose another place")
+    if file.exists() and not force:
+        raise OutputError(f"{file}: is there already; choose another place, or replace it with --force")
+    written = files.write_file(file, imported.text.encode())
+    for note in imported.notes:
+        print(note)
+    print(f"{written}: try it with: mimo build {written} -o out/{imported.spec['name']}")
 
 
 def read_range(text: str) -> range:

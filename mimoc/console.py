@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from mimoc.runtime.check import PoseCheck
     from mimoc.runtime.rollout import Summary
     from mimoc.schema.manifest import Manifest
+    from mimoc.training import Training
     from mimoc.validation import GrowthReport, Row
 
 LABELS = {
@@ -129,18 +131,66 @@ def print_run(summary: Summary) -> None:
     rows = {
         "episodes": f"{summary.episodes}",
         "total reward": f"{summary.total_reward:.6g}",
+        **_outcomes(summary),
         "way of the hip [m]": f"{summary.hip_path_m:.6f}",
         "height of the head, lowest [m]": f"{low:.6f}",
         "height of the head, highest [m]": f"{high:.6f}",
         "mean joint speed [rad/s]": f"{summary.joint_speed_rad_s:.6f}",
         "stable": "no: the simulation broke down" if summary.unstable else "yes",
     }
+    if summary.hand_error_m is not None:
+        rows["distance of hands from their targets after 1.5 s, median [m]"] = f"{summary.hand_error_m:.6f}"
     for what, value in rows.items():
         table.add_row(what, value)
     console = _console()
     console.print(table)
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+
+
+def _outcomes(summary: Summary) -> dict[str, str]:
+    """Return what came of the episodes that came to their end."""
+    if summary.mean_return is None:
+        return {"successes": "0 of 0 episodes; the first goes on"}
+    share = summary.successes / summary.finished
+    found = {
+        "return of an episode, mean": f"{summary.mean_return:.6g}",
+        "successes": f"{summary.successes} of {summary.finished} episodes ({share:.0%})",
+    }
+    if summary.time_to_success_s is not None:
+        found["time to success, mean [s]"] = f"{summary.time_to_success_s:.3f}"
+    return found
+
+
+def print_training(training: Training) -> None:
+    """Print how well an infant did at the beginning of its training, and at the end."""
+    rows = training.curve.rows
+    table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
+    for heading in ("while learning", "at first", "in the end"):
+        table.add_column(heading, justify="left" if heading == "while learning" else "right")
+    for what, name in LEARNED.items():
+        table.add_row(what, *(_number_text(getattr(row, name)) for row in (rows[0], rows[-1])))
+    console = _console()
+    console.print(table)
+    resumed = f", {training.began_at} steps of them before" if training.began_at else ""
+    console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
+
+
+def _number_text(value: float) -> str:
+    if isinstance(value, int):
+        return f"{value}"
+    return f"{value:.4g}" if math.isfinite(value) else "-"
+
+
+LEARNED = {
+    "steps so far": "steps",
+    "episodes that ended": "episodes",
+    "return of an episode, mean": "episode_return",
+    "success rate": "success_rate",
+    "steps of an episode, mean": "episode_steps",
+    "time to success, mean [s]": "time_to_success_s",
+}
+"""What is told of a row of a learning curve, by how it is called."""
 
 
 def print_check(checks: Iterable[PoseCheck]) -> bool:

@@ -48,6 +48,15 @@ class NoRoomError(MimocError):
     """Toys that have no place."""
 
 
+class UnplayableError(MimocError):
+    """A spec that asks of an infant what it has no limbs or no world for."""
+
+    def __init__(self, message: str, key: tuple[str, ...] = ("task", "kind")):
+        super().__init__(message)
+        self.key = key
+        """Of the spec, what asks for it."""
+
+
 class DataError(MimocError):
     """A table that came with mimoc is missing or damaged."""
 
@@ -80,6 +89,18 @@ class ToyError(MimocError):
         super().__init__(message)
         self.name = name
         """Of the object or category, if one is meant."""
+
+
+class TrainingError(MimocError):
+    """A training that cannot be begun or gone on with."""
+
+
+class PolicyError(MimocError):
+    """A file that is no trained policy, or the policy of another infant."""
+
+
+class ControlError(MimocError):
+    """A controller is asked for what it cannot do."""
 
 
 class OutputError(MimocError):

@@ -14,12 +14,13 @@ from mimoc import body, bundle, fits, render, scene, source
 from mimoc.availability import refuse_unavailable
 from mimoc.blame import blame
 from mimoc.body.provenance import trace_body
-from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError
+from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError, UnplayableError
 from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.scene.manifest import describe, describe_toys
 from mimoc.scene.provenance import trace_drive
 from mimoc.scene.sense_provenance import trace_senses
+from mimoc.scene.task_provenance import trace_task
 from mimoc.schema import InfantSpec, read_spec, to_data
 from mimoc.schema.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.supplies import gather, notes
@@ -56,6 +57,8 @@ class Builder:
     tree: body.BodyTree
     infant: scene.SceneTree
     """In no world yet."""
+    stage: scene.Stage
+    """What its task needs."""
     discs: npt.NDArray[np.float64]
     """What it takes up of the floor."""
     supplies: scene.Supplies
@@ -87,7 +90,7 @@ class Builder:
         spec = _with_seed(self.spec, seed)
         written = _as_written(spec)
         try:
-            furnished = scene.furnish(self.infant, spec.scene, self.tree, self.supplies, self.discs)
+            furnished = scene.furnish(self.infant, spec, self.tree, self.supplies, self.stage, self.discs)
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
         toys = tuple(ToyEntry.model_validate(render.rounded(toy.model_dump())) for toy in describe_toys(furnished))
@@ -126,18 +129,24 @@ def builder(spec: InfantSpec) -> Builder:
         tree = body.grow_child(spec, measurements, anatomy)
     except (GeometryError, IndividualError) as error:
         raise SpecError([blame(error, spec, written)]) from None
-    infant = scene.compose(spec, tree)
-    manifest = Manifest.model_validate(render.rounded(describe(spec, tree, infant).model_dump()))
+    try:
+        infant, stage = scene.set_stage(scene.compose(spec, tree), spec, tree)
+        described = describe(spec, tree, infant, stage)
+    except UnplayableError as error:
+        raise SpecError([written.problem(error.key, str(error))]) from None
+    manifest = Manifest.model_validate(render.rounded(described.model_dump()))
     scaled = {name: tuple(f"spec.body.parts.{name}.{key}" for key, _ in part) for name, part in spec.body.parts.items()}
     origins = {
         **trace_body(measurements, anatomy, tree, scaled),
         **trace_drive(spec.actuation.model, anatomy, tree, infant.actuators),
         **trace_senses(spec, manifest),
+        **trace_task(manifest.task),
     }
     return Builder(
         spec=spec,
         tree=tree,
         infant=infant,
+        stage=stage,
         discs=scene.outline(infant, spec.scene, tree),
         supplies=gather(spec, written),
         files=render.render_infant(infant),

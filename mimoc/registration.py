@@ -2,11 +2,22 @@
 
 from gymnasium.envs.registration import register, registry
 
-ENTRY_POINTS = {"mimoc/Infant-v0": "mimoc.runtime.env:InfantEnv"}
+INFANT = "mimoc/Infant-v0"
+TASKS = {
+    "mimoc/Reach-v0": "reach",
+    "mimoc/Standup-v0": "standup",
+    "mimoc/Selfbody-v0": "selfbody",
+    "mimoc/Catch-v0": "catch",
+    "mimoc/Rollover-v0": "rollover",
+    "mimoc/Free-v0": "free",
+}
+"""The task of each environment that is named after one."""
 
 
 def register_envs() -> None:
     """Tell Gymnasium of mimoc's environments; calling it again changes nothing."""
-    for name, entry_point in ENTRY_POINTS.items():
+    if INFANT not in registry:
+        register(id=INFANT, entry_point="mimoc.runtime.env:InfantEnv")
+    for name, kind in TASKS.items():
         if name not in registry:
-            register(id=name, entry_point=entry_point)
+            register(id=name, entry_point="mimoc.making:make_task", kwargs={"kind": kind})

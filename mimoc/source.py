@@ -62,6 +62,20 @@ _OTHER_SYNTAX = "this is not YAML; look for a quote, a bracket, a colon or an in
 
 
 @dataclass(frozen=True)
+class FileKind:
+    """What a file is to be, so that messages can say so."""
+
+    name: str
+    needs: str
+    """What it says at least."""
+    line: str
+    """One that it could have."""
+
+
+SPEC = FileKind("spec", "mimo, name and age_months", "mimo: 1")
+
+
+@dataclass(frozen=True)
 class Source:
     """A YAML file that was read: its data, and where in the file each value stands."""
 
@@ -101,8 +115,12 @@ def shown(text: str) -> str:
     return short if short.isprintable() else ascii(short)[1:-1]
 
 
-def read(path: str | Path) -> Source:
+def read(path: str | Path, kind: FileKind = SPEC) -> Source:
     """Read a YAML file.
+
+    Args:
+        path: Where it is.
+        kind: What it is to be, for messages.
 
     Raises:
         SpecError: If there is no data to be had from it.
@@ -112,7 +130,7 @@ def read(path: str | Path) -> Source:
         if stat.S_ISDIR(status.st_mode):
             _refuse(path, "this is a folder; name the YAML file in it")
         if not stat.S_ISREG(status.st_mode):
-            _refuse(path, "this is a pipe or a device; write the spec to a file and name that")
+            _refuse(path, f"this is a pipe or a device; write the {kind.name} to a file and name that")
         with Path(path).open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
@@ -124,16 +142,18 @@ def read(path: str | Path) -> Source:
         _refuse(path, f"the file cannot be read ({reason}); check the path")
     if len(content) > MAX_BYTES:
         size_mib = max(status.st_size, len(content)) / MAX_BYTES
-        _refuse(path, f"the file has {size_mib:.1f} MiB, and a spec 1 MiB at most; check that it is a spec")
-    return parse(content, str(path))
+        is_one = f"a {kind.name} 1 MiB at most; check that it is a {kind.name}"
+        _refuse(path, f"the file has {size_mib:.1f} MiB, and {is_one}")
+    return parse(content, str(path), kind)
 
 
-def parse(text: bytes | str, file: str) -> Source:
+def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
     """Read the text of a YAML file.
 
     Args:
         text: One YAML 1.2 document, a mapping at the top.
         file: Its name, for messages.
+        kind: What it is to be, for messages.
 
     Raises:
         SpecError: If there is no data to be had from it.
@@ -151,9 +171,10 @@ def parse(text: bytes | str, file: str) -> Source:
     reader = _DocumentReader(plain, file)
     data = reader.document()
     if data is None:
-        _refuse(file, "the file says nothing; a spec needs at least mimo, name and age_months")
+        _refuse(file, f"the file says nothing; a {kind.name} needs at least {kind.needs}")
     if not isinstance(data, dict):
-        reader.stop((), reader.value_places[()], "this is not a mapping; write 'key: value' lines, such as 'mimo: 1'")
+        message = f"this is not a mapping; write 'key: value' lines, such as '{kind.line}'"
+        reader.stop((), reader.value_places[()], message)
     places = (reader.key_places, reader.value_places)
     return Source(file, written, data, tuple(reader.problems), frozenset(reader.spoilt), *places)
 

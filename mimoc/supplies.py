@@ -1,6 +1,6 @@
 """What a scene is made of besides its spec: toys and wallpapers, mimoc's own and the user's."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -16,8 +16,11 @@ from mimoc.scene.toys.toys4k import choose, expand_root, find_toys, unknown
 from mimoc.scene.wallpaper import CEILINGS, FLOORS, WALLS, Wallpaper
 from mimoc.schema import InfantSpec
 from mimoc.schema.manifest import ToyEntry
-from mimoc.schema.scene import ToysSpec
+from mimoc.schema.scene import SceneSpec, ToysSpec
 from mimoc.source import Source
+
+STARTS_FROM_SCENE = ("rollover", "free")
+"""Tasks that start in the pose of the scene."""
 
 
 def gather(spec: InfantSpec, written: Source) -> Supplies:
@@ -83,8 +86,14 @@ def _unknown_toys(toys: ToysSpec, written: Source, messages: dict[str, str]) -> 
 
 def notes(spec: InfantSpec, toys: Sequence[ToyEntry]) -> tuple[str, ...]:
     """Return what the user of a bundle should know of how it was built."""
+    return (*_task_notes(spec), *_toy_notes(spec, toys))
+
+
+def _task_notes(spec: InfantSpec) -> Iterator[str]:
+    if spec.task and spec.task.kind not in STARTS_FROM_SCENE and spec.scene.pose != SceneSpec().pose:
+        yield f"'{spec.task.kind}' starts from a pose of its own; for '{spec.scene.pose}', reset with options"
+
+
+def _toy_notes(spec: InfantSpec, toys: Sequence[ToyEntry]) -> Iterator[str]:
     if toys and spec.scene.toys and spec.scene.toys.source == "toys4k" and not has_coacd():
-        return (
-            "toys touch with their convex hulls only; for a closer fit: pip install 'mimoc[toys]', and build again",
-        )
-    return ()
+        yield "toys touch with their convex hulls only; for a closer fit: pip install 'mimoc[toys]', and build again"

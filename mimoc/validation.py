@@ -158,7 +158,8 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     """
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
-    infant = scene.furnish(scene.compose(spec, tree), SceneSpec(pose=spec.scene.pose), tree, scene.Supplies())
+    plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
+    infant = scene.furnish(scene.compose(plain, tree), plain, tree, scene.Supplies())
     return compile_model(render.render_scene(infant))
 
 

@@ -1,6 +1,10 @@
-"""Infants of any age, built and compiled once, and the figures of MIMo's published body."""
+"""Infants of any age and a wheel, made once, and the figures of MIMo's published body."""
 
 import csv
+import fcntl
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -25,7 +29,8 @@ BODIES = {"mitten": ("mitten", False), "five_finger": ("five_finger", True)}
 """Hands and chest joint: between them, everything a body can have."""
 CHEST = "robot:chest_"
 """How the joints begin that a body with a rigid chest does not have."""
-REFERENCE = Path(__file__).parent / "reference"
+CHECKOUT = Path(__file__).resolve().parents[1]
+REFERENCE = CHECKOUT / "tests" / "reference"
 
 
 @dataclass(frozen=True)
@@ -140,3 +145,18 @@ def reference() -> Callable[..., list[dict[str, str]]]:
         return [row for row in found if chest_joint or not row.get("joint", row.get("name", "")).startswith(CHEST)]
 
     return rows
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory) -> Path:
+    """Return a wheel that was built from the checkout, once for all processes that test."""
+    folder = tmp_path_factory.getbasetemp()
+    folder = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "wheel"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not list(folder.glob("*.whl")):
+            build = ["-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(CHECKOUT)]
+            subprocess.run([sys.executable, *build], check=True, capture_output=True)
+    (found,) = folder.glob("*.whl")
+    return found

@@ -20,7 +20,7 @@ from mimoc import bundle, cli, validation
 CONFIGS = Path(__file__).parents[1] / "configs"
 SPEC = str(CONFIGS / "nine_months.yaml")
 PNG = b"\x89PNG\r\n\x1a\n"
-COMMANDS = {command.callback.__name__: command for command in cli.app.registered_commands}
+COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
 ESCAPE = "\x1b"
 
 
@@ -184,11 +184,38 @@ def test_render_draws_a_picture_of_the_size_and_pose_asked_for(mimo, built, here
         assert [int.from_bytes(picture[start : start + 4]) for start in (16, 20)] == [64, 48]
 
 
+def test_import_replaces_a_spec_only_with_force(mimo, here):
+    (here / "baby.yml").write_text("touch: true\n")
+    (here / "mine.yaml").write_text("mine")
+    done = mimo("import", "babybench", "baby.yml", "-o", "mine.yaml")
+    assert (done.code, done.err) == (
+        2,
+        "mine.yaml: is there already; choose another place, or replace it with --force\n",
+    )
+    assert (here / "mine.yaml").read_text() == "mine"
+    assert mimo("import", "babybench", "baby.yml", "-o", "mine.yaml", "--force").code == 0
+    assert "touch" in (here / "mine.yaml").read_text()
+
+
+def test_import_writes_a_spec_and_says_what_has_no_counterpart(mimo, here):
+    Path("baby.yml").write_text("scene: crib\nsave_dir: results\n")
+    done = mimo("import", "babybench", "baby.yml", "-o", "spec.yaml")
+    note, written = done.out.splitlines()
+    assert (done.code, done.err) == (0, "")
+    assert note.startswith("baby.yml:2:1: save_dir: no counterpart; ")
+    assert written == "spec.yaml: try it with: mimo build spec.yaml -o out/baby"
+    assert mimoc.load_spec("spec.yaml").scene.kind == "crib"
+
+
 # Help.
 
 
 def test_the_commands_are_those_of_the_issue():
-    assert list(COMMANDS) == ["build", "validate", "run", "check", "explain", "render", "see", "rooms"]
+    drawing, running = (
+        ["explain", "render", "see", "rooms"],
+        ["build", "validate", "run", "train", "experiment", "check"],
+    )
+    assert list(COMMANDS) == [*running, *drawing, "import"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -205,7 +232,16 @@ def test_the_examples_work_as_they_are_printed(mimo, here):
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
         done = mimo(*arguments)
         assert (program, done.code, done.err) == ("mimo", 0, "")
-    assert sorted(os.listdir()) == ["configs", "growth.png", "nine_months.png", "out", "rooms.png", "seen.png"]
+    assert sorted(os.listdir()) == [
+        "configs",
+        "growth.png",
+        "nine_months.png",
+        "out",
+        "rooms.png",
+        "runs",
+        "seen.png",
+        "self_touch.yaml",
+    ]
 
 
 def test_mimo_alone_is_help(mimo):
@@ -228,7 +264,10 @@ def test_python_dash_m_is_the_same_command(mimo, built, here):
 
 BAD_INPUT = {
     "a bad spec": ("build bad.yaml -o new", "bad.yaml:3:13: age_months: "),
-    "a spec for another day": ("build later.yaml -o new", "is not available in this version of mimoc"),
+    "a task for another body": (
+        "build handless.yaml -o new",
+        "handless.yaml:5:14: task.kind: 'reach' needs right_fingers",
+    ),
     "a missing spec": ("build nowhere.yaml -o new", "nowhere.yaml:1:1: there is no such file"),
     "a spec that is a folder": ("build folder -o new", "folder:1:1: "),
     "no spec": ("build -o new", "Missing argument 'SPEC'"),
@@ -262,6 +301,14 @@ BAD_INPUT = {
     "a picture over a folder": ("render out -o folder", "folder: cannot be written"),
     "a skin that feels nothing": ("render out -o x.png --skin", "'nine_months' has no sense of touch"),
     "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),
+    "an unknown format": ("import babybnch bad.yaml -o x.yaml", "'babybnch' is not a format to import from; did you"),
+    "no configuration": ("import babybench nowhere.yml -o x.yaml", "nowhere.yml:1:1: there is no such file"),
+    "a bad configuration": (
+        "import babybench baby.yml -o x.yaml",
+        "baby.yml:1:8: touch: 'maybe' is not true or false;",
+    ),
+    "a spec over its configuration": ("import babybench calm.yml -o ./calm.yml", "calm.yml: this is the configuration"),
+    "a spec into a missing folder": ("import babybench calm.yml -o no/x.yaml", "no/x.yaml: cannot be written"),
     "an unknown command": ("biuld", "No such command 'biuld'"),
     "an unknown option": ("run out --step 3", "No such option: --step"),
 }
@@ -274,7 +321,11 @@ def everything_in(folder):
 @pytest.mark.parametrize("case", BAD_INPUT)
 def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, mimo, here, built):
     (here / "bad.yaml").write_text("mimo: 1\nname: x\nage_months: 99\n")
-    (here / "later.yaml").write_text("mimo: 1\nname: x\nage_months: 9\ntask: {kind: reach}\n")
+    (here / "handless.yaml").write_text(
+        "mimo: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
+    )
+    (here / "baby.yml").write_text("touch: maybe\n")
+    (here / "calm.yml").write_text("touch: true\n")
     (here / "folder").mkdir()
     (here / "folder" / "thesis.tex").touch()
     for name in ("out", "damaged", "lacking"):

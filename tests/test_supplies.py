@@ -131,3 +131,12 @@ def test_the_build_says_so_where_toys_are_only_hulls(toys4k, monkeypatch):
 
 def test_nothing_is_noted_of_mimocs_own_toys():
     assert built("{toys: {count: [1, 1]}}").manifest.notes == ()
+
+
+def test_a_pose_that_a_task_makes_no_use_of_is_noted():
+    spec = {"mimo": 1, "name": "x", "age_months": 9, "scene": {"pose": "sitting"}, "task": {"kind": "reach"}}
+    (note,) = mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes
+    assert note == "'reach' starts from a pose of its own; for 'sitting', reset with options"
+    spec["scene"] = {"pose": "prone"}
+    spec["task"] = {"kind": "rollover"}
+    assert not mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes

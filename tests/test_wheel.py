@@ -20,16 +20,6 @@ Run = Callable[..., str]
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory) -> Path:
-    """Return a wheel that was built from the checkout."""
-    folder = tmp_path_factory.mktemp("wheel")
-    build = ["-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(CHECKOUT)]
-    subprocess.run([sys.executable, *build], check=True, capture_output=True)
-    (found,) = folder.glob("*.whl")
-    return found
-
-
-@pytest.fixture(scope="module")
 def run(wheel, tmp_path_factory) -> Run:
     """Return a function that runs a program of a new environment with the wheel, in an empty folder."""
     home = tmp_path_factory.mktemp("environment")

@@ -1,5 +1,6 @@
 """Where the parts of a body are in a given pose, and where it touches the ground."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -11,6 +12,8 @@ from mimoc.body.tree import Body, BodyTree, Geom, Vec3
 from mimoc.units import deg_to_rad
 
 FloatArray = npt.NDArray[np.float64]
+Frame = tuple[FloatArray, FloatArray]
+"""Origin and rotation."""
 
 
 @dataclass(frozen=True)
@@ -43,15 +46,60 @@ class Posed:
 
 def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
     """Return the body with some joints turned; joints that are not named stay at zero."""
-    frames: dict[str | None, tuple[FloatArray, FloatArray]] = {None: (np.zeros(3), np.eye(3))}
+    placed = frames(tree, angles_rad)
     geoms, centres, turns = [], [], []
     for body in tree.bodies:
-        origin, turn = frames[body.name] = _frame(body, angles_rad, *frames[body.parent])
+        origin, turn = placed[body.name]
         for geom in body.geoms:
             geoms.append(geom)
             centres.append(origin + turn @ geom.pos_m)
             turns.append(turn @ euler_matrix(geom.euler_deg))
     return Posed(tuple(geoms), np.array(centres), np.array(turns))
+
+
+def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
+    """Return origin and rotation of every part in the frame of the hip, shapes (3,) and (3, 3).
+
+    Joints that are not named stay at zero.
+    """
+    found: dict[str, Frame] = {}
+    for body in tree.bodies:
+        parent = found[body.parent] if body.parent else (np.zeros(3), np.eye(3))
+        found[body.name] = _frame(body, angles_rad, *parent)
+    return found
+
+
+def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
+    """Return origin and rotation of every part in the world, shapes (3,) and (3, 3).
+
+    Args:
+        tree: The body.
+        state: Place and quaternion of the hip, then the hinges (qpos).
+    """
+    x, y, z, w, *axis = state[:7]
+    sine = math.hypot(*axis)
+    turn = axis_matrix(axis, 2 * math.atan2(sine, w)) if sine else np.eye(3)
+    angles_rad = dict(zip(tree.joints, state[7:], strict=False))
+    placed = frames(tree, angles_rad)
+    return {name: (turn @ origin + (x, y, z), turn @ rotation) for name, (origin, rotation) in placed.items()}
+
+
+def quaternion(rotation: FloatArray) -> tuple[float, float, float, float]:
+    """Return a rotation, shape (3, 3), as a unit quaternion w, x, y, z with its first number that is not 0 positive.
+
+    Its largest number is worked out first, from the diagonal, and the others by dividing by it (Shepperd 1978).
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
+    rows = (
+        (1 + xx + yy + zz, zy - yz, xz - zx, yx - xy),
+        (zy - yz, 1 + xx - yy - zz, xy + yx, xz + zx),
+        (xz - zx, xy + yx, 1 - xx + yy - zz, yz + zy),
+        (yx - xy, xz + zx, yz + zy, 1 - xx - yy + zz),
+    )
+    largest = max(range(4), key=lambda index: rows[index][index])
+    length = math.copysign(math.hypot(*rows[largest]), next(number for number in rows[largest] if abs(number) > 1e-12))
+    w, x, y, z = (number / length for number in rows[largest])
+    return w, x, y, z
 
 
 def reach(geoms: Sequence[Geom], directions: FloatArray) -> FloatArray:

@@ -44,10 +44,16 @@ def strengthen(tree: BodyTree, anatomy: Anatomy, spec: ActuationSpec) -> BodyTre
 
 def muscle_groups(tree: BodyTree) -> Mapping[str, str]:
     """Return the group of muscles that moves each joint: that of its body, or else of the body above."""
-    of_body: dict[str | None, str] = {}
-    for body in tree.bodies:
-        of_body[body.name] = GROUPS.get(body.name) or of_body.get(body.parent, "trunk")
+    of_body = body_groups(tree)
     return {joint.name: of_body[body.name] for body in tree.bodies for joint in body.joints}
+
+
+def body_groups(tree: BodyTree) -> Mapping[str, str]:
+    """Return the group of muscles that each part of a body belongs to."""
+    found: dict[str | None, str] = {}
+    for body in tree.bodies:
+        found[body.name] = GROUPS.get(body.name) or found.get(body.parent, "trunk")
+    return {body.name: found[body.name] for body in tree.bodies}
 
 
 def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, float]]:

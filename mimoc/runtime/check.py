@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle import Bundle
+from mimoc.runtime.fastenings import Fastenings
 from mimoc.runtime.model import load_model, simulation_warnings
 from mimoc.units import ms_to_s
 
@@ -49,6 +50,8 @@ def _check_pose(model: mujoco.MjModel, bundle: Bundle, pose: str, generator: np.
     manifest = bundle.manifest
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_kinematics(model, data)
+    Fastenings(manifest.fastenings, model).keep(data)
     low, high = model.actuator_ctrlrange.T
     energy_j = 0.0
     for _ in range(round(CHECKED_S / ms_to_s(manifest.step_ms))):

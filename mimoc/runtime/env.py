@@ -13,13 +13,16 @@ import numpy.typing as npt
 
 from mimoc.bundle import Bundle, read_bundle
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.actuation import ACTUATIONS
+from mimoc.runtime.actuation import ACTUATIONS, Actuation
+from mimoc.runtime.fastenings import Fastenings
 from mimoc.runtime.model import broke_down, load_model
 from mimoc.runtime.nerves import Nerves
 from mimoc.runtime.opengl import has_screen
 from mimoc.runtime.portrait import FROM_THE_SIDE, Painter, towards
 from mimoc.runtime.senses import Sense, bind_senses
 from mimoc.runtime.senses.sense import Observation
+from mimoc.runtime.tasks import bind_task
+from mimoc.runtime.tasks.free import NOTHING_EARNED
 from mimoc.schema.manifest import Manifest
 from mimoc.units import ms_to_s
 
@@ -36,8 +39,10 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch and one
     uint8 picture, shape (H, W, 3), for each eye; `nothing`, a zero, for an infant without senses.
-    Action: one Box, a command for each actuator. The reward is zero: a bundle without a task has no goal.
-    An episode ends only if the simulation becomes unstable, which `info["unstable"]` then says.
+    Action: one Box, a command for each actuator that takes commands.
+    Reward and end are those of the bundle's task, and an episode is cut off (truncated) after the task's steps; without
+    a task the reward is zero and there is no end. An episode also ends if the simulation becomes unstable. `info` has
+    `is_success`, the terms that add up to the reward as `reward_terms`, and `unstable`.
     """
 
     metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
@@ -82,6 +87,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def manifest(self) -> Manifest:
         """What the compiler says of this infant."""
         return self.bundle.manifest
+
+    @property
+    def actuation(self) -> Actuation:
+        """What turns actions into controls: its actuators, in the order of the action, and their limits."""
+        return self._act
 
     def layout(self, sense: str) -> tuple[str, ...]:
         """Return what each number of a sense is, with its unit, in the order of the observation.
@@ -149,7 +159,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._change_scene(options["scene_seed"])
         observation = self._start(pose)
         self._show()
-        return observation, {"unstable": False}
+        return observation, {"is_success": False, "reward_terms": {}, "unstable": False}
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Apply an action for one control step; what lies beyond its range is clipped.
@@ -158,13 +168,17 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the action is not one number for each actuator.
         """
         self._nerves.step(action, self.data)
+        self._steps += 1
         unstable = broke_down(self.data)
-        observation = self._nerves.observe()
+        verdict = NOTHING_EARNED if unstable else self._task.judge(self.data, action, self.effort)
+        observation = self._observe()
         if unstable:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
         self._show()
-        return observation, 0.0, unstable, False, {"unstable": unstable}
+        late = self._task.steps is not None and self._steps >= self._task.steps
+        info = {"is_success": verdict.success, "reward_terms": dict(verdict.terms), "unstable": unstable}
+        return observation, verdict.reward, verdict.ends or unstable, late, info
 
     def get_state(self) -> dict[str, Any]:
         """Return all that the future depends on: physics, signals on their way, and chance.
@@ -174,8 +188,17 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         physics = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, physics, STATE)
         chance = self.np_random.bit_generator.state
-        signals, scene_seed = self._nerves.state, self.manifest.seed
-        return copy.deepcopy({"physics": physics, "signals": signals, "chance": chance, "scene_seed": scene_seed})
+        return copy.deepcopy(
+            {
+                "physics": physics,
+                "signals": self._nerves.state,
+                "fastenings": self._fastenings.state,
+                "task": self._task.state,
+                "steps": self._steps,
+                "chance": chance,
+                "scene_seed": self.manifest.seed,
+            }
+        )
 
     def set_state(self, state: dict[str, Any]) -> Observation:
         """Go back to a state of this infant, or of another environment of the same bundle; return what it observes.
@@ -195,13 +218,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if np.shape(state["physics"]) != (mujoco.mj_stateSize(self.model, STATE),):
             raise ValueError("this is the state of another infant, whose model has other parts")
         state = copy.deepcopy(state)
+        self._fastenings.state, self._task.state, self._steps = state["fastenings"], state["task"], state["steps"]
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)  # The solver's warm start, as it was.
         self._nerves.state = state["signals"]
         self.np_random.bit_generator.state = state["chance"]
-        return self._nerves.observe()
+        return self._observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """Return a picture of the infant, shape (height, width, 3), in render mode `rgb_array`; else None.
@@ -247,6 +271,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.data = mujoco.MjData(self.model)
         self._act = ACTUATIONS[self.manifest.actuation.model](self.manifest.actuation, self.model)
         self._senses = bind_senses(self.bundle, self.model, former)
+        self._fastenings = Fastenings(self.manifest.fastenings, self.model)
+        self._task = bind_task(self.bundle, self.model, self._fastenings)
         self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
@@ -255,9 +281,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._window = self._open_window() if self.render_mode == "human" else None
         low, high = (bound.astype(np.float32) for bound in (self._act.low, self._act.high))
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
-        self.observation_space = gymnasium.spaces.Dict(
-            {name: space for sense in self._senses.values() for name, space in sense.spaces.items()}
-        )
+        spaces = {name: space for part in (*self._senses.values(), self._task) for name, space in part.spaces.items()}
+        self.observation_space = gymnasium.spaces.Dict(spaces)
 
     def _change_scene(self, seed: int) -> None:
         """Put the infant into another scene."""
@@ -271,10 +296,21 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._bind(self._senses)
 
     def _start(self, pose: str) -> Observation:
-        """Put the infant into a pose, at rest, and return what it observes."""
+        """Put the infant into a pose, at rest, set out its task, and return what it observes."""
+        self._steps = 0
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
+        mujoco.mj_kinematics(self.model, self.data)
+        self._fastenings.keep(self.data)
         mujoco.mj_forward(self.model, self.data)
-        return self._nerves.rest(self.data)
+        self._task.start(self.data, self.np_random)
+        self._nerves.rest(self.data)
+        return self._observe()
+
+    def _observe(self) -> Observation:
+        """Return what the senses and the task give, as fresh arrays."""
+        observation = self._nerves.observe()
+        observation.update(self._task.observe())
+        return observation
 
     def _open_window(self) -> "Window":
         from mimoc.runtime.window import Window
@@ -292,7 +328,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_nerves", "_keypoints", "_painter", "_window"}
+BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_nerves", "_keypoints", "_painter", "_window"}
 """What an environment cannot give to a copy of itself."""
 
 

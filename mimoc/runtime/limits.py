@@ -5,6 +5,7 @@ from pathlib import Path
 from mimoc.bundle import Bundle, read_bundle
 from mimoc.runtime.actuation import ACTUATIONS
 from mimoc.runtime.model import load_model
+from mimoc.schema.manifest import ActuationEntry
 
 
 def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:
@@ -20,10 +21,16 @@ def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]
         ModelError: If MuJoCo refuses its model.
     """
     bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
-    entry = bundle.manifest.actuation
+    entry = _all_commanded(bundle.manifest.actuation)
     actuation = ACTUATIONS[entry.model](entry, load_model(bundle))
     limits: dict[str, tuple[float, float]] = {}
     for actuator, (negative_nm, positive_nm) in zip(entry.actuators, actuation.limits_nm.tolist(), strict=True):
         so_far = limits.get(actuator.joint, (0.0, 0.0))
         limits[actuator.joint] = (so_far[0] + negative_nm, so_far[1] + positive_nm)
     return limits
+
+
+def _all_commanded(entry: ActuationEntry) -> ActuationEntry:
+    """Return the actuators as if none of them rested: an infant is as strong as it is, whatever it is told."""
+    actuators = tuple(actuator.model_copy(update={"commanded": True}) for actuator in entry.actuators)
+    return entry.model_copy(update={"actuators": actuators})

@@ -6,13 +6,18 @@ from time import perf_counter
 
 import mujoco
 import numpy as np
+from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
+from mimoc.runtime.control import Reaching
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.senses.sense import FloatArray
+from mimoc.runtime.senses.sense import FloatArray, Observation
 from mimoc.units import ms_to_s
 
-Policy = Callable[[np.random.Generator], np.ndarray]
+Policy = Callable[[np.random.Generator, Observation], np.ndarray]
+"""Returns the action on an observation, shape (n,)."""
+PolicyMaker = Callable[[InfantEnv], Policy]
+"""Returns the policy for an environment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,41 +40,67 @@ class Summary:
     """Mean speed over joints and steps."""
     unstable: bool
     """Whether an episode ended because the simulation broke down."""
+    finished: int
+    """Episodes that came to their end."""
+    successes: int
+    """Of these, those that reached their goal."""
+    mean_return: float | None
+    """Of the episodes that came to their end; None if none did."""
+    time_to_success_s: float | None
+    """Mean of the episodes that reached their goal, in simulated time; None if none did."""
+    hand_error_m: float | None = None
+    """How near hands came to their targets, at the median; None where they had none."""
 
 
 def random_policy(env: InfantEnv) -> Policy:
     """Return a policy that draws every command evenly from its range."""
     low, high = _command_range(env)
-    return lambda generator: generator.uniform(low, high).astype(np.float32)
+    return lambda generator, observation: generator.uniform(low, high).astype(np.float32)
 
 
 def zero_policy(env: InfantEnv) -> Policy:
     """Return a policy that commands nothing."""
     action = np.clip(0.0, *_command_range(env)).astype(np.float32)
-    return lambda generator: action
+    return lambda generator, observation: action
 
 
 def _command_range(env: InfantEnv) -> tuple[FloatArray, FloatArray]:
-    actuators = env.manifest.actuation.actuators
-    return np.array([a.action_low for a in actuators]), np.array([a.action_high for a in actuators])
+    space = env.action_space
+    assert isinstance(space, Box)
+    return space.low.astype(float), space.high.astype(float)
 
 
-POLICIES: Mapping[str, Callable[[InfantEnv], Policy]] = {"random": random_policy, "zero": zero_policy}
+POLICIES: Mapping[str, PolicyMaker] = {
+    "random": random_policy,
+    "zero": zero_policy,
+    "reach": Reaching,
+}
 """By the name that `mimo run --policy` takes."""
+
+
+def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
+    """Return the policy of a name, or what makes one for an environment.
+
+    Raises:
+        UnknownNameError: If there is none of that name.
+    """
+    if not isinstance(policy, str):
+        return policy(env)
+    if policy not in POLICIES:
+        raise UnknownNameError("policy", policy, POLICIES)
+    return POLICIES[policy](env)
 
 
 class Run:
     """A run of an environment under a policy: step it as often as wanted, then sum it up."""
 
-    def __init__(self, env: InfantEnv, policy: str, seed: int):
-        """Reset *env*; *policy* is a key of `POLICIES`, *seed* that of the policy and the reset.
+    def __init__(self, env: InfantEnv, policy: str | PolicyMaker, seed: int):
+        """Reset *env*; *policy* is a key of `POLICIES` or makes one, *seed* that of the policy and the reset.
 
         Raises:
             UnknownNameError: If there is no such policy.
         """
-        if policy not in POLICIES:
-            raise UnknownNameError("policy", policy, POLICIES)
-        self._env, self._act = env, POLICIES[policy](env)
+        self._env, self._act = env, policy_of(env, policy)
         self._generator = np.random.default_rng(seed)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
         model = env.model
@@ -77,23 +108,34 @@ class Run:
         self._hip_m: list[FloatArray] = []
         self._head_m: list[float] = []
         self._speeds: list[float] = []
-        env.reset(seed=seed)
+        self._earned, self._taken = 0.0, 0
+        self._returns: list[float] = []
+        self._times_s: list[float] = []
+        self._observation, _ = env.reset(seed=seed)
 
     def step(self) -> None:
         """Take one control step; an episode that ends is followed by another."""
-        action = self._act(self._generator)
+        action = self._act(self._generator, self._observation)
         start = perf_counter()
-        _, reward, terminated, truncated, info = self._env.step(action)
+        self._observation, reward, terminated, truncated, info = self._env.step(action)
         self._wall_s += perf_counter() - start
         self._reward += reward
+        self._earned, self._taken = self._earned + reward, self._taken + 1
         self._unstable |= info["unstable"]
         data, root = self._env.data, self._env.manifest.root_body
         self._hip_m.append(data.body(root).xpos.copy())
         self._head_m.append(float(data.geom("head").xpos[2]))
         self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
         if terminated or truncated:
-            self._episodes += 1
-            self._env.reset()
+            self._end_episode(info["is_success"])
+            self._observation, _ = self._env.reset()
+
+    def _end_episode(self, success: bool) -> None:
+        self._returns.append(self._earned)
+        if success:
+            self._times_s.append(ms_to_s(self._taken * self._env.manifest.step_ms))
+        self._earned, self._taken = 0.0, 0
+        self._episodes += 1
 
     def summary(self) -> Summary:
         """Return what has happened so far, at least one step."""
@@ -104,8 +146,13 @@ class Run:
             simulated_s=ms_to_s(steps * self._env.manifest.step_ms),
             wall_s=self._wall_s,
             total_reward=self._reward,
+            finished=len(self._returns),
+            successes=len(self._times_s),
+            mean_return=float(np.mean(self._returns)) if self._returns else None,
+            time_to_success_s=float(np.mean(self._times_s)) if self._times_s else None,
             hip_path_m=float(np.linalg.norm(np.diff(self._hip_m, axis=0), axis=1).sum()),
             head_height_m=(min(self._head_m), max(self._head_m)),
             joint_speed_rad_s=float(np.mean(self._speeds)),
             unstable=self._unstable,
+            hand_error_m=getattr(self._act, "hand_error_m", None),
         )

@@ -19,6 +19,7 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
     fovy_deg = spec.senses.vision.fovy_deg if spec.senses.vision else 60.0
     sites, cameras = instruments.sites(tree), instruments.cameras(tree, fovy_deg)
 
+    touch = spec.senses.touch
     points, drive = keypoint_sites(tree), DRIVES[spec.actuation.model]
     joints = drive.joints(tree)
 
@@ -49,7 +50,7 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
         sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.torque_sensors(tree)),
         world=World(),
         keyframes=tuple(drive.keyframe(tree, keyframe) for keyframe in keyframes(tree)),
-        skin=grow_skin(tree, spec.senses.touch.density) if spec.senses.touch else None,
+        skin=grow_skin(tree, touch.density, touch.regions) if touch else None,
     )
 
 

@@ -8,14 +8,19 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.errors import NoRoomError
 from mimoc.scene.chance import stream
+from mimoc.scene.fastening import holds, lock, locked_joints, weld
 from mimoc.scene.footprint import floor_reach, footprint, reach_of
+from mimoc.scene.motors import DRIVES
 from mimoc.scene.props import make_prop
 from mimoc.scene.room import Decor
+from mimoc.scene.stages import STAGES, Stage
+from mimoc.scene.stages.free import FREE
 from mimoc.scene.toys.builtin import BUILTIN
 from mimoc.scene.toys.choosing import Toybox, choose_toys
 from mimoc.scene.toys.placing import Floor, Reach, place_toys
 from mimoc.scene.tree import Keyframe, Prop, SceneTree
-from mimoc.scene.world import WORLDS, Setting, moved, put
+from mimoc.scene.world import WEIGHTLESS, WORLDS, Setting, moved, put, put_prop
+from mimoc.schema import InfantSpec
 from mimoc.schema.scene import SceneSpec
 
 BUILTIN_TOYS = Toybox(tuple(BUILTIN), lambda name: BUILTIN[name]())
@@ -31,6 +36,26 @@ class Supplies:
     """What toys there are."""
 
 
+def set_stage(scene: SceneTree, spec: InfantSpec, tree: BodyTree) -> tuple[SceneTree, Stage]:
+    """Return the scene with one more pose, if the task of its spec starts from its own, and what the task needs.
+
+    Raises:
+        UnplayableError: If the infant lacks what the task is about.
+    """
+    if spec.task is None:
+        return scene, FREE
+    stage = STAGES[spec.task.kind](spec.task, tree)
+    if stage.start is None:
+        return scene, stage
+    start = DRIVES[spec.actuation.model].keyframe(tree, Keyframe(spec.task.kind, stage.start))
+    return replace(scene, keyframes=(*scene.keyframes, start)), stage
+
+
+def start_pose(spec: InfantSpec, stage: Stage) -> str:
+    """Return the name of the keyframe that a reset starts from."""
+    return spec.scene.pose if spec.task is None or stage.start is None else spec.task.kind
+
+
 def outline(scene: SceneTree, spec: SceneSpec, tree: BodyTree) -> FloatArray:
     """Return the discs of floor that an infant takes up in all its poses, shape (n, 3); none where nobody asks."""
     if spec.toys is None and spec.kind in ("empty", "flat"):
@@ -39,7 +64,12 @@ def outline(scene: SceneTree, spec: SceneSpec, tree: BodyTree) -> FloatArray:
 
 
 def furnish(
-    scene: SceneTree, spec: SceneSpec, tree: BodyTree, supplies: Supplies, discs: FloatArray | None = None
+    scene: SceneTree,
+    spec: InfantSpec,
+    tree: BodyTree,
+    supplies: Supplies,
+    stage: Stage = FREE,
+    discs: FloatArray | None = None,
 ) -> SceneTree:
     """Return a scene with the world of its spec, and the infant's poses where they are in that.
 
@@ -48,22 +78,32 @@ def furnish(
         spec: What is wanted.
         tree: The infant's body.
         supplies: What to make the world of.
+        stage: What its task needs.
         discs: The infant's `outline`, if it is known already: it is the same for every seed.
 
     Raises:
         NoRoomError: If there is no room for a toy.
         ToyError: If nothing can be made of a toy.
+        UnplayableError: If the spec holds a part that the infant does not have.
     """
-    discs = outline(scene, spec, tree) if discs is None else discs
-    setting = WORLDS[spec.kind](spec, supplies.decor, tree, discs)
+    discs = outline(scene, spec.scene, tree) if discs is None else discs
+    setting = WORLDS[spec.scene.kind](spec.scene, supplies.decor, tree, discs)
     starts = {pose.name: put(pose, setting.start) for pose in scene.keyframes}
-    props = _toys(spec, setting, tree, starts[spec.pose], moved(discs, setting.start), supplies.toybox)
-    resting = tuple(number for prop in props for number in (*prop.pos_m, *prop.quat))
-    return replace(
-        scene,
-        world=replace(setting.world, props=props),
-        keyframes=tuple(replace(start, qpos=(*start.qpos, *resting)) for start in starts.values()),
+    start = starts[start_pose(spec, stage)]
+    taken = np.concatenate([discs, np.reshape(stage.taken, (-1, 3))])
+    toys = _toys(spec.scene, setting, tree, start, moved(taken, setting.start), supplies.toybox)
+    world = replace(
+        setting.world,
+        toys=toys,
+        apparatus=tuple(put_prop(prop, setting.start) for prop in stage.props),
+        furniture=setting.world.furniture + stage.furniture,
+        locks=lock(locked_joints(spec, tree, stage), tree, start.qpos),
+        welds=weld(holds(spec, tree, stage), tree, start.qpos),
+        gravity_m_s2=WEIGHTLESS if stage.weightless else setting.world.gravity_m_s2,
     )
+    resting = tuple(number for prop in world.props for number in (*prop.pos_m, *prop.quat))
+    keyframes = tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in starts.values())
+    return replace(scene, world=world, keyframes=keyframes)
 
 
 def _toys(

@@ -102,6 +102,15 @@ class Furniture:
     textures: tuple[WorldTexture, ...] = ()
     lights: tuple[WorldLight, ...] = ()
 
+    def __add__(self, other: "Furniture") -> "Furniture":
+        """Return the things of both."""
+        return Furniture(
+            self.geoms + other.geoms,
+            self.materials + other.materials,
+            self.textures + other.textures,
+            self.lights + other.lights,
+        )
+
     @property
     def textured_materials(self) -> tuple[WorldMaterial, ...]:
         """Materials with a texture."""

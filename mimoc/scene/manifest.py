@@ -6,9 +6,13 @@ from mimoc.scene import instruments
 from mimoc.scene.acuity import resolve_acuity
 from mimoc.scene.appearance import face_material
 from mimoc.scene.faces import FACES
+from mimoc.scene.fastening import commanded_joints, hold_name, holds, lock_name, locked_joints
+from mimoc.scene.furnish import start_pose
 from mimoc.scene.keypoints import KEYPOINTS, PREFIX
 from mimoc.scene.latency import delays
 from mimoc.scene.skin import Skin
+from mimoc.scene.stages import Stage
+from mimoc.scene.stages.free import FREE
 from mimoc.scene.tree import SceneTree
 from mimoc.schema import InfantSpec, TouchSpec, VestibularSpec, VisionSpec
 from mimoc.schema.manifest import (
@@ -16,6 +20,8 @@ from mimoc.schema.manifest import (
     ActuatorEntry,
     ChildEntry,
     FaceEntry,
+    FasteningsEntry,
+    LockEntry,
     Manifest,
     ProprioceptionEntry,
     SensesEntry,
@@ -23,10 +29,11 @@ from mimoc.schema.manifest import (
     ToyEntry,
     VestibularEntry,
     VisionEntry,
+    WeldEntry,
 )
 
 
-def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree) -> Manifest:
+def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree, stage: Stage = FREE) -> Manifest:
     """Return the manifest of a scene."""
     return Manifest(
         name=spec.name,
@@ -35,11 +42,13 @@ def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree) -> Manifest:
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,
-        pose=spec.scene.pose,
+        pose=start_pose(spec, stage),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=ActuationEntry(model=spec.actuation.model, actuators=tuple(_actuators(scene))),
+        actuation=_actuation(spec, tree, scene, stage),
         senses=_senses(spec, tree, scene),
         delays=delays(spec, tree),
+        fastenings=_fastenings(spec, tree, stage),
+        task=stage.goal,
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )
@@ -57,7 +66,7 @@ def describe_toys(scene: SceneTree) -> tuple[ToyEntry, ...]:
             size_m=prop.size_m,
             mass_kg=prop.mass_kg,
         )
-        for prop in scene.world.props
+        for prop in scene.world.toys
     )
 
 
@@ -73,17 +82,27 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _actuators(scene: SceneTree) -> list[ActuatorEntry]:
-    return [
+def _fastenings(spec: InfantSpec, tree: BodyTree, stage: Stage) -> FasteningsEntry:
+    return FasteningsEntry(
+        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, stage)),
+        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, stage)),
+    )
+
+
+def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, stage: Stage) -> ActuationEntry:
+    commanded = commanded_joints(spec, tree, stage)
+    actuators = tuple(
         ActuatorEntry(
             name=actuator.name,
             mimo_actuator=actuator.mimo_actuator,
             joint=actuator.joint,
             action_low=actuator.control_range[0],
             action_high=actuator.control_range[1],
+            commanded=actuator.joint in commanded,
         )
         for actuator in scene.actuators
-    ]
+    )
+    return ActuationEntry(model=spec.actuation.model, actuators=actuators)
 
 
 def _senses(spec: InfantSpec, tree: BodyTree, scene: SceneTree) -> SensesEntry:

@@ -71,7 +71,7 @@ _STEP_DEG = 0.5
 
 def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
     """Return every pose of this body as a state that rests on the ground, z = 0."""
-    return tuple(Keyframe(name, _state(tree, wanted)) for name, wanted in POSES.items())
+    return tuple(Keyframe(name, resting_state(tree, wanted)) for name, wanted in POSES.items())
 
 
 def standing_height(tree: BodyTree) -> float:
@@ -89,10 +89,14 @@ def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
     return {name: named.get(name, 0.0) for name in tree.joints}
 
 
-def _state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
-    """Return qpos: place and quaternion of the hip, then the hinges.
+def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
+    """Return a pose at rest on the ground as qpos: place and quaternion of the hip, then the hinges.
 
     As stiff as a statue, the body rolls about y to where its centre of mass is lowest: there it rests.
+
+    Args:
+        tree: The body.
+        wanted: The pose; of its turn, the rest is the one downhill from it.
     """
     angles = pose_angles(tree, wanted)
     posed = pose(tree, angles)

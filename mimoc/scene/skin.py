@@ -1,7 +1,7 @@
 """The skin: where an infant feels touch."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
@@ -9,8 +9,10 @@ from types import MappingProxyType
 import numpy as np
 
 from mimoc.body import Body, BodyTree, Geom, grow_reference
+from mimoc.body.strengthen import GROUPS, body_groups
 from mimoc.scene.outside import Layout, carry_over, lay_out
 from mimoc.scene.surface import FloatArray, area_m2
+from mimoc.schema.names import single_groups
 
 SPACING_M = {
     "head": 0.013,
@@ -62,7 +64,7 @@ class _Patch:
     """Of the body's geoms, with what they cover of each other."""
 
 
-def grow_skin(tree: BodyTree, density: float) -> Skin:
+def grow_skin(tree: BodyTree, density: float, regions: Collection[str] | None = None) -> Skin:
     """Return the skin of a grown body.
 
     Its points are spread over the average child of 18 months, and move with the geoms that they are on: so all
@@ -72,10 +74,14 @@ def grow_skin(tree: BodyTree, density: float) -> Skin:
     Args:
         tree: The body.
         density: Points for each that two-point discrimination asks for.
+        regions: The groups of muscles whose parts have skin; None is all.
     """
     patches = _patches(tree.hands, density)
+    groups, bare = body_groups(tree), set() if regions is None else {*GROUPS.values()} - single_groups(regions)
     points_m, spacing_m = {}, {}
     for body in tree.bodies:
+        if groups[body.name] in bare:
+            continue
         patch = patches[body.name.removeprefix("left_").removeprefix("right_")]
         points_m[body.name] = _points(body, patch.layout)
         spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)

@@ -134,6 +134,31 @@ class Keyframe:
 
 
 @dataclass(frozen=True, slots=True)
+class Lock:
+    """A constraint that keeps a hinge at an angle."""
+
+    name: str
+    joint: str
+    angle_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class Weld:
+    """A constraint that keeps a part of the infant where it is in the world."""
+
+    name: str
+    body: str
+    anchor_m: Vec3
+    """The point that is kept, in the frame of the body."""
+    pos_m: Vec3
+    """Where that point is kept."""
+    quat: tuple[float, float, float, float]
+    """How it is turned."""
+    torquescale: float
+    """1 to keep how it is turned; 0 lets it turn about the point."""
+
+
+@dataclass(frozen=True, slots=True)
 class Ground:
     """A floor without end."""
 
@@ -219,9 +244,18 @@ class World:
     """Those from afar."""
     headlight: Headlight = Headlight((0.45, 0.45, 0.45), (0.35, 0.35, 0.35))  # noqa: RUF009 - it is frozen.
     furniture: Furniture = Furniture()  # noqa: RUF009
-    props: tuple[Prop, ...] = ()
+    toys: tuple[Prop, ...] = ()
+    apparatus: tuple[Prop, ...] = ()
+    """What a task needs."""
+    locks: tuple[Lock, ...] = ()
+    welds: tuple[Weld, ...] = ()
     midphase: str = "enable"
     """Whether MuJoCo looks for touching geoms of two bodies in a tree of boxes: quicker among many bars only."""
+
+    @property
+    def props(self) -> tuple[Prop, ...]:
+        """All that moves besides the infant."""
+        return (*self.toys, *self.apparatus)
 
     @property
     def plain_materials(self) -> tuple[WorldMaterial, ...]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from mimoc.scene.chance import stream
 from mimoc.scene.crib import crib
 from mimoc.scene.footprint import reach_of
 from mimoc.scene.room import HEADLIGHT, Decor, Placement, draw_room, place_infant
-from mimoc.scene.tree import Ground, Keyframe, Light, World
+from mimoc.scene.tree import Ground, Keyframe, Light, Prop, World
 from mimoc.schema.scene import SceneSpec
 from mimoc.units import cm_to_m
 
@@ -91,6 +91,12 @@ def put(pose: Keyframe, start: Placement) -> Keyframe:
         half_cos * k + half_sin * w,
     )
     return Keyframe(pose.name, (*place, *turn, *pose.qpos[7:]), pose.settings)
+
+
+def put_prop(prop: Prop, start: Placement) -> Prop:
+    """Return a prop somewhere else on the floor; it is a ball, or looks the same from all sides."""
+    (x, y, _), z = moved(np.array([prop.pos_m]), start)[0].tolist(), prop.pos_m[2]
+    return replace(prop, pos_m=(x, y, z))
 
 
 def moved(discs: FloatArray, start: Placement) -> FloatArray:

@@ -3,6 +3,7 @@
 from typing import Literal
 
 from mimoc.schema.base import Model
+from mimoc.schema.goals import FreeEntry, GoalEntry
 from mimoc.schema.senses import FoveationRadius, TouchQuantity, TouchResponse
 
 MANIFEST_VERSION = 1
@@ -22,6 +23,8 @@ class ActuatorEntry(Model):
     """Least command."""
     action_high: float
     """Largest command."""
+    commanded: bool = True
+    """Whether the action has a command for it; else it rests."""
 
 
 class ActuationEntry(Model):
@@ -30,7 +33,7 @@ class ActuationEntry(Model):
     model: Literal["torque", "muscle", "position"] = "torque"
     """Actuation model."""
     actuators: tuple[ActuatorEntry, ...]
-    """In the order of the model and of the action."""
+    """In the order of the model; of those that are commanded, of the action."""
 
 
 class ProprioceptionEntry(Model):
@@ -179,6 +182,33 @@ class ToyEntry(Model):
     """What it weighs."""
 
 
+class LockEntry(Model):
+    """A hinge that is kept at the angle that a reset gives it."""
+
+    equality: str
+    """The constraint in the model."""
+    joint: str
+    """The hinge."""
+
+
+class WeldEntry(Model):
+    """A part of the infant that is kept where a reset puts it."""
+
+    equality: str
+    """The constraint in the model."""
+    body: str
+    """The part."""
+
+
+class FasteningsEntry(Model):
+    """What of the infant is kept as it starts."""
+
+    locks: tuple[LockEntry, ...] = ()
+    """Joints."""
+    welds: tuple[WeldEntry, ...] = ()
+    """Parts."""
+
+
 class Manifest(Model):
     """What travels from the compiler to the runtime."""
 
@@ -208,6 +238,10 @@ class Manifest(Model):
     """What it senses."""
     delays: DelaysEntry = DelaysEntry()
     """How late it senses and moves."""
+    fastenings: FasteningsEntry = FasteningsEntry()
+    """What is kept as it starts."""
+    task: GoalEntry = FreeEntry()
+    """What it is to achieve."""
     face: FaceEntry | None = None
     """What its face can show."""
     seed: int = 0

@@ -1,5 +1,7 @@
 """The names a spec can use for measurements, bodies and groups of muscles."""
 
+from collections.abc import Iterable
+
 SIDES = ("left", "right")
 
 TRUNK_MEASUREMENTS = (
@@ -67,6 +69,11 @@ STRENGTH_GROUPS = (
     *(group for pair in PAIRED_GROUPS.values() for group in pair),
     *PAIRED_GROUPS,
 )
+
+
+def single_groups(names: Iterable[str]) -> set[str]:
+    """Return the groups that some names of groups mean, each with its side: `left_arm` and `right_arm` of `arms`."""
+    return {single for name in names for single in PAIRED_GROUPS.get(name, (name,))}
 
 
 def unsided(key: str) -> str:

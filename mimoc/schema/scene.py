@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StringConstraints, model_validator
 
 from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.body import PartName
 from mimoc.schema.quantities import Centimetres, Distinct, Metres, Rising, Whole
 
 RoomSide = Annotated[Metres, Field(ge=1, le=20)]
@@ -64,7 +65,9 @@ class SceneSpec(Model):
     seed: Annotated[Whole, Field(ge=0, le=2**53)] = 0
     """Of everything drawn by chance."""
     pose: Literal["supine", "prone", "sitting", "standing"] = "supine"
-    """How the infant starts."""
+    """How the infant starts; of the tasks, only `rollover` and `free` start from here."""
+    held: Annotated[tuple[PartName, ...], Distinct] = ()
+    """Parts of the infant that stay where they are in the world, such as `chest`, as if in a seat."""
     room: RoomSpec = Field(default_factory=RoomSpec)
     """The room, where the kind is room."""
     textures: TexturesSpec = Field(default_factory=TexturesSpec)

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag
 
+from mimoc.schema.actuation import Groups
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
 
@@ -37,6 +38,8 @@ class TouchSpec(Model):
     """Force in the part's own frame, in the world's, or only the pressure."""
     response: TouchResponse = "linear"
     """Whether a contact is felt by the skin points around it, or by the nearest."""
+    regions: Annotated[Groups, Field(min_length=1)] | None = None
+    """Groups of muscles whose parts have skin, the head's under `neck`; left out, all of the body has."""
 
 
 class AcuitySpec(Model):

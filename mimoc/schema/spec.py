@@ -1,5 +1,6 @@
 """The whole of what a user says about one infant in one world."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, PrivateAttr, StringConstraints, model_validator
@@ -21,6 +22,17 @@ def _known_version(value: Any) -> Any:
     if type(value) is not int or value != 1:
         raise ValueError("this mimoc reads version 1 of the spec language; write 'mimo: 1'")
     return value
+
+
+PLACES: Mapping[str, tuple[str, ...]] = {
+    "standup": ("flat",),
+    "catch": ("flat", "crib", "room"),
+    "rollover": ("flat", "crib", "room"),
+}
+"""The kinds of scenes for tasks that cannot be in all: a rail stands on an open floor, and what falls or lies needs
+weight and a floor."""
+LYING = ("supine", "prone")
+"""The poses that `rollover` can start from."""
 
 
 class InfantSpec(Model):
@@ -70,6 +82,19 @@ class InfantSpec(Model):
         if self.senses.vision and {"left_eye", "right_eye"} <= set(self.body.remove):
             message = "an infant without eyes cannot see; leave it out, or keep an eye"
             raise KeyedError(("senses", "vision"), message, against=("body", "remove"))
+        return self
+
+    @model_validator(mode="after")
+    def _task_has_its_place(self) -> Self:
+        kind = self.task.kind if self.task else ""
+        places = PLACES.get(kind, (self.scene.kind,))
+        if self.scene.kind not in places:
+            possible = ", ".join(places).replace(", room", " or room")
+            message = f"'{kind}' has no place in such a scene; use {possible}, or another task"
+            raise KeyedError(("scene", "kind"), message, against=("task", "kind"))
+        if kind == "rollover" and self.scene.pose not in LYING:
+            message = f"'{kind}' starts {' or '.join(LYING)}, not {self.scene.pose}; use one of these"
+            raise KeyedError(("scene", "pose"), message, against=("task", "kind"))
         return self
 
     @model_validator(mode="after")

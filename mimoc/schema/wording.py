@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, Literal
 
 from pydantic_core import ErrorDetails
@@ -16,6 +17,8 @@ _UNIT_SUFFIX = re.compile(
     "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels)$"
 )
 _WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
+_MISSPELT = 0.85
+"""How alike (`difflib`) an unknown key and a key of its section are where it was meant for that."""
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",
@@ -58,6 +61,8 @@ def nothing_at(path: KeyPath) -> Fault:
     known = outline(path)
     if path[-1] in outline(path[:-1]).schema.get("required", ()):
         advice = f"write one, such as {known.example}"
+    elif known.type == "object" and known.schema.get("required"):
+        advice = "write its keys below it, or leave it out"
     elif known.type == "object":
         advice = "write its keys below it, or {} for all its defaults, or leave it out"
     else:
@@ -94,7 +99,7 @@ def _unknown_key(path: KeyPath) -> str:
     same = [name for name in known if _UNIT_SUFFIX.sub("", name) == _UNIT_SUFFIX.sub("", key)]
     if same and key not in known:
         return f"unknown key; write '{same[0]}'{_in_unit(outline((*section, same[0])))}"
-    elsewhere = [] if key in known else sections_with(key)
+    elsewhere = [] if get_close_matches(key, known, cutoff=_MISSPELT) else sections_with(key)
     if elsewhere:
         places = " or ".join(f"under '{dotted(place)}'" if place else "at the top" for place in elsewhere)
         return f"unknown key here; it belongs {places}"
@@ -123,6 +128,8 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
             return f"{value} is not a name; {_better_name(details['input'])}"
         case "string_too_short":
             return "this is empty; write a text, or leave the key out"
+        case "too_short":
+            return "this list is empty; name one or more, or leave the key out"
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
         case "union_tag_not_found":

@@ -215,11 +215,12 @@ def test_a_simulation_that_breaks_down_ends_the_episode_quietly(open_env, state,
     commands = actions(env, 10)
     getattr(env.data, state)[20] = value
     observation, reward, terminated, truncated, info = env.step(commands[0])
-    assert (terminated, truncated, info) == (True, False, {"unstable": True})
+    assert (terminated, truncated) == (True, False)
+    assert info == {"is_success": False, "reward_terms": {}, "unstable": True}
     assert np.isfinite(reward)
     assert observation in env.observation_space
     assert same(rollout(env, commands), rollout(new, commands))
-    assert env.step(commands[0])[2:] == (False, False, {"unstable": False})
+    assert env.step(commands[0])[2:] == (False, False, {"is_success": False, "reward_terms": {}, "unstable": False})
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
 

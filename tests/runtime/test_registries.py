@@ -50,8 +50,8 @@ def test_every_actuation_says_its_range(env):
 
 def test_every_policy_acts_within_the_space(env):
     for policy in POLICIES.values():
-        act = policy(env)
-        assert all(act(env.np_random) in env.action_space for _ in range(20))
+        act, (observation, _) = policy(env), env.reset()
+        assert all(act(env.np_random, observation) in env.action_space for _ in range(20))
 
 
 def test_every_pose_of_the_manifest_is_checked(bundle):

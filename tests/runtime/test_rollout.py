@@ -43,6 +43,32 @@ def test_a_run_is_summed_up(env):
     assert told.head_height_m == (min(heads), max(heads))
 
 
+def test_episodes_that_come_to_their_end_are_told_of(open_env):
+    told = summary(open_env(task={"kind": "reach", "steps": 25}), "zero", steps=60)
+    assert (told.episodes, told.finished, told.successes, told.time_to_success_s) == (3, 2, 0, None)
+    assert -25 < told.mean_return < 0
+
+
+def test_successes_and_the_time_to_them_are_told_of(open_env):
+    """A hand that waves about hits the ball now and then."""
+    told = summary(open_env(age_months=18, task={"kind": "reach", "steps": 1000}), steps=1500)
+    assert 1 <= told.successes <= told.finished
+    assert 0 < told.time_to_success_s < 10
+    assert told.mean_return > 0
+
+
+def test_a_policy_acts_on_what_it_observes(env):
+    seen = []
+
+    def watching(env):
+        still = np.zeros(env.action_space.shape, np.float32)
+        return lambda generator, observation: [seen.append(observation), still][1]
+
+    summary(env, watching, steps=3)
+    assert [each.keys() for each in seen] == [env.observation_space.spaces.keys()] * 3
+    assert (seen[0]["proprioception"] != seen[2]["proprioception"]).any()
+
+
 def test_nothing_commanded_is_calmer_than_anything(open_env):
     env = open_env(scene={"kind": "flat", "pose": "supine"})
     zero, random = summary(env, "zero", steps=200), summary(env, "random", steps=200)

@@ -14,7 +14,6 @@ from mimoc.scene.footprint import floor_reach, footprint
 from mimoc.scene.furnish import Supplies, furnish
 from mimoc.scene.toys.placing import GAP_M
 from mimoc.scene.tree import SceneTree
-from mimoc.schema.scene import SceneSpec
 
 SIX = {"count": [6, 6]}
 INFANTS = {0: "mitten", 9: "five_finger", 24: "mitten"}
@@ -36,7 +35,7 @@ def grown(age_months: int = 9) -> pipeline.Builder:
 
 def furnished(seed: int, age_months: int = 9, **scene: Any) -> SceneTree:
     infant = grown(age_months)
-    wanted = SceneSpec.model_validate({"kind": "room", "toys": SIX, "seed": seed, **scene})
+    wanted = spec(age_months, {"kind": "room", "toys": SIX, "seed": seed, **scene})
     return furnish(infant.infant, wanted, infant.tree, Supplies())
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.runtime.senses.sense import FloatArray, IntArray
-from mimoc.schema.manifest import ActuationEntry
+from mimoc.schema.manifest import ActuationEntry, ActuatorEntry
 
 
 @dataclass(frozen=True)
@@ -34,15 +34,20 @@ class Commands:
         return np.array(action, dtype=np.float64)
 
 
+def commanded(entry: ActuationEntry) -> list[ActuatorEntry]:
+    """Return the actuators that an action has commands for, in its order."""
+    return [actuator for actuator in entry.actuators if actuator.commanded]
+
+
 def find_actuators(entry: ActuationEntry, model: mujoco.MjModel) -> IntArray:
-    """Return the index of each actuator in *model*, shape (n,)."""
-    return np.array([model.actuator(actuator.name).id for actuator in entry.actuators], dtype=np.intp)
+    """Return the index in *model* of each actuator that is commanded, shape (n,)."""
+    return np.array([model.actuator(actuator.name).id for actuator in commanded(entry)], dtype=np.intp)
 
 
 def command_range(entry: ActuationEntry) -> tuple[FloatArray, FloatArray]:
     """Return the least and the largest commands, shape (n,) each."""
-    low = np.array([actuator.action_low for actuator in entry.actuators])
-    return low, np.array([actuator.action_high for actuator in entry.actuators])
+    low = np.array([actuator.action_low for actuator in commanded(entry)])
+    return low, np.array([actuator.action_high for actuator in commanded(entry)])
 
 
 def mean_effort(shares: FloatArray, torques_nm: FloatArray) -> float:

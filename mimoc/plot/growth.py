@@ -1,6 +1,5 @@
 """Pictures of growth, as in figure 2 of the paper: an infant among WHO's children."""
 
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import NormalDist
@@ -8,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mimoc.errors import MissingExtraError, OutputError
+from mimoc.errors import OutputError
 from mimoc.files import write_file
 from mimoc.fits import BIRTH, GrowthStandard, load_tables, measure
 from mimoc.fits.measurements import DataPoint
+from mimoc.plot.figure import new_figure, png, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SIZE_PX = (1600, 1180)
-DPI = 150
 LAST_MONTH = 24
 
 TITLES = {
@@ -60,7 +59,7 @@ def plot_growth(series: Series, path: str | Path) -> None:
     path = Path(path)
     if path.suffix.lower() != ".png":
         raise OutputError(f"{path}: the picture is a PNG; give a name that ends in .png")
-    write_file(path, _png(draw_growth(series)))
+    write_file(path, png(draw_growth(series)))
 
 
 def draw_growth(series: Series) -> "Figure":
@@ -69,11 +68,7 @@ def draw_growth(series: Series) -> "Figure":
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingExtraError("matplotlib", "report") from None
-    figure = Figure(figsize=(SIZE_PX[0] / DPI, SIZE_PX[1] / DPI), dpi=DPI)
+    figure = new_figure(*SIZE_PX)
     panels = figure.subplots(2, 2, sharex=True)
     for axes, letter, (indicator, title) in zip(panels.flat, "abcd", TITLES.items(), strict=True):
         _draw_panel(axes, indicator, series.get(indicator, ()))
@@ -101,9 +96,7 @@ def _draw_panel(axes: "Axes", indicator: str, infant: Sequence[tuple[float, floa
     axes.set_xlim(-0.5, LAST_MONTH + 0.5)
     axes.set_xticks(range(0, LAST_MONTH + 1, 3))
     axes.locator_params(axis="y", integer=True)
-    axes.grid(color="0.92", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    tidy(axes)
 
 
 def _draw_standard(axes: "Axes", standard: GrowthStandard) -> None:
@@ -134,11 +127,3 @@ def _draw_points(axes: "Axes", points: Sequence[DataPoint], marker: str, label: 
 
 def _is_inferred(point: DataPoint) -> bool:
     return point.origin.startswith(BIRTH)
-
-
-def _png(figure: "Figure") -> bytes:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    picture = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})
-    return picture.getvalue()

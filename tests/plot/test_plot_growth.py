@@ -6,7 +6,8 @@ import pytest
 from PIL import Image
 
 from mimoc.errors import MissingExtraError, OutputError
-from mimoc.plot import SIZE_PX, TITLES, draw_growth, plot_growth
+from mimoc.plot import draw_growth, plot_growth
+from mimoc.plot.growth import SIZE_PX, TITLES
 
 SERIES = {
     "length_cm": [(0, 50.0), (12, 75.0), (24, 87.0)],

@@ -1,0 +1,177 @@
+"""Acuity and foveation: one scene through the eyes of several ages (López et al. 2025, figure 3)."""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from mimoc import pipeline
+from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
+from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.plot.curves import Curve, Panel, draw_panels
+from mimoc.plot.figure import png
+from mimoc.runtime.glimpse import glimpse
+from mimoc.scene.acuity import PROFILES, acuity_at
+from mimoc.scene.drawing import encode_palette_png
+from mimoc.scene.sheet import Picture, draw_sheet
+from mimoc.scene.sights import TELLING_FOVEATION, compare_ages
+from mimoc.schema import InfantSpec, VisionSpec
+
+PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
+PROFILE = VisionSpec().acuity_profile
+SEED = 4
+"""Of the room that is looked at."""
+SIDE = "left"
+"""Of the eye."""
+DOWN_DEG = 35.0
+"""How far the eye looks down, to where toys lie."""
+SIZE_PX, QUICK_SIZE_PX = 176, 64
+"""Of each picture."""
+MIDDLE_TIMES = 4
+"""How many times larger the middle of the view is shown below."""
+COLOURS = 256
+"""Of the sheet, which is a third as large then."""
+HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
+
+ABOUT = """\
+A child of ten months sits in a room, drawn from seed {seed}, and looks at toys on the floor with its {side} eye.
+The same view is shown as it is drawn; with the acuity of {ages} months; foveated as well, by s = {foveation:g}, so
+that the centre is {magnification:.1f} times as large and nothing at the border is lost; and, in the last row, with
+the acuity again, drawn larger and cut out of the middle.
+
+![One scene through eyes of several ages](acuity.png)
+
+Contrast sensitivity is CSF(f) = max(0, 1 - f / a) (the paper's equation 2) for f cycles per degree and the acuity a
+of the age, the finest grating that is seen at all. `profiles.csv` has a for every half month, by all three
+profiles; the pictures go by `{profile}`, the default.
+
+![Contrast sensitivity, and acuity by age](csf.png)
+
+`gratings.csv` has what is left of the contrast of gratings after the filter that the infant's eyes see through,
+8-bit pictures in and 8-bit pictures out, next to the law. They are the dots in the figure, the law is the lines."""
+
+COMPARED = """\
+## Next to the paper
+
+The paper shows the first three rows, and states the same law. Its acuities come from Neijzen et al. 2025; `mimo_v2`
+are those in its code, and `tac2` is fitted to the two studies that Neijzen et al. pool.
+
+{table}
+
+Over {count} gratings, from coarse ones to some too fine to be seen, the contrast that is left differs from the law
+by at most {error:.4f} of the full contrast.
+
+A picture of H pixels over {fovy:g} degrees shows an acuity of a only if H is at least 2 a x {fovy:g}: with {size}
+pixels that is up to {shown:.1f} cycles per degree, so from four months on the first rows look alike, and only the
+last one, up to {shown_middle:.1f}, still tells ages apart."""
+
+
+def run(notebook: Notebook) -> Path:
+    """Look at one scene through the eyes of several ages, measure gratings, and return the page."""
+    measured, parts = [], len(PAPER_MONTHS) + 1
+    for done, age_months in enumerate(PAPER_MONTHS, start=1):
+        measured += transfers(age_months, acuity_at(age_months, PROFILE))
+        notebook.progress(done, parts)
+    size_px = QUICK_SIZE_PX if notebook.quick else SIZE_PX
+    notebook.write_picture("acuity.png", _sheet(size_px))
+    notebook.progress(parts, parts)
+    notebook.write_table("profiles.csv", ("age_months", *(f"{name}_cpd" for name in PROFILES)), _profile_rows())
+    notebook.write_table(
+        "gratings.csv",
+        ("age_months", "acuity_cpd", "frequency_cpd", "law", "measured"),
+        ((each.age_months, each.acuity_cpd, each.frequency_cpd, each.law, each.measured) for each in measured),
+    )
+    notebook.write_picture("csf.png", png(draw_panels([_csf_panel(measured), _profile_panel()])))
+    return notebook.write_page(
+        "Acuity and foveation",
+        _sections(measured, size_px),
+        seeds=f"The room is that of seed {SEED}.",
+        libraries=["matplotlib"],
+    )
+
+
+def _sheet(size_px: int) -> bytes:
+    """Return the PNG of what an eye makes of one view, in rows by what is done and columns by age."""
+    spec = {
+        "mimo": 1,
+        "name": "onlooker",
+        "age_months": 10,
+        "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
+    }
+    infant = pipeline.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    whole, finer = (
+        compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=TELLING_FOVEATION)
+        for times in (1, MIDDLE_TIMES)
+    )
+    pictures = glimpse(infant, whole.sights, down_deg=DOWN_DEG)
+    (acuity_row,) = (sights for name, sights in zip(finer.rows, finer.sights, strict=True) if name == "acuity")
+    (larger,) = glimpse(infant, [acuity_row], down_deg=DOWN_DEG)
+    middles = [_middle(picture, size_px) for picture in larger]
+    rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
+    return encode_palette_png(draw_sheet([*pictures, middles], whole.columns, rows), COLOURS)
+
+
+def _middle(picture: Picture, size_px: int) -> Picture:
+    """Return the middle of a square picture, shape (size, size, 3)."""
+    start = (len(picture) - size_px) // 2
+    return picture[start : start + size_px, start : start + size_px]
+
+
+def _middle_deg() -> float:
+    """Return how wide the middle is, as the eye sees it."""
+    return 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
+
+
+def _profile_rows() -> Iterator[tuple[float, ...]]:
+    for age_months in HALF_MONTHS:
+        yield age_months, *(acuity_at(age_months, profile) for profile in PROFILES)
+
+
+def _csf_panel(measured: Sequence[Transfer]) -> Panel:
+    curves = []
+    for age_months in PAPER_MONTHS:
+        found = [each for each in measured if each.age_months == age_months]
+        acuity_cpd, label = found[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
+        curves.append(Curve(label, (0, acuity_cpd), (1, 0)))
+        frequencies_cpd = [each.frequency_cpd for each in found]
+        curves.append(Curve(label, frequencies_cpd, [each.measured for each in found], marker="o", joined=False))
+    return Panel("Spatial frequency [cycles/degree]", "Contrast left", curves, "Contrast sensitivity")
+
+
+def _profile_panel() -> Panel:
+    curves = [
+        Curve(profile, HALF_MONTHS, [acuity_at(age_months, profile) for age_months in HALF_MONTHS])
+        for profile in PROFILES
+    ]
+    return Panel("Age [months]", "Acuity [cycles/degree]", curves, "Acuity by age")
+
+
+def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
+    about = ABOUT.format(
+        seed=SEED,
+        side=SIDE,
+        ages=", ".join(f"{age_months:g}" for age_months in PAPER_MONTHS),
+        foveation=TELLING_FOVEATION,
+        magnification=TELLING_FOVEATION / math.log1p(TELLING_FOVEATION),
+        profile=PROFILE,
+    )
+    compared = COMPARED.format(
+        table=_acuity_table(),
+        count=len(measured),
+        error=max(abs(each.measured - each.law) for each in measured),
+        fovy=FOVY_DEG,
+        size=size_px,
+        shown=size_px / (2 * FOVY_DEG),
+        shown_middle=MIDDLE_TIMES * size_px / (2 * FOVY_DEG),
+    )
+    return about, compared
+
+
+def _acuity_table() -> str:
+    headings = ("months", *(f"`{profile}` [cycles/degree]" for profile in PROFILES))
+    return markdown_table(
+        headings,
+        (
+            [f"{age_months:g}", *(f"{acuity_at(age_months, profile):.2f}" for profile in PROFILES)]
+            for age_months in PAPER_MONTHS
+        ),
+    )

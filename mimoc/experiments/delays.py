@@ -1,0 +1,190 @@
+"""How late senses change how fast, and how smoothly, an infant learns to reach (López et al. 2025, figure 4)."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+
+from mimoc import pipeline
+from mimoc.bundle import Bundle
+from mimoc.experiments.delays_page import sections
+from mimoc.experiments.learner import Learner, detour, smoothness
+from mimoc.experiments.notebook import Notebook
+from mimoc.plot.curves import Curve, Panel, draw_panels
+from mimoc.plot.figure import png
+from mimoc.runtime.env import InfantEnv
+from mimoc.schema import InfantSpec
+from mimoc.training import evaluate, load_policy, train
+
+DELAYS_MS: Sequence[float] = (0, 50, 200)
+MOTOR_MS = 5.0
+AGE_MONTHS = 18
+STEPS, QUICK_STEPS = 500_000, 40_960
+"""Control steps of each training: the paper's, and what takes minutes."""
+SEEDS, QUICK_SEEDS = (1, 2, 3), (1, 2)
+EPISODES = 50
+"""Reaches of each trained infant; all of them reach for the same balls."""
+SHOWN = 4
+"""Balls whose reaches are drawn, by the infants of the first seed."""
+FIRST_BALL = 1000
+"""Seed of the first ball: no training has begun with it."""
+BINS = 25
+"""Means that a drawn learning curve is made of."""
+
+
+def run(notebook: Notebook) -> Path:
+    """Train infants with each delay, or go on where a run was interrupted, compare them, and return the page."""
+    steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
+    learners = list(_learners(notebook, steps, seeds))
+    _write_tables(notebook, learners)
+    panels = [_learning_panel(learners), _path_panel(learners), _smoothness_panel(learners)]
+    notebook.write_picture("delays.png", png(draw_panels(panels)))
+    return notebook.write_page(
+        "Delays",
+        sections(
+            _by_delay(learners),
+            age=AGE_MONTHS,
+            motor=MOTOR_MS,
+            steps=steps,
+            seeds=len(seeds),
+            episodes=EPISODES,
+            shown=SHOWN,
+        ),
+        seeds=f"Trainings have the seeds {', '.join(map(str, seeds))}, balls those from {FIRST_BALL} on.",
+        libraries=["gymnasium", "stable-baselines3", "torch", "matplotlib"],
+    )
+
+
+def _learners(notebook: Notebook, steps: int, seeds: Sequence[int]) -> Iterator[Learner]:
+    """Yield each infant, trained; each training has a folder of its own, where it can be gone on with."""
+    wanted = [(delay_ms, seed) for seed in seeds for delay_ms in DELAYS_MS]
+    for number, (delay_ms, seed) in enumerate(wanted):
+        bundle = reaching(delay_ms)
+        folder = notebook.folder / f"delay_{delay_ms:g}ms_seed_{seed}"
+
+        def tell(done: int, total: int, before: int = number * steps) -> None:
+            notebook.progress(before + min(done, steps), len(wanted) * steps)
+
+        training = train(bundle, folder, steps=steps, seed=seed, progress=tell)
+        with closing(InfantEnv(bundle)) as env:
+            follow = _effector(bundle)
+            reaches = evaluate(env, load_policy(training.policy), EPISODES, seed=FIRST_BALL, follow=follow)
+        notebook.progress((number + 1) * steps, len(wanted) * steps)
+        yield Learner(delay_ms, seed, training, reaches)
+
+
+def reaching(delay_ms: float) -> Bundle:
+    """Return the bundle of an infant that reaches, all its senses late."""
+    spec = {
+        "mimo": 1,
+        "name": "reaching",
+        "age_months": AGE_MONTHS,
+        "senses": {"proprioception": {"include": ["velocity"]}},
+        "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
+        "task": {"kind": "reach"},
+    }
+    return pipeline.build(InfantSpec.model_validate(spec))
+
+
+def _effector(bundle: Bundle) -> str:
+    task = bundle.manifest.task
+    assert task.kind == "reach"
+    return task.effector
+
+
+def _write_tables(notebook: Notebook, learners: Sequence[Learner]) -> None:
+    notebook.write_table(
+        "learning.csv",
+        ("delay_ms", "seed", "steps", "episodes", "success_rate", "time_s", "episode_return"),
+        (
+            (each.delay_ms, each.seed, row.steps, row.episodes, row.success_rate, time_s, row.episode_return)
+            for each in learners
+            for row, time_s in zip(each.training.curve.rows, each.time_s, strict=True)
+        ),
+    )
+    notebook.write_table(
+        "reaches.csv",
+        ("delay_ms", "seed", "ball", "success", "time_s", "log_dimensionless_jerk", "spectral_arc_length", "detour"),
+        (
+            (
+                each.delay_ms,
+                each.seed,
+                reach.seed,
+                float(reach.success),
+                reach.duration_s,
+                *smoothness(reach),
+                detour(reach),
+            )
+            for each in learners
+            for reach in each.reaches
+        ),
+    )
+    notebook.write_table(
+        "paths.csv",
+        ("delay_ms", "seed", "ball", "time_s", "x_m", "y_m", "z_m"),
+        (
+            (each.delay_ms, each.seed, reach.seed, index * reach.duration_s / reach.steps, *place.tolist())
+            for each in _of_first_seed(learners)
+            for reach in each.reaches[:SHOWN]
+            if reach.path_m is not None
+            for index, place in enumerate(reach.path_m)
+        ),
+    )
+
+
+def _of_first_seed(learners: Sequence[Learner]) -> list[Learner]:
+    return [each for each in learners if each.seed == learners[0].seed]
+
+
+def _by_delay(learners: Sequence[Learner]) -> dict[float, list[Learner]]:
+    return {delay_ms: [each for each in learners if each.delay_ms == delay_ms] for delay_ms in DELAYS_MS}
+
+
+def _label(delay_ms: float) -> str:
+    return f"{delay_ms:g} ms"
+
+
+def _learning_panel(learners: Sequence[Learner]) -> Panel:
+    curves = []
+    for delay_ms, group in _by_delay(learners).items():
+        steps, times_s = zip(*(_binned(each) for each in group), strict=True)
+        middle, low, high = np.mean(times_s, axis=0), np.min(times_s, axis=0), np.max(times_s, axis=0)
+        curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, spread=(low, high)))
+    return Panel("Control steps of training [thousands]", "Time to reach [s]", curves, "Learning")
+
+
+def _binned(learner: Learner) -> tuple[np.ndarray, np.ndarray]:
+    """Return the steps and the mean time to reach of so many equal parts of a training, shape (n,) each."""
+    steps, times_s = learner.training.curve.column("steps"), np.array(learner.time_s)
+    parts = np.array_split(np.arange(len(steps)), min(BINS, len(steps)))
+    return (
+        np.array([steps[part].mean() for part in parts]),
+        np.array([_mean_of_known(times_s[part]) for part in parts]),
+    )
+
+
+def _mean_of_known(values: np.ndarray) -> float:
+    known = values[~np.isnan(values)]
+    return float(known.mean()) if known.size else float("nan")
+
+
+def _path_panel(learners: Sequence[Learner]) -> Panel:
+    curves = []
+    for each in _of_first_seed(learners):
+        with closing(InfantEnv(reaching(each.delay_ms))) as env:
+            env.reset(seed=0)
+            shoulder = env.data.body("right_upper_arm").xpos.copy()
+        for reach in each.reaches[:SHOWN]:
+            assert reach.path_m is not None
+            ahead, _, up = 100 * (reach.path_m - shoulder).T
+            curves.append(Curve(_label(each.delay_ms), ahead, up))
+    return Panel("Before the shoulder [cm]", "Above the shoulder [cm]", curves, "Hand paths", equal=True)
+
+
+def _smoothness_panel(learners: Sequence[Learner]) -> Panel:
+    curves = []
+    for delay_ms, group in _by_delay(learners).items():
+        lengths = [each.arc_length() for each in group]
+        curves.append(Curve(_label(delay_ms), [delay_ms] * len(lengths), lengths, marker="o", joined=False))
+    return Panel("Sensory delay [ms]", "Spectral arc length (smoother upwards)", curves, "Smoothness")

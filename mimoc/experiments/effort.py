@@ -1,0 +1,130 @@
+"""An infant that lies on its back and moves one joint with all its strength."""
+
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc import pipeline
+from mimoc.runtime.env import InfantEnv
+from mimoc.scene.poses import Pose, resting_state
+from mimoc.schema import InfantSpec
+from mimoc.units import ms_to_s
+
+FloatArray = npt.NDArray[np.float64]
+Model = Literal["torque", "muscle"]
+
+STEP_MS = 5.0
+"""Of control and of physics, as in the paper."""
+STEPS = 500
+SETTLING_STEPS = 400
+FLAT = Pose(pitch_deg=-90, angles_deg={})
+"""On the back, every joint at zero."""
+
+
+@dataclass(frozen=True, slots=True)
+class Behaviour:
+    """A movement of one joint."""
+
+    name: str
+    actuator: str
+    """One of MIMo's."""
+    joint: str
+    direction: int
+    """1 towards positive angles of the joint, -1 towards negative ones."""
+
+
+BEHAVIOURS = (
+    Behaviour("head lift", "act:head_tilt", "robot:head_tilt", 1),
+    Behaviour("leg lift", "act:right_hip_flex", "robot:right_hip1", -1),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How a joint went; angles are counted from the joint's zero, in the direction of the behaviour."""
+
+    behaviour: Behaviour
+    age_months: float
+    strength_age_months: float
+    length_cm: float
+    """Of the infant, crown to sole."""
+    angle_deg: FloatArray
+    """At the start and after each control step, shape (n + 1,)."""
+    end_deg: float
+    """The end of the joint's range, where a soft stop begins."""
+
+    @property
+    def time_s(self) -> FloatArray:
+        """When each angle was reached, shape (n + 1,)."""
+        return np.arange(len(self.angle_deg), dtype=np.float64) * ms_to_s(STEP_MS)
+
+    @property
+    def peak_deg(self) -> float:
+        """The largest angle; a joint that arrives fast goes a little beyond the end of its range."""
+        return float(self.angle_deg.max())
+
+    @property
+    def peak_in_range_deg(self) -> float:
+        """The largest angle, no further than the range goes."""
+        return min(self.peak_deg, self.end_deg)
+
+    def time_to_s(self, angle_deg: float) -> float | None:
+        """Return when an angle was first reached, between two steps too; None if it never was."""
+        reached = np.flatnonzero(self.angle_deg >= angle_deg)
+        if not reached.size:
+            return None
+        around = slice(max(reached[0] - 1, 0), reached[0] + 1)
+        return float(np.interp(angle_deg, self.angle_deg[around], self.time_s[around]))
+
+
+def efforts(age_months: float, model: Model = "torque", strength_age_months: float | None = None) -> Iterator[Effort]:
+    """Yield each behaviour of the average child of an age, all from the same rest.
+
+    Args:
+        age_months: Of the body.
+        model: What moves it.
+        strength_age_months: Whose strength it has, if not that of its own age.
+    """
+    actuation = {"model": model, "strength_age_months": strength_age_months}
+    control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
+    spec = {"mimo": 1, "name": "lying", "age_months": age_months, "actuation": actuation, "control": control}
+    builder = pipeline.builder(InfantSpec.model_validate(spec))
+    with closing(InfantEnv(builder(0, check=False))) as env:
+        env.reset()
+        env.data.qpos[:] = resting_state(builder.tree, FLAT)
+        nothing = np.zeros(len(env.manifest.actuation.actuators), np.float32)
+        for _ in range(SETTLING_STEPS):
+            env.step(nothing)
+        rest = env.get_state()
+        for behaviour in BEHAVIOURS:
+            env.set_state(rest)
+            yield _effort(env, behaviour, age_months if strength_age_months is None else strength_age_months)
+
+
+def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) -> Effort:
+    joint = env.model.joint(behaviour.joint)
+    action = _all_out(env, behaviour)
+    angles_rad = [float(env.data.qpos[joint.qposadr[0]])]
+    for _ in range(STEPS):
+        env.step(action)
+        angles_rad.append(float(env.data.qpos[joint.qposadr[0]]))
+    return Effort(
+        behaviour=behaviour,
+        age_months=env.manifest.child.age_months,
+        strength_age_months=strength_age_months,
+        length_cm=env.manifest.child.length_cm,
+        angle_deg=behaviour.direction * np.degrees(angles_rad),
+        end_deg=float(np.degrees((behaviour.direction * joint.range).max())),
+    )
+
+
+def _all_out(env: InfantEnv, behaviour: Behaviour) -> npt.NDArray[np.float32]:
+    """Return the action in which only what moves the joint that way acts, as strongly as it can."""
+    muscle = f"{behaviour.actuator}_{'positive' if behaviour.direction > 0 else 'negative'}"
+    wanted = {behaviour.actuator: behaviour.direction, muscle: 1}
+    actuators = env.manifest.actuation.actuators
+    return np.array([wanted.get(actuator.name, 0) for actuator in actuators], np.float32)

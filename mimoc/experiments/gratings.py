@@ -1,0 +1,66 @@
+"""Gratings through the filter of an infant's eye: how much of their contrast is left."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.runtime.senses.acuity import pixels_per_degree
+from mimoc.runtime.senses.vision import filters, perceive
+from mimoc.schema import VisionSpec
+from mimoc.schema.manifest import VisionEntry
+
+WIDTH_PX, HEIGHT_PX = 8, 2048
+"""Of a picture of bars from left to right: fine enough for what eyes of two years see."""
+FOVY_DEG = VisionSpec().fovy_deg
+MEAN, AMPLITUDE = 127.5, 120.0
+"""Of the brightness across a grating, of 0 to 255."""
+SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
+"""How fine the gratings are, the acuity being 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """What is left of the contrast of a grating, 0 to 1."""
+
+    age_months: float
+    acuity_cpd: float
+    frequency_cpd: float
+    measured: float
+
+    @property
+    def law(self) -> float:
+        """What the contrast sensitivity function says (López et al. 2025, equation 2)."""
+        return max(0.0, 1 - self.frequency_cpd / self.acuity_cpd)
+
+
+def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
+    """Yield what an eye leaves of gratings of several frequencies."""
+    eye = VisionEntry(
+        cameras=("eye_left",),
+        width_px=WIDTH_PX,
+        height_px=HEIGHT_PX,
+        supersample=1,
+        acuity_cpd=acuity_cpd,
+        foveation=0.0,
+        foveation_radius="border",
+        unseen=(),
+    )
+    seen_by = filters(eye, FOVY_DEG)
+    for share in SHARES_OF_ACUITY:
+        half_cycles = _half_cycles(share * acuity_cpd)
+        wave = np.cos(np.pi * half_cycles * (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
+        grating = np.rint(MEAN + AMPLITUDE * wave).astype(np.uint8)
+        seen = perceive(np.broadcast_to(grating[None, :, None, None], (1, HEIGHT_PX, WIDTH_PX, 3)), seen_by)
+        left, shown = (float(picture.astype(float) @ wave) for picture in (seen[0, :, 0, 0], grating))
+        yield Transfer(age_months, acuity_cpd, _frequency_cpd(half_cycles), left / shown)
+
+
+def _half_cycles(frequency_cpd: float) -> int:
+    """Return how many half cycles of about a frequency fit a picture: a whole number, so that borders add nothing."""
+    return max(1, round(2 * HEIGHT_PX * frequency_cpd / pixels_per_degree(HEIGHT_PX, FOVY_DEG)))
+
+
+def _frequency_cpd(half_cycles: int) -> float:
+    """Return a frequency in cycles per degree, as degrees are at the centre of the picture."""
+    return half_cycles / (2 * HEIGHT_PX) * pixels_per_degree(HEIGHT_PX, FOVY_DEG)

@@ -1,0 +1,132 @@
+"""What a seed has drawn: the room, the place of the infant in it, and its toys."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mimoc import scene
+from mimoc.experiments.notebook import Cell
+from mimoc.pipeline import Builder
+from mimoc.scene.footprint import floor_reach
+from mimoc.scene.toys.placing import Reach
+from mimoc.scene.tree import Keyframe, Prop, SceneTree
+
+SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
+
+
+@dataclass(frozen=True, slots=True)
+class ToyPlace:
+    """A toy, and where it lies as seen from the middle between the infant's shoulders."""
+
+    name: str
+    category: str
+    size_m: float
+    """Its longest side."""
+    mass_kg: float
+    ahead_m: float
+    left_m: float
+    within_reach: bool
+
+    @property
+    def distance_m(self) -> float:
+        """On the floor."""
+        return math.hypot(self.ahead_m, self.left_m)
+
+
+@dataclass(frozen=True, slots=True)
+class Inventory:
+    """What is in a room."""
+
+    seed: int
+    size_m: tuple[float, float, float]
+    """Depth, width and height."""
+    papers: tuple[str, ...]
+    """Textures of floor, ceiling and walls."""
+    pictures: int
+    lamps: int
+    place_m: tuple[float, float]
+    """Of the infant's hip, from the middle of the room."""
+    heading_rad: float
+    """Which way it looks, from the x axis to the left."""
+    reach: Reach
+    toys: tuple[ToyPlace, ...]
+
+    @property
+    def floor(self) -> str:
+        """The texture of the floor."""
+        return self.papers[0]
+
+    @property
+    def nearest_wall_m(self) -> float:
+        """From the infant's hip."""
+        return min(side / 2 - abs(place) for side, place in zip(self.size_m[:2], self.place_m, strict=True))
+
+    @property
+    def row(self) -> tuple[Cell, ...]:
+        """The room as a row of a table."""
+        within = sum(toy.within_reach for toy in self.toys)
+        drawn = (self.seed, *self.size_m, self.floor, self.pictures, self.lamps)
+        placed = (*self.place_m, math.degrees(self.heading_rad), self.nearest_wall_m)
+        return (*drawn, *placed, len(self.toys), within)
+
+    @property
+    def toy_rows(self) -> Iterator[tuple[Cell, ...]]:
+        """The toys as rows of a table."""
+        for toy in self.toys:
+            what = (self.seed, toy.name, toy.category, toy.size_m, toy.mass_kg)
+            yield *what, toy.ahead_m, toy.left_m, toy.distance_m, int(toy.within_reach)
+
+
+def take_inventory(builder: Builder, seed: int) -> Inventory:
+    """Return what a seed draws for the room of a spec, one with an infant that has arms.
+
+    Raises:
+        SpecError: If there is no room for the toys.
+    """
+    wanted = builder.spec.scene.model_copy(update={"seed": seed})
+    spec = builder.spec.model_copy(update={"scene": wanted})
+    room = scene.furnish(builder.infant, spec, builder.tree, builder.supplies, builder.stage, builder.discs)
+    start = next(keyframe for keyframe in room.keyframes if keyframe.name == wanted.pose)
+    reach = floor_reach(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
+    assert reach is not None
+    heading_rad = _heading_rad(start)
+    furniture = room.world.furniture
+    names = [geom.name for geom in furniture.geoms]
+    papers = {material.name: material.texture or "" for material in furniture.materials}
+    return Inventory(
+        seed=seed,
+        size_m=_size_m(room),
+        papers=tuple(papers[side] for side in SIDES),
+        pictures=sum(name.startswith("picture") for name in names),
+        lamps=sum(name.startswith("lamp") for name in names),
+        place_m=(start.qpos[0], start.qpos[1]),
+        heading_rad=heading_rad,
+        reach=reach,
+        toys=tuple(_seen_from(prop, reach, heading_rad) for prop in room.world.props),
+    )
+
+
+def _size_m(room: SceneTree) -> tuple[float, float, float]:
+    halves_m = {geom.name: geom.size_m for geom in room.world.furniture.geoms}
+    depth_m, width_m = (2 * half_m for half_m in halves_m["floor"][:2])
+    return depth_m, width_m, 2 * halves_m["wall_front"][1]
+
+
+def _heading_rad(start: Keyframe) -> float:
+    """Return which way the hip's x axis points, seen from above."""
+    w, x, y, z = start.qpos[3:7]
+    return math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
+
+
+def _seen_from(prop: Prop, reach: Reach, heading_rad: float) -> ToyPlace:
+    x_m, y_m = (place - centre for place, centre in zip(prop.pos_m, reach.centre_m, strict=False))
+    cos, sin = math.cos(heading_rad), math.sin(heading_rad)
+    return ToyPlace(
+        name=prop.object,
+        category=prop.category,
+        size_m=prop.size_m,
+        mass_kg=prop.mass_kg,
+        ahead_m=cos * x_m + sin * y_m,
+        left_m=cos * y_m - sin * x_m,
+        within_reach=math.hypot(x_m, y_m) <= reach.radius_m,
+    )

@@ -1,0 +1,161 @@
+"""How hands and eyes come to targets by inverse dynamics, with three sets of gains (López et al. 2025, figure 5)."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from mimoc import pipeline
+from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.plot.curves import Curve, Panel, draw_panels
+from mimoc.plot.figure import png
+from mimoc.runtime.control.reaching import GAIN_SETS, ReachErrors, ReachGains, reach_errors
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.senses.sense import FloatArray
+from mimoc.schema import InfantSpec
+
+AGE_MONTHS = 18
+TRIALS, QUICK_TRIALS = 10, 3
+"""Of each set of gains; the paper shows the mean of ten."""
+SECONDS, QUICK_SECONDS = 2.0, 1.0
+SEED = 1
+"""Of the targets, which are the same for all gains."""
+TOLD_S = (0.25, 0.5, 1.0, 2.0)
+"""When errors are told in the table."""
+
+ABOUT = """\
+The average child of {age} months sits, its trunk held. Both hands reach for targets drawn by chance from what they can
+get to, and the eyes align with the target of the right hand, all by prioritised inverse dynamics: hands first, then
+eyes, then posture. {trials} pairs of targets, the same for each set of gains; gains are what multiplies the error in
+the wanted acceleration.
+
+{gains}
+
+![Distance of the hands and misalignment of the eyes over time](inverse.png)
+
+The lines are means over trials, and over both hands or both eyes; the bands reach from the first to the third quartile.
+`inverse.csv` has mean, median and quartiles for every control step of 10 ms."""
+
+COMPARED = """\
+## Next to the paper
+
+The paper shows that hands reach their targets while the eyes align, the faster the larger the gains; it gives no
+figures. Measured here, the mean with the median in brackets:
+
+{table}
+
+{verdict}"""
+
+
+def run(notebook: Notebook) -> Path:
+    """Let an infant reach with each set of gains, and return the page."""
+    trials, seconds = (QUICK_TRIALS, QUICK_SECONDS) if notebook.quick else (TRIALS, SECONDS)
+    found = dict(_reaches(notebook, trials, seconds))
+    notebook.write_table(
+        "inverse.csv",
+        ("gains", "time_s", *(f"{what}_{how}" for what in ("hands_mm", "eyes_deg") for how in HOW)),
+        _rows(found),
+    )
+    panels = [
+        Panel("Time [s]", "Distance of hands from targets [mm]", _curves(found, _hands_mm), "Hands"),
+        Panel("Time [s]", "Misalignment of eyes [degrees]", _curves(found, _eyes_deg), "Eyes"),
+    ]
+    notebook.write_picture("inverse.png", png(draw_panels(panels)))
+    about = ABOUT.format(age=AGE_MONTHS, trials=trials, gains=_gains_table())
+    compared = COMPARED.format(table=_table(found), verdict=_verdict(found))
+    return notebook.write_page(
+        "Inverse dynamics", (about, compared), seeds=f"Targets have the seed {SEED}.", libraries=["matplotlib"]
+    )
+
+
+HOW: Mapping[str, float | None] = {"mean": None, "median": 50.0, "quartile1": 25.0, "quartile3": 75.0}
+"""What is told of errors: a percentile, or the mean."""
+
+
+def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
+    """Yield how reaching goes with each set of gains."""
+    spec = {
+        "mimo": 1,
+        "name": "reaching",
+        "age_months": AGE_MONTHS,
+        "actuation": {"locked": ["trunk"]},
+        "scene": {"kind": "flat", "pose": "sitting", "held": ["hip"]},
+    }
+    bundle = pipeline.build(InfantSpec.model_validate(spec))
+    for number, (name, gains) in enumerate(GAIN_SETS.items()):
+
+        def tell(done: int, total: int, before: int = number * trials) -> None:
+            notebook.progress(before + done, len(GAIN_SETS) * trials)
+
+        with closing(InfantEnv(bundle)) as env:
+            generator = np.random.default_rng(SEED)
+            yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=tell)
+
+
+def _hands_mm(errors: ReachErrors) -> FloatArray:
+    """Return the distance of all hands in all trials, shape (n, t + 1)."""
+    return 1000 * np.concatenate(list(np.moveaxis(errors.hands_m, 2, 0)))
+
+
+def _eyes_deg(errors: ReachErrors) -> FloatArray:
+    """Return the misalignment of all eyes in all trials, shape (n, t + 1)."""
+    return np.degrees(np.concatenate(list(np.moveaxis(errors.eyes_rad, 2, 0))))
+
+
+def _summed_up(errors: FloatArray, percentile: float | None) -> FloatArray:
+    """Return the mean or a percentile at each time, shape (t + 1,)."""
+    return errors.mean(axis=0) if percentile is None else np.percentile(errors, percentile, axis=0)
+
+
+def _curves(found: Mapping[str, ReachErrors], pick: Callable[[ReachErrors], FloatArray]) -> list[Curve]:
+    curves = []
+    for name, errors in found.items():
+        values = pick(errors)
+        spread = (_summed_up(values, 25.0), _summed_up(values, 75.0))
+        curves.append(Curve(f"{name} gains", errors.time_s, _summed_up(values, None), spread=spread))
+    return curves
+
+
+def _rows(found: Mapping[str, ReachErrors]) -> Iterator[tuple[str | float, ...]]:
+    for name, errors in found.items():
+        columns = [
+            _summed_up(values, percentile)
+            for values in (_hands_mm(errors), _eyes_deg(errors))
+            for percentile in HOW.values()
+        ]
+        for index, time_s in enumerate(errors.time_s.tolist()):
+            yield name, time_s, *(float(column[index]) for column in columns)
+
+
+def _gains_table() -> str:
+    headings = ("gains", "hands [1/s²]", "viscosity [1/s]", "eyes [1/s²]", "viscosity [1/s]")
+    return markdown_table(headings, (_gains_row(name, gains) for name, gains in GAIN_SETS.items()))
+
+
+def _gains_row(name: str, gains: ReachGains) -> tuple[str, ...]:
+    numbers = (gains.hands.strength, gains.hands.viscosity_per_s, gains.eyes.strength, gains.eyes.viscosity_per_s)
+    return name, *(f"{number:g}" for number in numbers)
+
+
+def _table(found: Mapping[str, ReachErrors]) -> str:
+    times_s = [time_s for time_s in TOLD_S if time_s <= next(iter(found.values())).time_s[-1] + 1e-9]
+    headings = ("gains", *(f"{what} at {time_s:g} s" for what in ("hands [mm]", "eyes [deg]") for time_s in times_s))
+    rows = [
+        (name, *(_at(errors, pick(errors), time_s) for pick in (_hands_mm, _eyes_deg) for time_s in times_s))
+        for name, errors in found.items()
+    ]
+    return markdown_table(headings, rows)
+
+
+def _at(errors: ReachErrors, values: FloatArray, time_s: float) -> str:
+    index = int(np.argmin(np.abs(errors.time_s - time_s)))
+    return f"{values[:, index].mean():.1f} ({np.median(values[:, index]):.1f})"
+
+
+def _verdict(found: Mapping[str, ReachErrors]) -> str:
+    """Return whether larger gains come to targets sooner, in words: by the distance at half a second."""
+    sooner = [np.median(_hands_mm(errors)[:, len(errors.time_s) // 4]) for errors in found.values()]
+    faster = all(later < earlier for earlier, later in pairwise(sooner))
+    return f"So hands come to their targets {'the sooner the larger the gains' if faster else 'not always sooner'}."

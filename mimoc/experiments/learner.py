@@ -1,0 +1,76 @@
+"""An infant that has learned to reach, and how well it does."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean
+
+import numpy as np
+
+from mimoc.experiments.smoothness import log_dimensionless_jerk, spectral_arc_length
+from mimoc.training import Episode, Training
+from mimoc.units import ms_to_s
+
+STEP_MS = 10.0
+"""Of control."""
+LAST = 0.2
+"""Share of a training at whose end learning is summed up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Learner:
+    """An infant that has learned to reach."""
+
+    delay_ms: float
+    seed: int
+    training: Training
+    reaches: list[Episode]
+
+    @property
+    def time_s(self) -> list[float]:
+        """Time to reach while learning, for each row of the curve; NaN where no episode ended."""
+        steps = self.training.curve.column("episode_steps")
+        return (steps * ms_to_s(STEP_MS)).tolist()
+
+    def last_time_s(self) -> float:
+        """Return the mean time to reach at the end of the training."""
+        late = self.training.curve.column("steps") > (1 - LAST) * self.training.curve.steps
+        return float(np.nanmean(np.array(self.time_s)[late]))
+
+    def success_rate(self) -> float:
+        """Return the share of reaches after the training that touch the ball."""
+        return fmean(each.success for each in self.reaches)
+
+    def jerk(self) -> float:
+        """Return the median log dimensionless jerk of those reaches."""
+        return _median([smoothness(each)[0] for each in self.reaches])
+
+    def arc_length(self) -> float:
+        """Return their median spectral arc length."""
+        return _median([smoothness(each)[1] for each in self.reaches])
+
+    def detour(self) -> float:
+        """Return how much longer the way of the hand is than straight, as a factor, the median of those reaches."""
+        return _median([detour(each) for each in self.reaches])
+
+    def reach_time_s(self) -> float:
+        """Return the mean time of a reach after the training."""
+        return fmean(each.duration_s for each in self.reaches)
+
+
+def smoothness(episode: Episode) -> tuple[float, float]:
+    """Return log dimensionless jerk and spectral arc length of the way of a hand."""
+    assert episode.path_m is not None
+    step_s = episode.duration_s / episode.steps
+    return log_dimensionless_jerk(episode.path_m, step_s), spectral_arc_length(episode.path_m, step_s)
+
+
+def detour(episode: Episode) -> float:
+    """Return how long the way of the hand is, by the straight way from its start to its end."""
+    assert episode.path_m is not None
+    way_m = np.linalg.norm(np.diff(episode.path_m, axis=0), axis=1).sum()
+    return float(way_m / np.linalg.norm(episode.path_m[-1] - episode.path_m[0]))
+
+
+def _median(values: Sequence[float]) -> float:
+    found = [value for value in values if not np.isnan(value)]
+    return float(np.median(found)) if found else float("nan")

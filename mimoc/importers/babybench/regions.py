@@ -1,0 +1,139 @@
+"""BabyBench's regions of the body, switched one by one, as mimoc's groups of muscles."""
+
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from mimoc.errors import suggestion
+from mimoc.importers.settings import Settings
+from mimoc.schema.names import PAIRED_GROUPS, SIDES, STRENGTH_GROUPS
+from mimoc.source import shown
+
+_WHOLE = {
+    "neck": ("neck", "head"),
+    "trunk": ("trunk", "body", "torso"),
+    "eyes": ("eyes", "eye"),
+    **{pair: (pair, pair.removesuffix("s")) for pair in PAIRED_GROUPS},
+}
+"""What a group is called."""
+_PARTS = {
+    "neck": ("face",),
+    "trunk": ("back", "belly", "chest", "hip", "hips"),
+    "arms": ("elbows", "forearms", "lower_arms", "shoulders", "upper_arms"),
+    "hands": ("finger", "fingers", "palms", "thumbs", "wrists"),
+    "legs": ("ankles", "feet", "foot", "knees", "lower_legs", "thighs", "toe", "toes", "upper_legs"),
+}
+"""What mimoc has no group of its own for, by the group that it belongs to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """What a name means."""
+
+    groups: tuple[str, ...]
+    """Groups that have no pair: of `arms`, those of both sides."""
+    rank: int
+    """How particular it is: 0 a part of a group, 1 a pair of groups, 2 one group."""
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A key such as `act_fingers`."""
+
+    key: str
+    on: bool
+    region: Region
+
+
+def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> list[Switch]:
+    """Return the switches of regions that begin with a prefix, and note those of regions that there are not.
+
+    Args:
+        settings: Where they are.
+        prefix: `act_`, say.
+        beside: Keys that begin so and mean something else.
+    """
+    found = []
+    for key in settings.keys(prefix):
+        name = key.removeprefix(prefix).lower()
+        if key in beside:
+            continue
+        if name not in REGIONS:
+            settings.note(key, f"no counterpart; mimoc has no region '{shown(name)}', {suggestion(name, REGIONS)}")
+        elif (on := settings.flag(key)) is not None:
+            found.append(Switch(key, on, REGIONS[name]))
+    return found
+
+
+def switched_on(found: Iterable[Switch], *, default: bool, merge: Callable[[Iterable[bool]], bool]) -> frozenset[str]:
+    """Return the groups that switches come to, each group by itself.
+
+    Args:
+        found: The switches.
+        default: For a group that has none of its own.
+        merge: What a group comes to that is on in part: `any` or `all`.
+    """
+    found = tuple(found)
+    return frozenset(group for group in SINGLE_GROUPS if merge(_values(group, found, default)))
+
+
+def named(groups: Iterable[str]) -> list[str]:
+    """Return groups by the fewest names, in the order of the spec language: both arms are `arms`."""
+    left = set(groups)
+    names = set()
+    for pair, sides in PAIRED_GROUPS.items():
+        if set(sides) <= left:
+            left -= set(sides)
+            names.add(pair)
+    return [name for name in STRENGTH_GROUPS if name in names | left]
+
+
+def note_what_is_coarser(
+    settings: Settings, found: Iterable[Switch], on: frozenset[str], whats: dict[bool, str]
+) -> None:
+    """Note each part of a group that goes with the rest of it, against its own switch.
+
+    Args:
+        settings: Where to note it.
+        found: The switches.
+        on: The groups that are switched on.
+        whats: What becomes of a group that is on, and of one that is off.
+    """
+    for switch in found:
+        against = [group for group in switch.region.groups if (group in on) != switch.on]
+        if against and switch.region.rank == 0:
+            group = " and ".join(named(against))
+            said = "true" if switch.on else "false"
+            message = f"{said} has no counterpart; in mimoc this is part of '{group}', {whats[not switch.on]}"
+            settings.note(switch.key, message)
+
+
+def _values(group: str, found: Iterable[Switch], default: bool) -> list[bool]:
+    here = [switch for switch in found if group in switch.region.groups]
+    whole = [switch for switch in here if switch.region.rank > 0]
+    rank = max((switch.region.rank for switch in whole), default=0)
+    values = [switch.on for switch in whole if switch.region.rank == rank] or [default]
+    return values + [switch.on for switch in here if switch.region.rank == 0]
+
+
+def _sides_of(name: str) -> dict[str, str]:
+    """Return the names for one side of something, each with its side: `left_feet` and `left_foot` of `feet`."""
+    one = {"feet": "foot", "toes": "toe", "fingers": "finger"}.get(name, re.sub("s$", "", name))
+    return {f"{side}_{form}": side for side in SIDES for form in (name, one)}
+
+
+def _regions() -> dict[str, Region]:
+    found = {}
+    for rank, table in ((1, _WHOLE), (0, _PARTS)):
+        for group, names in table.items():
+            for name in names:
+                found[name] = Region(PAIRED_GROUPS.get(group, (group,)), rank)
+                if group in PAIRED_GROUPS:
+                    sided = {form: (f"{side}_{group.removesuffix('s')}",) for form, side in _sides_of(name).items()}
+                    found |= {form: Region(groups, 2 * rank) for form, groups in sided.items()}
+    return found
+
+
+REGIONS = _regions()
+"""Every name of a region."""
+SINGLE_GROUPS = tuple(group for group in STRENGTH_GROUPS if group not in PAIRED_GROUPS)

@@ -1,0 +1,131 @@
+"""The keys of a flat configuration, each read as what it should be."""
+
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from mimoc.errors import Problem, SpecError, suggestion
+from mimoc.source import Source, shown
+
+Meaning = TypeVar("Meaning")
+
+_FLAGS = {"yes": True, "no": False, "on": True, "off": False, "true": True, "false": False}
+"""What YAML 1.1, which most systems read, takes for true and false; ours reads most of these as words."""
+_ONE_OR_THE_OTHER = "true or false"
+
+
+class Settings:
+    """Reads the keys of a configuration, and gathers what is wrong with them and what there is to say about them."""
+
+    def __init__(self, source: Source):
+        self._source = source
+        self._problems = list(source.problems)
+        self._notes: list[Problem] = []
+        self._read: set[str] = {str(path[0]) for path in source.spoilt if path}
+        self._data = {key: value for key, value in source.data.items() if key not in self._read}
+
+    def find(self, *names: str) -> str | None:
+        """Return which of several names for one thing is there, None if none is; two are a problem."""
+        found = sorted((name for name in names if name in self._data), key=self.line)
+        self._read.update(found)
+        for other in found[1:]:
+            said = f"this says the same as '{found[0]}' in line {self.line(found[0])}; keep one of the two"
+            self._problems.append(self._source.problem((other,), said, at="key"))
+        return found[0] if found else None
+
+    def flag(self, *names: str) -> bool | None:
+        """Return true or false, None if it is not there."""
+        key = self.find(*names)
+        if key is None:
+            return None
+        value = self._data[key]
+        meaning = _FLAGS.get(value.lower(), value) if isinstance(value, str) else value
+        if meaning in (True, False):
+            return bool(meaning)
+        return self._refuse(key, f"is not {_ONE_OR_THE_OTHER}", f"write {_ONE_OR_THE_OTHER}")
+
+    def whole(self, *names: str, low: int, high: int) -> int | None:
+        """Return a whole number in a range, None if it is not there."""
+        key = self.find(*names)
+        if key is None:
+            return None
+        value = self._data[key]
+        if type(value) is not int:
+            return self._refuse(key, "is not a whole number", f"give {low} to {high}")
+        return value if self._fits(key, value, low, high) else None
+
+    def number(self, *names: str, low: float, high: float) -> float | None:
+        """Return a number in a range, None if it is not there."""
+        key = self.find(*names)
+        if key is None:
+            return None
+        value = self._data[key]
+        if type(value) not in (int, float):
+            return self._refuse(key, "is not a number", f"give {low:g} to {high:g}")
+        return value if self._fits(key, value, low, high) else None
+
+    def choice(self, *names: str, meanings: Mapping[str, Meaning]) -> Meaning | None:
+        """Return what a word means, None if it is not there; capitals, spaces and hyphens do not count."""
+        key = self.find(*names)
+        if key is None:
+            return None
+        word = plain(self._data[key])
+        if word in meanings:
+            return meanings[word]
+        return self._refuse(key, "is not a choice", suggestion(word[:80], meanings))
+
+    def value(self, key: str) -> Any:
+        """Return what stands at a key that was found, whatever it is."""
+        return self._data[key]
+
+    def keys(self, prefix: str) -> list[str]:
+        """Return the keys that begin so, in the order of their lines."""
+        return [key for key in self._data if key.startswith(prefix)]
+
+    def line(self, key: str) -> int:
+        """Return the line of a key."""
+        return self._source.locate((key,), at="key")[0]
+
+    def note(self, key: str, message: str) -> None:
+        """Remember what there is to say about a key."""
+        self._read.add(key)
+        self._notes.append(self._source.problem((key,), message, at="key"))
+
+    def pass_over(self, *prefixes: str) -> None:
+        """Take no notice of the keys that begin so, which belong to something that is off."""
+        self._read.update(key for key in self._data if key.startswith(prefixes))
+
+    def left_over(self) -> list[str]:
+        """Return the keys that nobody asked for."""
+        return [key for key in self._data if key not in self._read]
+
+    def notes(self) -> tuple[Problem, ...]:
+        """Return what there is to say, by line.
+
+        Raises:
+            SpecError: If anything is wrong, with all that is.
+        """
+        if self._problems:
+            raise SpecError(self._problems)
+        return tuple(sorted(self._notes))
+
+    def _fits(self, key: str, value: float, low: float, high: float) -> bool:
+        if low <= value <= high:
+            return True
+        self._refuse(key, f"is too {'small' if value < low else 'large'}", f"give {low:g} to {high:.16g}")
+        return False
+
+    def _refuse(self, key: str, what: str, advice: str) -> None:
+        value = self._data[key]
+        wrong = "has no value" if value is None else f"{_as_written(value)} {what}"
+        self._problems.append(self._source.problem((key,), f"{wrong}; {advice}"))
+
+
+def plain(value: Any) -> str:
+    """Return a word as tables have it: small letters, and `_` between them; nothing is `none`."""
+    return "_".join(str("none" if value is None else value).lower().replace("-", " ").replace("_", " ").split())
+
+
+def _as_written(value: Any) -> str:
+    if isinstance(value, dict | list):
+        return "this section" if isinstance(value, dict) else "this list"
+    return f"'{shown(value)}'" if isinstance(value, str) else shown(str(value).lower())

@@ -1,0 +1,53 @@
+"""Figures of matplotlib, and the PNGs of them."""
+
+import io
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from mimoc.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DPI = 150
+
+
+def new_figure(width_px: int, height_px: int) -> "Figure":
+    """Return an empty figure, which belongs to no screen.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width_px / DPI, height_px / DPI), dpi=DPI)
+
+
+def require_matplotlib() -> None:
+    """Make sure that figures can be drawn.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    try:
+        import_module("matplotlib.figure")
+    except ImportError:
+        raise MissingExtraError("matplotlib", "report") from None
+
+
+def png(figure: "Figure") -> bytes:
+    """Return the PNG of a figure: the same figure, the same bytes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    picture = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})
+    return picture.getvalue()
+
+
+def tidy(axes: "Axes") -> None:
+    """Give a panel a light grid behind what it shows, and no frame above and on the right."""
+    axes.grid(color="0.92", linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)

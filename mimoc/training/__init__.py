@@ -1,0 +1,15 @@
+"""Infants that learn: training that can be interrupted, what came of it, and trained policies."""
+
+from mimoc.errors import MissingExtraError
+
+try:
+    import stable_baselines3  # noqa: F401
+except ImportError:
+    raise MissingExtraError("stable_baselines3", "train") from None
+
+from mimoc.training.curve import Curve, Row
+from mimoc.training.evaluation import Episode, evaluate
+from mimoc.training.policies import TrainedPolicy, load_policy
+from mimoc.training.trainer import Training, train
+
+__all__ = ["Curve", "Episode", "Row", "TrainedPolicy", "Training", "evaluate", "load_policy", "train"]

@@ -1,0 +1,160 @@
+"""What holds of every experiment; each is made small."""
+
+import re
+import sys
+from importlib import import_module
+
+import pytest
+from PIL import Image
+
+import mimoc
+from mimoc import cli
+from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
+from mimoc.experiments import EXPERIMENTS, run_experiment
+
+SMALL = {
+    "growth": {"QUICK_MONTHS": (0, 6, 18)},
+    "strength": {"PAPER_MONTHS": (3, 18)},
+    "acuity": {"PAPER_MONTHS": (1, 6), "QUICK_SIZE_PX": 32},
+    "delays": {"QUICK_STEPS": 4096, "QUICK_SEEDS": (1,), "DELAYS_MS": (0, 50), "EPISODES": 2, "SHOWN": 1},
+    "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
+    "rooms": {"QUICK_SEEDS": range(2), "PICTURE_PX": (64, 48)},
+}
+"""What makes an experiment small, by name."""
+
+
+@pytest.fixture(scope="module", params=EXPERIMENTS)
+def made(request, tmp_path_factory):
+    """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
+    name, told = request.param, []
+    folders = [tmp_path_factory.mktemp(name), tmp_path_factory.mktemp(name)]
+    with pytest.MonkeyPatch.context() as patch:
+        for constant, value in SMALL[name].items():
+            patch.setattr(import_module(EXPERIMENTS[name]), constant, value)
+        run_experiment(name, folders[0], quick=True, progress=lambda *done: told.append(done))
+        run_experiment(name, folders[1], quick=True)
+    return name, folders, told
+
+
+def test_it_writes_tables_pictures_and_one_page(made):
+    name, (folder, _), _ = made
+    kinds = [path.suffix for path in folder.iterdir() if path.is_file()]
+    assert (folder / f"{name}.md").is_file()
+    assert set(kinds) == {".csv", ".png", ".md"}
+    assert kinds.count(".md") == 1
+
+
+def test_the_same_seeds_give_the_same_tables_to_the_byte(made):
+    _, folders, _ = made
+    one, other = ({path.name: path.read_bytes() for path in folder.glob("*.csv")} for folder in folders)
+    assert one == other
+
+
+def test_every_table_has_a_heading_with_units_and_a_value_in_each_column(made):
+    for path in made[1][0].glob("*.csv"):
+        heading, *rows = (line.split(",") for line in path.read_text().splitlines())
+        assert rows, path
+        assert {len(row) for row in rows} == {len(heading)}
+
+
+def test_every_picture_is_whole_and_small(made):
+    for path in made[1][0].glob("*.png"):
+        Image.open(path).verify()
+        assert path.stat().st_size < 300_000
+
+
+def test_the_page_compares_in_a_table_and_names_the_paper(made):
+    page = (made[1][0] / f"{made[0]}.md").read_text()
+    assert "| --- |" in page
+    assert "paper" in page
+    assert f"mimo experiment {made[0]} -o " in page
+    assert f"mimoc {mimoc.__version__}" in page
+
+
+def test_the_page_shows_every_picture_and_mentions_every_table(made):
+    name, (folder, _), _ = made
+    page = (folder / f"{name}.md").read_text()
+    assert set(re.findall(r"\]\((.*?)\)", page)) == {path.name for path in folder.glob("*.png")}
+    assert all(f"`{path.name}`" in page for path in folder.glob("*.csv"))
+
+
+def test_the_page_has_no_gaps_and_no_place_of_this_machine(made):
+    page = (made[1][0] / f"{made[0]}.md").read_text()
+    assert "{" not in page.replace("{model: muscle}", "")
+    assert str(made[1][0].parent) not in page
+
+
+def test_progress_counts_up_to_the_end(made):
+    told = made[2]
+    counts = [done for done, _ in told]
+    assert counts == sorted(counts)
+    assert {total for _, total in told} == {counts[-1]}
+
+
+# What is refused.
+
+
+def test_an_unknown_name_lists_those_there_are(tmp_path):
+    with pytest.raises(UnknownNameError, match="'strenght' is not a known experiment; did you mean 'strength'"):
+        run_experiment("strenght", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_matplotlib_is_told_before_anything_is_done(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(MissingExtraError, match=r"mimoc\[report\]"):
+        run_experiment("growth", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_in_the_way_is_refused(tmp_path):
+    (tmp_path / "out").write_text("mine")
+    with pytest.raises(OutputError, match="is a file"):
+        run_experiment("growth", tmp_path / "out")
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["walking", "-o", "out"],
+            f"'walking' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
+        ),
+        (["growth", "-o", "file"], "file: is a file, not a folder; choose another place"),
+    ],
+)
+def test_the_command_says_in_one_line_what_is_wrong(arguments, message, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    monkeypatch.setattr(sys, "argv", ["mimo", "experiment", *arguments])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    out, err = capfd.readouterr()
+    assert (exit_.value.code, out, err) == (2, "", message + "\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_command_prints_where_the_page_is(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(import_module(EXPERIMENTS["growth"]), "QUICK_MONTHS", (6,))
+    monkeypatch.setattr(sys, "argv", ["mimo", "experiment", "growth", "-o", "out/growth", "--quick"])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    assert capfd.readouterr() == ("out/growth/growth.md\n", "")
+
+
+def test_what_was_finished_outlives_an_interruption(tmp_path, monkeypatch):
+    """Every file is whole or not there; what an earlier run left stays until its successor is whole."""
+    strength = import_module(EXPERIMENTS["strength"])
+    (tmp_path / "strength.csv").write_text("earlier")
+
+    def interrupt(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(strength, "PAPER_MONTHS", (3,))
+    with pytest.raises(KeyboardInterrupt):
+        run_experiment("strength", tmp_path, quick=True, progress=interrupt)
+    assert [path.name for path in tmp_path.iterdir()] == ["strength.csv"]
+    assert (tmp_path / "strength.csv").read_text() == "earlier"

@@ -1,0 +1,77 @@
+"""The ball hangs where the infant can touch it, at every age, and nowhere else."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mimoc
+from mimoc.errors import SpecError
+
+AGES = (0, 3, 9, 18, 24)
+
+
+def reach(age_months: float, hands: str = "mitten", **keys) -> mimoc.InfantSpec:
+    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": {"hands": hands}, "task": {"kind": "reach"}}
+    return mimoc.InfantSpec.model_validate({**data, **keys})
+
+
+@given(age_months=st.floats(0, 24), hands=st.sampled_from(["mitten", "five_finger"]))
+@settings(max_examples=20)
+def test_the_ball_is_farther_the_longer_the_arm(age_months, hands):
+    """Between a half and the whole of an arm's length away: what a hand can touch without going through the body."""
+    env = mimoc.InfantEnv(mimoc.build(reach(age_months, hands)))
+    goal = env.manifest.task
+    data = env.data
+    arm_m = sum(
+        float(np.linalg.norm(data.body(far).xpos - data.body(near).xpos))
+        for near, far in (
+            ("right_upper_arm", "right_lower_arm"),
+            ("right_lower_arm", "right_hand"),
+            ("right_hand", goal.effector),
+        )
+    )
+    nearest, farthest = goal.distance_m
+    assert 0.5 * arm_m < nearest < farthest < arm_m
+
+
+@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_no_ball_starts_in_the_infant(age_months, hand):
+    env = mimoc.InfantEnv(mimoc.build(reach(age_months, task={"kind": "reach", "hand": hand})))
+    ball = env.model.geom("ball").id
+    for seed in range(30):
+        env.reset(seed=seed)
+        touching = env.data.contact.geom[: env.data.ncon]
+        assert not (touching == ball).any(), seed
+
+
+def test_one_hand_is_the_mirror_image_of_the_other():
+    right, left = (
+        mimoc.build(reach(9, task={"kind": "reach", "hand": hand})).manifest.task for hand in ("right", "left")
+    )
+    assert right.distance_m == left.distance_m
+    assert right.azimuth_rad == tuple(-angle for angle in reversed(left.azimuth_rad))
+    assert (right.effector, left.effector) == ("right_fingers", "left_fingers")
+
+
+def test_only_the_arm_that_reaches_takes_commands():
+    entries = mimoc.build(reach(9)).manifest.actuation.actuators
+    commanded = [entry.name for entry in entries if entry.commanded]
+    assert len(commanded) == 8
+    assert all("right" in name for name in commanded)
+
+
+def test_an_infant_without_the_hand_cannot_reach():
+    with pytest.raises(SpecError, match=r"task\.kind: 'reach' needs right_fingers, which this infant does not have"):
+        mimoc.build(reach(9, body={"remove": ["right_hand"]}))
+
+
+def test_toys_and_a_room_go_with_it():
+    spec = reach(9, scene={"kind": "room", "seed": 2, "toys": {"count": [2, 2]}})
+    env = mimoc.InfantEnv(mimoc.build(spec))
+    env.reset(seed=0)
+    assert [toy.category == "ball" for toy in env.manifest.toys].count(True) <= 2
+    assert len(env.manifest.toys) == 2
+    distance_m = np.linalg.norm(env.data.body("ball").xpos - env.data.body("right_upper_arm").xpos)
+    assert env.manifest.task.distance_m[0] <= distance_m <= env.manifest.task.distance_m[1]

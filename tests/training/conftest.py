@@ -1,0 +1,89 @@
+"""An infant that reaches in episodes of a third of a second, and trainings that take a second."""
+
+import io
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+
+import mimoc
+
+TINY = {
+    "ppo": {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1},
+    "sac": {"learning_starts": 20, "batch_size": 16, "buffer_size": 100, "width": 8, "layers": 1},
+}
+EVERY = 128
+"""Steps between checkpoints."""
+
+
+def build(**keys: Any) -> mimoc.Bundle:
+    spec = {
+        "mimo": 1,
+        "name": "reaching",
+        "age_months": 18,
+        "senses": {"proprioception": {}},
+        "task": {"kind": "reach", "steps": 30},
+    }
+    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+
+
+@pytest.fixture(scope="session")
+def built() -> Callable[..., mimoc.Bundle]:
+    """Return what builds the infant that reaches, with some keys of its spec."""
+    return build
+
+
+@pytest.fixture(scope="session")
+def bundle() -> mimoc.Bundle:
+    """Return the infant that reaches."""
+    return build()
+
+
+@pytest.fixture
+def learn(bundle, tmp_path) -> Callable[..., Any]:
+    """Return what trains the infant for some steps, in a folder of some name."""
+
+    def train(name: str = "run", steps: int = 2 * EVERY, algo: str = "ppo", **options: Any) -> Any:
+        source = options.pop("source", bundle)
+        options = {"envs": 2, "checkpoint_every": EVERY, "hyper": TINY[algo], "processes": False} | options
+        return mimoc.train(source, tmp_path / name, steps=steps, algo=algo, **options)
+
+    return train
+
+
+@pytest.fixture(scope="session")
+def trained(bundle, tmp_path_factory) -> Path:
+    """Return the folder of a training, which is only to be read."""
+    folder = tmp_path_factory.mktemp("runs") / "trained"
+    mimoc.train(bundle, folder, steps=EVERY, envs=2, checkpoint_every=EVERY, hyper=TINY["ppo"], processes=False)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def learned() -> Callable[[Path], Any]:
+    """Return what reads the weights and the statistics in the file of a policy."""
+
+    def read(policy: Path) -> Any:
+        with zipfile.ZipFile(policy) as archive:
+            return torch.load(io.BytesIO(archive.read("policy.pth"))), archive.read("scale.npz")
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def same() -> Callable[[Any, Any], bool]:
+    """Return what says whether two nests of dictionaries, lists and tensors are the same to the bit."""
+    return is_same
+
+
+def is_same(ours: Any, theirs: Any) -> bool:
+    if isinstance(ours, torch.Tensor):
+        return torch.equal(ours, theirs)
+    if isinstance(ours, dict):
+        return ours.keys() == theirs.keys() and all(is_same(ours[key], theirs[key]) for key in ours)
+    if isinstance(ours, (list, tuple)):
+        return len(ours) == len(theirs) and all(map(is_same, ours, theirs))
+    return bool(ours == theirs)

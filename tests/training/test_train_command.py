@@ -1,0 +1,173 @@
+import inspect
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+import mimoc
+from mimoc import cli
+from mimoc.training.checkpoint import read_progress
+
+EVERY = 128
+"""Steps between checkpoints."""
+TOLD = ["--envs", "2", "--checkpoint-every", str(EVERY), "--one-process"]
+for knob in ("n_steps=32", "batch_size=64", "n_epochs=1", "width=8", "layers=1"):
+    TOLD += ["--set", knob]
+DEADLINE_S = 60
+
+
+@pytest.fixture
+def mimo(monkeypatch, capfd):
+    """Return what runs a command in this process; it returns exit code, output and errors."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["mimo", *map(str, arguments)])
+        capfd.readouterr()
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as exit_:
+            code = exit_.code or 0
+        sys.stdout.flush()
+        return code, *capfd.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch, bundle) -> Path:
+    """Return the working directory, with the bundle in `out`."""
+    monkeypatch.chdir(tmp_path)
+    mimoc.write_bundle(bundle, "out")
+    return tmp_path
+
+
+def started(*arguments, **options) -> subprocess.Popen:
+    """Start a training without end in a process of its own."""
+    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
+    command = [sys.executable, "-m", "mimoc", "train", "out", "-o", "run", "--steps", str(10**7), *TOLD, *arguments]
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=heeding, **options)
+
+
+def wait_for(path: Path, running: subprocess.Popen) -> None:
+    deadline = time.monotonic() + DEADLINE_S
+    while not path.exists():
+        assert running.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_train_and_run_say_what_was_learned(mimo, here):
+    code, out, err = mimo("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
+    assert (code, err) == (0, "")
+    for said in (
+        "trained for 256 control steps",
+        "at first",
+        "in the end",
+        "success rate",
+        "mimo run run/bundle --policy run/policy.zip",
+    ):
+        assert said in out
+    code, out, err = mimo("run", "out", "--policy", "run/policy.zip", "--steps", 100)
+    assert (code, err) == (0, "")
+    for said in ("return of an episode, mean", "successes", "episodes ("):
+        assert said in out
+
+
+def test_the_command_and_the_function_have_the_same_defaults():
+    told, known = (inspect.signature(each).parameters for each in (cli.train, mimoc.train))
+    for name in ("algo", "steps", "seed", "envs", "processes", "force"):
+        assert told[name].default == known[name].default
+    assert told["every"].default == known["checkpoint_every"].default
+
+
+def test_the_same_command_again_goes_on(mimo, here):
+    assert mimo("train", "out", "-o", "run", "--steps", EVERY, *TOLD)[0] == 0
+    code, out, _ = mimo("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
+    assert code == 0
+    assert "128 steps of them before" in out
+
+
+def test_the_command_in_the_folder_learns_the_same(mimo, here, learned, same):
+    assert mimo("train", "out", "-o", "run", "--steps", EVERY, "--seed", 4, *TOLD)[0] == 0
+    command = json.loads(Path("run/run.json").read_text())["command"].split()
+    command[2:5] = ["run/bundle", "-o", "again"]
+    assert mimo(*command[1:])[0] == 0
+    assert same(learned(Path("run/policy.zip")), learned(Path("again/policy.zip")))
+
+
+def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
+    """And what is learned then is what would have been learned without."""
+    with started() as running:
+        wait_for(here / "run" / "checkpoints" / f"{2 * EVERY:010d}.zip", running)
+        running.kill()
+    state = here / "run" / "state.zip"
+    kept = read_progress(state.read_bytes()).steps if state.exists() else 0
+    assert kept >= EVERY
+    newest = max(int(path.stem) for path in (here / "run" / "checkpoints").glob("*.zip"))
+    assert newest - kept <= EVERY
+    training = learn("run", steps=kept + EVERY)
+    assert (training.began_at, training.curve.steps) == (kept, kept + EVERY)
+    assert same(learned(training.policy), learned(learn("whole", steps=kept + EVERY).policy))
+
+
+def test_control_c_ends_it_quietly_and_it_can_go_on(mimo, here):
+    """As a terminal does it: everything that belongs to the command is told, the infants' processes too."""
+    ours, theirs = pty.openpty()
+    with started("--processes", stdout=theirs, stderr=theirs, start_new_session=True) as running:
+        os.close(theirs)
+        wait_for(here / "run" / "checkpoints" / f"{EVERY:010d}.zip", running)
+        os.killpg(running.pid, signal.SIGINT)
+        shown = drained(ours)
+    assert running.returncode == 130
+    assert b"Traceback" not in shown
+    kept = read_progress(Path("run/state.zip").read_bytes()).steps if Path("run/state.zip").exists() else 0
+    code, out, _ = mimo("train", "out", "-o", "run", "--steps", kept + EVERY, *TOLD)
+    assert code == 0
+    assert f"trained for {kept + EVERY} control steps" in out
+
+
+def drained(terminal: int) -> bytes:
+    """Return all that is written to a terminal until nobody writes to it any more."""
+    shown = b""
+    try:
+        while part := os.read(terminal, 4096):
+            shown += part
+    except OSError:  # So Linux says that its other end is closed.
+        pass
+    os.close(terminal)
+    return shown
+
+
+BAD_INPUT = {
+    "an unknown algorithm": ("train out -o run --algo ppp", "'ppp' is not a learning algorithm; did you mean 'ppo'?"),
+    "an unknown hyper-parameter": ("train out -o run --set gama=1", "did you mean 'gamma'?"),
+    "no hyper-parameter": ("train out -o run --set gamma", "'gamma' sets nothing"),
+    "no bundle": ("train nowhere -o run", "nowhere: there is no such folder"),
+    "no spec": ("train nowhere.yaml -o run", "nowhere.yaml:1:1: there is no such file"),
+    "a folder of something else": ("train out -o folder", "folder: this folder is not that of a training"),
+    "a bundle to train in": ("train out -o out", "out: this folder is not that of a training"),
+    "a place nobody can write to": ("train out -o /proc/run", "/proc/run: cannot be written"),
+    "no policy": ("run out --policy nowhere.zip", "nowhere.zip: there is no such file"),
+    "a file that is no policy": ("run out --policy junk.zip", "junk.zip: this is not a policy that mimoc trained"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_INPUT)
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, mimo, here):
+    (here / "folder").mkdir()
+    (here / "folder" / "thesis.tex").touch()
+    (here / "junk.zip").write_bytes(b"junk")
+    before = sorted(here.rglob("*"))
+    command, said = BAD_INPUT[case]
+    code, out, err = mimo(*command.split())
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert said in err
+    assert sorted(here.rglob("*")) == before

@@ -1,0 +1,260 @@
+import csv
+import json
+import os
+import shlex
+from dataclasses import replace
+
+import pytest
+from stable_baselines3 import PPO
+
+import mimoc
+import mimoc.training
+from mimoc.bundle import LOCK
+from mimoc.errors import BundleError, TrainingError, UnknownNameError
+from mimoc.training.checkpoint import read_progress
+from mimoc.training.run_folder import claim
+from mimoc.training.settings import Settings
+
+EVERY = 128
+"""Steps between checkpoints."""
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def everything_in(folder):
+    return {path.relative_to(folder): path.is_file() and path.read_bytes() for path in folder.rglob("*")}
+
+
+def timeless(curve):
+    """Return a curve without the time that it took."""
+    return mimoc.training.Curve(tuple(replace(row, wall_s=0.0) for row in curve.rows)).to_csv()
+
+
+def interrupt(at: int):
+    def tell(done, total):
+        if done >= at:
+            raise KeyboardInterrupt
+
+    return tell
+
+
+# What comes of a training.
+
+
+def test_a_training_leaves_all_that_is_needed_to_repeat_and_to_use_it(learn, bundle, tmp_path):
+    training = learn("run")
+    folder = tmp_path / "run"
+    steps = [EVERY, 2 * EVERY]
+    assert sorted(os.listdir(folder)) == [
+        *("bundle", "checkpoints", "curve.csv", "curve.png", "policy.zip", "run.json", "state.zip")
+    ]
+    assert sorted(os.listdir(folder / "checkpoints")) == [f"{each:010d}.zip" for each in steps]
+    assert mimoc.read_bundle(folder / "bundle").files == bundle.files
+    assert (folder / "curve.png").read_bytes().startswith(PNG)
+    rows = list(csv.DictReader((folder / "curve.csv").open()))
+    assert [int(row["steps"]) for row in rows] == steps == training.curve.column("steps").tolist()
+    assert (training.policy, training.began_at) == (folder / "policy.zip", 0)
+    run = json.loads((folder / "run.json").read_text())
+    assert {"mujoco", "gymnasium", "numpy", "torch", "stable_baselines3", "python", "mimoc"} <= run["sessions"][
+        0
+    ].keys()
+    assert Settings.from_data(run["settings"]).hyper["width"] == 8
+
+
+def test_the_command_in_the_folder_says_all_that_was_chosen(learn, tmp_path):
+    learn("run", seed=3)
+    command = shlex.split(json.loads((tmp_path / "run" / "run.json").read_text())["command"])
+    assert command[:5] == ["mimo", "train", "bundle", "-o", "NEW"]
+    said = dict(zip(command[5::2], command[6::2], strict=True))
+    assert (said["--algo"], said["--steps"], said["--seed"], said["--envs"]) == ("ppo", "256", "3", "2")
+    assert said["--checkpoint-every"] == "128"
+    assert {"n_steps=32", "width=8", "n_epochs=1"} <= set(command)
+
+
+def test_the_curve_counts_the_episodes_that_ended(learn):
+    """Of 30 steps at most, in two infants: four each in 128 steps, unless a ball is hit."""
+    rows = learn("run").curve.rows
+    assert all(4 <= row.episodes <= 20 and row.episode_steps <= 30 for row in rows)
+    assert all(row.success_rate <= 1 and row.episode_return < 100 for row in rows)
+
+
+def test_an_infant_with_a_spec_is_built_and_trained(learn, bundle, tmp_path):
+    (tmp_path / "infant.yaml").write_bytes(bundle.files["spec.yaml"])
+    assert learn("from_spec", EVERY, source=tmp_path / "infant.yaml").curve.steps == EVERY
+    assert mimoc.read_bundle(tmp_path / "from_spec" / "bundle").files[LOCK]
+
+
+def test_an_infant_without_a_goal_has_a_curve_of_blanks(learn, built):
+    curve = learn("free", EVERY, source=built(task={"kind": "free"}, senses={})).curve
+    assert (curve.rows[0].episodes, str(curve.rows[0].success_rate)) == (0, "nan")
+
+
+def test_sac_learns_too(learn):
+    training = learn("sac", 64, "sac", checkpoint_every=64)
+    assert training.curve.steps == 64
+
+
+def test_an_infant_that_sees_learns_from_pictures_and_acts_on_them(learn, built):
+    seeing = built(senses={"proprioception": {"include": []}, "vision": {"width_px": 40, "height_px": 40}})
+    training = learn("seeing", 64, source=seeing, checkpoint_every=64)
+    env = mimoc.make(seeing)
+    assert len(mimoc.evaluate(env, mimoc.load_policy(training.policy), episodes=1)) == 1
+    env.close()
+
+
+# What is learned follows from bundle and settings.
+
+
+def test_the_same_seed_learns_the_same_and_another_does_not(learn, learned, same):
+    first, second, other = (learned(learn(name, seed=seed).policy) for name, seed in [("a", 0), ("b", 0), ("c", 1)])
+    assert same(first, second)
+    assert not same(first, other)
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_a_training_that_is_interrupted_learns_what_one_in_a_single_go_does(learn, learned, same, algo):
+    """Weights, optimisers, statistics and what is remembered of past steps, to the bit."""
+    whole = learn("whole", 3 * EVERY, algo)
+    with pytest.raises(KeyboardInterrupt):
+        learn("parts", 3 * EVERY, algo, progress=interrupt(at=EVERY + 40))
+    parts = learn("parts", 3 * EVERY, algo)
+    assert (whole.began_at, parts.began_at) == (0, EVERY)
+    assert same(learned(whole.policy), learned(parts.policy))
+    assert timeless(whole.curve) == timeless(parts.curve)
+
+
+def test_infants_with_a_process_of_their_own_learn_the_same(learn, learned, same):
+    assert same(learned(learn("one", EVERY).policy), learned(learn("many", EVERY, processes=True).policy))
+
+
+def test_more_steps_go_on_where_a_training_ended(learn, learned, same):
+    learn("run", EVERY)
+    more = learn("run", 2 * EVERY)
+    assert (more.began_at, more.curve.steps) == (EVERY, 2 * EVERY)
+    assert same(learned(more.policy), learned(learn("at once", 2 * EVERY).policy))
+
+
+def test_a_training_that_is_done_is_only_read(learn, tmp_path):
+    first = learn("run")
+    state = (tmp_path / "run" / "state.zip").read_bytes()
+    again = learn("run")
+    assert (again.began_at, again.curve.to_csv()) == (first.curve.steps, first.curve.to_csv())
+    assert (tmp_path / "run" / "state.zip").read_bytes() == state
+    assert learn("run", EVERY).curve.to_csv() == first.curve.to_csv()  # As it is when less is asked for.
+
+
+def test_what_is_shown_follows_from_the_state(learn, tmp_path):
+    learn("run")
+    (tmp_path / "run" / "curve.csv").unlink()
+    (tmp_path / "run" / "curve.png").write_bytes(b"")
+    (tmp_path / "run" / ".mimoc-0123.tmp").touch()
+    curve = learn("run").curve
+    assert (tmp_path / "run" / "curve.csv").read_text() == curve.to_csv()
+    assert (tmp_path / "run" / "curve.png").read_bytes().startswith(PNG)
+    assert not list((tmp_path / "run").glob(".mimoc-*"))
+
+
+def test_a_kill_before_the_first_checkpoint_begins_anew(learn, tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        learn("run", progress=interrupt(at=10))
+    assert "run.json" in os.listdir(tmp_path / "run")
+    assert learn("run").began_at == 0
+
+
+# What is refused.
+
+
+OTHERS = {
+    "begun with seed 0, not 1": {"seed": 1},
+    "begun with envs 2, not 4": {"envs": 4},
+    "begun with layers 1, not 2; n_epochs 1, not 10; n_steps 32, not 256; width 8, not 64": {
+        "hyper": {"batch_size": 64}
+    },
+}
+
+
+def test_other_settings_are_refused_and_nothing_changes_but_by_force(learn, tmp_path):
+    learn("run", EVERY)
+    before = everything_in(tmp_path)
+    for said, options in OTHERS.items():
+        with pytest.raises(TrainingError, match=said):
+            learn("run", EVERY, **options)
+        assert everything_in(tmp_path) == before
+    assert learn("run", EVERY, seed=1, force=True).began_at == 0
+
+
+def test_another_infant_is_refused(learn, built):
+    learn("run", EVERY)
+    with pytest.raises(TrainingError, match="begun with another infant; go on as it was begun, name another folder"):
+        learn("run", EVERY, source=built(age_months=9))
+
+
+@pytest.mark.parametrize("kind", ["folder", "file"])
+def test_what_is_no_training_is_left_alone(learn, tmp_path, kind):
+    if kind == "folder":
+        (tmp_path / "run").mkdir()
+        (tmp_path / "run" / "thesis.tex").touch()
+    else:
+        (tmp_path / "run").touch()
+    before = everything_in(tmp_path)
+    with pytest.raises(TrainingError, match=r"this folder is not that of a training|this is a file"):
+        learn("run", EVERY, force=True)
+    assert everything_in(tmp_path) == before
+
+
+def test_two_at_once_in_one_folder_are_one_too_many(learn, bundle, tmp_path):
+    tiny = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
+    settings = Settings.choose("ppo", EVERY, 0, 2, EVERY, tiny)
+    with (
+        claim(tmp_path / "run", settings, bundle, force=False),
+        pytest.raises(TrainingError, match="another process is training here"),
+    ):
+        learn("run", EVERY)
+    assert learn("run", EVERY).curve.steps == EVERY
+
+
+def test_a_damaged_state_is_told_of(learn, tmp_path):
+    learn("run", EVERY)
+    for content in (b"", b"PK\x05\x06" + bytes(18), b"junk"):
+        (tmp_path / "run" / "state.zip").write_bytes(content)
+        with pytest.raises(TrainingError, match=r"state\.zip: it cannot be gone on from.*--force"):
+            learn("run")
+    assert learn("run", EVERY, force=True).curve.steps == EVERY
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "said"),
+    [
+        ({"algo": "pppo"}, UnknownNameError, "did you mean 'ppo'"),
+        ({"steps": 0}, TrainingError, "steps: 0 is too few"),
+        ({"seed": -1}, TrainingError, "seed: -1 is below zero"),
+        ({"hyper": {"gama": 1}}, UnknownNameError, "did you mean 'gamma'"),
+        ({"hyper": {"gamma": 2}}, TrainingError, "gamma: 2 will not do; give a number from 0 to 1"),
+        ({"hyper": {"n_steps": 100}}, TrainingError, "200 steps .* is not a whole number of batches of 256"),
+        ({"source": "nowhere"}, BundleError, "nowhere: there is no such folder"),
+    ],
+)
+def test_bad_settings_are_refused_before_anything_is_written(bundle, tmp_path, options, error, said):
+    with pytest.raises(error, match=said):
+        mimoc.train(options.pop("source", bundle), tmp_path / "run", **{"envs": 2} | options)
+    assert not (tmp_path / "run").exists()
+
+
+def test_pictures_too_small_to_learn_from_are_refused(learn, built, tmp_path):
+    with pytest.raises(TrainingError, match="pictures of 16 x 16 px are too small to learn from"):
+        learn("run", source=built(senses={"vision": {"width_px": 16, "height_px": 16}}))
+    assert not (tmp_path / "run").exists()
+
+
+# The files.
+
+
+def test_the_state_says_how_far_it_is(learn, tmp_path):
+    training = learn("run")
+    progress = read_progress((tmp_path / "run" / "state.zip").read_bytes())
+    assert (progress.steps, progress.curve.to_csv()) == (2 * EVERY, training.curve.to_csv())
+
+
+def test_stable_baselines_reads_the_policy_too(trained, learned, same):
+    agent = PPO.load(trained / "policy.zip", device="cpu")
+    assert agent.num_timesteps == EVERY
+    assert same(agent.policy.state_dict(), learned(trained / "policy.zip")[0])
