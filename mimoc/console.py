@@ -151,7 +151,7 @@ def print_run(summary: Summary) -> None:
 def _outcomes(summary: Summary) -> dict[str, str]:
     """Return what came of the episodes that came to their end."""
     if summary.mean_return is None:
-        return {"successes": "0 of 0 episodes; the first goes on"}
+        return {"successes": "0 of 0 episodes; the first goes on"} if summary.task != "free" else {}
     share = summary.successes / summary.finished
     found = {
         "return of an episode, mean": f"{summary.mean_return:.6g}",

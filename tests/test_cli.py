@@ -139,6 +139,14 @@ def test_run_sums_up_what_happened(mimo, built, policy):
     assert re.search(r"^\d+ steps/s, [\d.]+ times real time$", done.out, re.MULTILINE)
 
 
+def test_run_tells_of_episodes_where_there_is_a_goal(mimo, built, here):
+    (here / "turning.yaml").write_text("mimo: 1\nname: x\nage_months: 9\ntask: {kind: rollover, steps: 20}\n")
+    assert mimo("build", "turning.yaml", "-o", "turning").code == 0
+    for steps, told in ((10, "0 of 0 episodes"), (40, "0 of 2 episodes (0%)")):
+        assert told in mimo("run", "turning", "--steps", str(steps)).out
+    assert "successes" not in mimo("run", str(built), "--steps", "10").out
+
+
 def test_run_with_the_same_seed_prints_the_same_but_for_the_speed(mimo, built):
     def numbers(seed):
         return mimo("run", built, "--steps", 50, "--seed", seed).out.splitlines()[:-1]

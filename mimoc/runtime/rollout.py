@@ -40,6 +40,8 @@ class Summary:
     """Mean speed over joints and steps."""
     unstable: bool
     """Whether an episode ended because the simulation broke down."""
+    task: str
+    """What it was to achieve: the kind of task."""
     finished: int
     """Episodes that came to their end."""
     successes: int
@@ -146,6 +148,7 @@ class Run:
             simulated_s=ms_to_s(steps * self._env.manifest.step_ms),
             wall_s=self._wall_s,
             total_reward=self._reward,
+            task=self._env.manifest.task.kind,
             finished=len(self._returns),
             successes=len(self._times_s),
             mean_return=float(np.mean(self._returns)) if self._returns else None,
