@@ -76,12 +76,17 @@ def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
         tree: The body.
         state: Place and quaternion of the hip, then the hinges (qpos).
     """
-    x, y, z, w, *axis = state[:7]
-    sine = math.hypot(*axis)
-    turn = axis_matrix(axis, 2 * math.atan2(sine, w)) if sine else np.eye(3)
+    hip, turn = hip_in_world(state)
     angles_rad = dict(zip(tree.joints, state[7:], strict=False))
     placed = frames(tree, angles_rad)
-    return {name: (turn @ origin + (x, y, z), turn @ rotation) for name, (origin, rotation) in placed.items()}
+    return {name: (hip + turn @ origin, turn @ rotation) for name, (origin, rotation) in placed.items()}
+
+
+def hip_in_world(state: Sequence[float]) -> Frame:
+    """Return place and rotation of the hip, shapes (3,) and (3, 3), of a state (qpos)."""
+    x, y, z, w, *axis = state[:7]
+    sine = math.hypot(*axis)
+    return np.array([x, y, z]), axis_matrix(axis, 2 * math.atan2(sine, w)) if sine else np.eye(3)
 
 
 def quaternion(rotation: FloatArray) -> tuple[float, float, float, float]:

@@ -22,7 +22,7 @@ from mimoc.runtime.portrait import FROM_THE_SIDE, Painter, towards
 from mimoc.runtime.senses import Sense, bind_senses
 from mimoc.runtime.senses.sense import Observation
 from mimoc.runtime.tasks import bind_task
-from mimoc.runtime.tasks.free import NOTHING_EARNED
+from mimoc.runtime.tasks.task import NOTHING_EARNED
 from mimoc.schema.manifest import Manifest
 from mimoc.units import ms_to_s
 

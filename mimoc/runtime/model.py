@@ -2,8 +2,11 @@
 
 import logging
 import warnings
+from collections.abc import Sequence
 
 import mujoco
+import numpy as np
+import numpy.typing as npt
 
 from mimoc.bundle import Bundle
 from mimoc.errors import ModelError
@@ -52,6 +55,15 @@ def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
         for kind in range(mujoco.mjtWarning.mjNWARNING)
         if data.warning[kind].number
     )
+
+
+def hanging_on(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bool_]:
+    """Return which bodies are one of some bodies or hang on one, shape (nbody,)."""
+    found = np.zeros(model.nbody, bool)
+    found[list(roots)] = True
+    for body in range(1, model.nbody):  # Parents come before children.
+        found[body] |= found[model.body_parentid[body]]
+    return found
 
 
 def _keep_mujoco_quiet() -> None:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from mimoc.runtime.actuation import Actuation
 from mimoc.runtime.delays import DelayLine
+from mimoc.runtime.model import hanging_on
 from mimoc.runtime.senses import Sense
 from mimoc.runtime.senses.sense import FloatArray, IntArray, Observation, Reading
 from mimoc.schema.manifest import DelayEntry, Manifest
@@ -110,7 +111,7 @@ class Nerves:
         """Lay the ways of senses and commands, once."""
         self._model, self._senses, self._actuation = model, senses, actuation
         period = to_steps(manifest.step_ms, manifest.timestep_ms)
-        delays, in_legs = dict(manifest.delays), _subtrees(model, manifest.delays.legs)
+        delays, in_legs = dict(manifest.delays), hanging_on(model, [model.body(leg).id for leg in manifest.delays.legs])
         self._afferents = {
             name: [
                 Afferent(steps, period, part)
@@ -190,15 +191,6 @@ class Nerves:
             )
             for start, end in pairwise(cuts)
         )
-
-
-def _subtrees(model: mujoco.MjModel, roots: Sequence[str]) -> Mask:
-    """Return which bodies are one of some bodies or hang on one, shape (nbody,)."""
-    found = np.zeros(model.nbody, bool)
-    found[[model.body(root).id for root in roots]] = True
-    for body in range(1, model.nbody):  # Parents come before children.
-        found[body] |= found[model.body_parentid[body]]
-    return found
 
 
 def _ways(delay: DelayEntry, timestep_ms: float, in_legs: Mask) -> list[tuple[int, Mask]]:

@@ -6,7 +6,6 @@ from time import perf_counter
 
 import mujoco
 import numpy as np
-from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.control import Reaching
@@ -56,20 +55,14 @@ class Summary:
 
 def random_policy(env: InfantEnv) -> Policy:
     """Return a policy that draws every command evenly from its range."""
-    low, high = _command_range(env)
+    low, high = env.actuation.low, env.actuation.high
     return lambda generator, observation: generator.uniform(low, high).astype(np.float32)
 
 
 def zero_policy(env: InfantEnv) -> Policy:
     """Return a policy that commands nothing."""
-    action = np.clip(0.0, *_command_range(env)).astype(np.float32)
+    action = np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
     return lambda generator, observation: action
-
-
-def _command_range(env: InfantEnv) -> tuple[FloatArray, FloatArray]:
-    space = env.action_space
-    assert isinstance(space, Box)
-    return space.low.astype(float), space.high.astype(float)
 
 
 POLICIES: Mapping[str, PolicyMaker] = {

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from mimoc.body import BodyTree, Geom
-from mimoc.body.kinematics import FloatArray, Posed, axis_matrix, pose, reach
+from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose, reach
 from mimoc.scene.toys.placing import FADING, Reach
 
 LEAN_DEG = 60.0
@@ -64,11 +64,9 @@ def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
 
 def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:
     """Return a body in the world."""
-    x, y, z, w, *axis = state[:7]
+    hip, turn = hip_in_world(state)
     posed = pose(tree, dict(zip(tree.joints, state[7:], strict=True)))
-    sine = math.hypot(*axis)
-    turn = axis_matrix(axis, 2 * math.atan2(sine, w)) if sine else np.eye(3)
-    return Posed(posed.geoms, posed.centres @ turn.T + (x, y, z), turn @ posed.turns)
+    return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.turns)
 
 
 def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:

@@ -120,3 +120,7 @@ class Furniture:
     def plain_materials(self) -> tuple[WorldMaterial, ...]:
         """Materials of one colour."""
         return tuple(material for material in self.materials if not material.texture)
+
+
+BARE = Furniture()
+"""Nothing at all."""

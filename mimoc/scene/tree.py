@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from mimoc.body.tree import Vec3
 from mimoc.scene.appearance import Appearance, Material
-from mimoc.scene.furniture import Furniture, Headlight, WorldMaterial
+from mimoc.scene.furniture import BARE, Furniture, Headlight, WorldMaterial
 from mimoc.scene.skin import Skin
 
 
@@ -233,6 +233,10 @@ class Prop:
     meshes: tuple[MeshFile, ...]
 
 
+OUTDOORS = Headlight((0.45, 0.45, 0.45), (0.35, 0.35, 0.35))
+"""Beside the sun."""
+
+
 @dataclass(frozen=True, slots=True)
 class World:
     """What is around the infant."""
@@ -242,8 +246,8 @@ class World:
     """Floors without end."""
     lights: tuple[Light, ...] = ()
     """Those from afar."""
-    headlight: Headlight = Headlight((0.45, 0.45, 0.45), (0.35, 0.35, 0.35))  # noqa: RUF009 - it is frozen.
-    furniture: Furniture = Furniture()  # noqa: RUF009
+    headlight: Headlight = OUTDOORS
+    furniture: Furniture = BARE
     toys: tuple[Prop, ...] = ()
     apparatus: tuple[Prop, ...] = ()
     """What a task needs."""

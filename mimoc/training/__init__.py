@@ -1,9 +1,11 @@
 """Infants that learn: training that can be interrupted, what came of it, and trained policies."""
 
+from importlib import import_module
+
 from mimoc.errors import MissingExtraError
 
 try:
-    import stable_baselines3  # noqa: F401
+    import_module("stable_baselines3")
 except ImportError:
     raise MissingExtraError("stable_baselines3", "train") from None
 

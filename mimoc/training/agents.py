@@ -69,11 +69,6 @@ def begin_interval(agent: BaseAlgorithm, seed: int) -> None:
     agent._last_obs = None  # Has `learn` reset the environments.
 
 
-def weights(agent: BaseAlgorithm) -> dict[str, Any]:
-    """Return all that is learned: the state of the networks, of their optimisers, and single variables, by name."""
-    return {**agent.get_parameters(), VARIABLES: {name: getattr(agent, name).data for name in _variables(agent)}}
-
-
 def set_weights(agent: BaseAlgorithm, known: Mapping[str, Any]) -> None:
     """Go back to what was learned.
 

@@ -1,8 +1,6 @@
 """Limbs: what hangs on the trunk, from the first body to the last."""
 
 import mujoco
-import numpy as np
-import numpy.typing as npt
 
 TRUNK = ("hip", "lower_body", "upper_body", "chest")
 """The bodies that limbs hang on, from the first to the last; MIMo's names."""
@@ -17,15 +15,6 @@ def limb_of(model: mujoco.MjModel, body: int) -> int:
             return body
         body = parent
     return 0
-
-
-def bodies_of(model: mujoco.MjModel, root: int) -> npt.NDArray[np.bool_]:
-    """Return which bodies are *root* or hang on it, shape (nbody,)."""
-    found = np.zeros(model.nbody, bool)
-    found[root] = True
-    for body in range(root + 1, model.nbody):  # Parents come before children.
-        found[body] = found[model.body_parentid[body]]
-    return found
 
 
 def joints_between(model: mujoco.MjModel, body: int, root: int) -> list[int]:

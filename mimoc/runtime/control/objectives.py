@@ -53,7 +53,24 @@ class Objective(Protocol):
         ...
 
 
-class Reach:
+class Aimed:
+    """What a site does about a place."""
+
+    def __init__(self, site: str, target: npt.ArrayLike, gains: Gains):
+        """Say which site, what place in the world, and how strongly."""
+        self.site, self.target, self.gains = site, target, gains
+
+    @property
+    def target(self) -> FloatArray:
+        """The place in the world, shape (3,), [m]."""
+        return self._target_m
+
+    @target.setter
+    def target(self, target: npt.ArrayLike) -> None:
+        self._target_m = _finite("target", target, (3,))
+
+
+class Reach(Aimed):
     """A site goes to a place."""
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains = REACHING):
@@ -67,16 +84,7 @@ class Reach:
         Raises:
             ControlError: If the target is not three finite numbers.
         """
-        self.site, self.target, self.gains = site, target, gains
-
-    @property
-    def target(self) -> FloatArray:
-        """Where it is to go, shape (3,), [m]."""
-        return self._target_m
-
-    @target.setter
-    def target(self, target: npt.ArrayLike) -> None:
-        self._target_m = _finite("target", target, (3,))
+        super().__init__(site, target, gains)
 
     def demand(self, motion: Motion) -> Demand:
         """Return the acceleration of the site."""
@@ -137,7 +145,7 @@ class Align:
         return float(np.linalg.norm(turn_to(motion.axes, self._orientation)))
 
 
-class LookAt:
+class LookAt(Aimed):
     """A site, or the eye that a camera is, points at a place."""
 
     def __init__(self, site: str, target: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = LOOKING):
@@ -152,17 +160,8 @@ class LookAt:
         Raises:
             ControlError: If these are not three finite numbers, or the axis is zero.
         """
-        self.site, self.target, self.gains = site, target, gains
+        super().__init__(site, target, gains)
         self.axis = None if axis is None else _unit("axis", axis)
-
-    @property
-    def target(self) -> FloatArray:
-        """Where it is to look, shape (3,), [m]."""
-        return self._target_m
-
-    @target.setter
-    def target(self, target: npt.ArrayLike) -> None:
-        self._target_m = _finite("target", target, (3,))
 
     def demand(self, motion: Motion) -> Demand:
         """Return the angular acceleration that turns the line of sight; about itself it may turn as it likes."""

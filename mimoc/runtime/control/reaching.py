@@ -9,11 +9,12 @@ import numpy.typing as npt
 
 from mimoc.runtime.control.gains import Gains
 from mimoc.runtime.control.inverse_dynamics import InverseDynamics
-from mimoc.runtime.control.limbs import TRUNK, bodies_of
+from mimoc.runtime.control.limbs import TRUNK
 from mimoc.runtime.control.objectives import LOOKING, REACHING, Align, LookAt, Reach
 from mimoc.runtime.control.posture import Posture
 from mimoc.runtime.control.targets import Reachable
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.model import hanging_on
 from mimoc.runtime.senses.sense import FloatArray, Observation
 from mimoc.units import ms_to_s
 
@@ -191,9 +192,8 @@ def _steady(env: InfantEnv) -> list[Posture | Align]:
 def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) -> list[str]:
     """Return the joints that actuators move of some bodies, and of what hangs on them; bodies may be missing."""
     model = env.model
-    chosen = np.zeros(model.nbody, bool)
-    for body in (mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names):
-        if body > 0:
-            chosen |= bodies_of(model, body) if with_limbs else np.arange(model.nbody) == body
+    found = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names]
+    here = [body for body in found if body > 0]
+    chosen = hanging_on(model, here) if with_limbs else np.isin(np.arange(model.nbody), here)
     moved = dict.fromkeys(model.actuator_trnid[env.actuation.actuators, 0].tolist())
     return [model.joint(joint).name for joint in moved if chosen[model.jnt_bodyid[joint]]]

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-from mimoc.runtime.control.limbs import bodies_of, limb_of
+from mimoc.runtime.control.limbs import limb_of
+from mimoc.runtime.model import hanging_on
 from mimoc.runtime.senses.sense import FloatArray, IntArray
 
 _EQUALITY = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
@@ -36,8 +37,8 @@ class Supports:
         """
         self._model, self._couplings = model, _couplings(model)
         bearing = model.body_rootid == root
-        for limb in {limb_of(model, effector) for effector in effectors} - {0}:
-            bearing &= ~bodies_of(model, limb)
+        busy = {limb_of(model, effector) for effector in effectors} - {0}
+        bearing &= ~hanging_on(model, list(busy))
         still = model.body_weldid == 0
         self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.
         self._still = np.append(still[model.geom_bodyid], False)

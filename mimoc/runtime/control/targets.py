@@ -7,8 +7,9 @@ import numpy as np
 
 from mimoc.errors import ControlError
 from mimoc.runtime.control.frames import Frame, find_frame
-from mimoc.runtime.control.limbs import TRUNK, bodies_of, joints_between, limb_of
+from mimoc.runtime.control.limbs import TRUNK, joints_between, limb_of
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.model import hanging_on
 from mimoc.runtime.senses.sense import FloatArray
 
 HANDS = ("right_hand", "left_hand")
@@ -70,7 +71,7 @@ class Reachable:
         low_rad, high_rad = model.jnt_range[joints].T
         middle_rad, reach_rad = (low_rad + high_rad) / 2, SHARE * (high_rad - low_rad) / 2
         self._low_rad, self._high_rad = middle_rad - reach_rad, middle_rad + reach_rad
-        arms = [bodies_of(model, limb_of(model, frame.body)) for frame in self._frames]
+        arms = [hanging_on(model, [limb_of(model, frame.body)]) for frame in self._frames]
         self._is_arm = np.append(np.any(arms, axis=0)[model.geom_bodyid], False)  # The last is for what has no geom.
         self._eyes = [find_frame(eye, model) for eye in self.eyes]
 

@@ -1,6 +1,5 @@
 """What all tasks have in common."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -32,8 +31,11 @@ class Verdict:
         object.__setattr__(self, "reward", sum(self.terms.values(), 0.0))
 
 
-class Task(ABC):
-    """A goal: it sets out each episode, and judges each control step."""
+NOTHING_EARNED = Verdict({})
+
+
+class Task:
+    """What sets out each episode and judges each control step; by itself, a world without a goal."""
 
     def __init__(self, steps: int | None):
         """Make a task whose episodes are cut off after so many control steps; None is never."""
@@ -41,20 +43,16 @@ class Task(ABC):
 
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
-        """What it adds to the observation: nothing, if it does not say otherwise."""
+        """What it adds to the observation."""
         return {}
 
-    def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:  # noqa: B027 - it may be left so.
-        """Set out an episode in a state that has just been reset, all of it computed; leave it so.
-
-        If it does not say otherwise, everything is left as it is.
-        """
+    def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
+        """Set out an episode in a state that has just been reset, all of it computed; leave it so."""
 
     def observe(self) -> Observation:
         """Return what it adds to the observation, as fresh arrays."""
         return {}
 
-    @abstractmethod
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
         """Return what it says of the control step that has just been taken.
 
@@ -63,13 +61,14 @@ class Task(ABC):
             action: What was commanded, shape (n,).
             effort: Returns what the actuators' work costs now (`InfantEnv.effort`).
         """
+        return NOTHING_EARNED
 
     @property
     def state(self) -> dict[str, Any]:
         """What it must remember within an episode."""
         return {}
 
-    @state.setter  # noqa: B027 - many have nothing to remember.
+    @state.setter
     def state(self, state: dict[str, Any]) -> None:
         pass
 

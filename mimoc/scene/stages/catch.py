@@ -4,11 +4,10 @@ from collections.abc import Mapping
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
-from mimoc.body.strengthen import body_groups
 from mimoc.body.tree import Vec3
 from mimoc.scene.poses import POSES, Pose, resting_state
 from mimoc.scene.stages.ball import BALL, RADIUS_M, ball
-from mimoc.scene.stages.stage import Hold, Side, Stage, joints_of, middle_finger, require
+from mimoc.scene.stages.stage import Side, Stage, bodies_of, middle_finger, one_armed, require
 from mimoc.schema.goals import CatchEntry
 from mimoc.schema.tasks import TaskSpec
 
@@ -43,25 +42,17 @@ def stage_catch(task: TaskSpec, tree: BodyTree) -> Stage:
     side: Side = task.hand or "right"
     require(tree, task.kind, f"{side}_hand", middle_finger(tree, side))
     start = resting_state(tree, _offering(side))
-    commanded = joints_of(tree, f"{side}_arm", f"{side}_hand")
     hand_m = _hand_length(tree, side)
     goal = CatchEntry(
         steps=task.steps or STEPS,
-        hand=_hand(tree, side),
+        hand=bodies_of(tree, f"{side}_hand"),
         palm=f"{side}_hand",
         palm_m=_palm(tree, side),
         ball=BALL,
         drop_m=(LOWEST * hand_m, HIGHEST * hand_m),
         lost_m=LOST * hand_m,
     )
-    return Stage(
-        goal=goal,
-        start=start,
-        commanded=commanded,
-        locked=[joint for joint in tree.joints if joint not in commanded],
-        holds=(Hold("hip"),),
-        props=(ball(_above(tree, goal, start)),),
-    )
+    return one_armed(tree, side, goal, start, (ball(_above(tree, goal, start)),))
 
 
 def _offering(side: Side) -> Pose:
@@ -71,15 +62,10 @@ def _offering(side: Side) -> Pose:
     return Pose(sitting.pitch_deg, {**sitting.angles_deg, **LOOKING, **arm})
 
 
-def _hand(tree: BodyTree, side: Side) -> tuple[str, ...]:
-    """Return the bodies of a hand."""
-    return tuple(body for body, group in body_groups(tree).items() if group == f"{side}_hand")
-
-
 def _hand_length(tree: BodyTree, side: Side) -> float:
     """Return how long a hand is that is stretched, in [m]."""
     stretched = pose(tree, {})
-    names = {geom.name for body in tree.bodies if body.name in _hand(tree, side) for geom in body.geoms}
+    names = {geom.name for body in tree.bodies if body.name in bodies_of(tree, f"{side}_hand") for geom in body.geoms}
     kept = [index for index, geom in enumerate(stretched.geoms) if geom.name in names]
     hand = Posed(tuple(stretched.geoms[index] for index in kept), stretched.centres[kept], stretched.turns[kept])
     along = frames(tree, {})[f"{side}_hand"][1][:, 2]

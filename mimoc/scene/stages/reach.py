@@ -9,7 +9,7 @@ from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.tree import Vec3
 from mimoc.scene.poses import Pose, resting_state
 from mimoc.scene.stages.ball import BALL, ball
-from mimoc.scene.stages.stage import Hold, Side, Stage, joints_of, middle_finger, require
+from mimoc.scene.stages.stage import Side, Stage, middle_finger, one_armed, require
 from mimoc.schema.goals import GazeEntry, ReachEntry
 from mimoc.schema.tasks import TaskSpec
 from mimoc.units import deg_to_rad
@@ -35,7 +35,6 @@ def stage_reach(task: TaskSpec, tree: BodyTree) -> Stage:
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
     start = resting_state(tree, UPRIGHT)
-    commanded = joints_of(tree, f"{side}_arm", f"{side}_hand")
     goal = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
@@ -47,15 +46,7 @@ def stage_reach(task: TaskSpec, tree: BodyTree) -> Stage:
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
         gaze=_gaze(tree),
     )
-    return Stage(
-        goal=goal,
-        start=start,
-        commanded=commanded,
-        locked=[joint for joint in tree.joints if joint not in commanded],
-        holds=(Hold("hip"),),
-        props=(ball(_middle(tree, goal, start)),),
-        weightless=True,
-    )
+    return one_armed(tree, side, goal, start, (ball(_middle(tree, goal, start)),), weightless=True)
 
 
 def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:

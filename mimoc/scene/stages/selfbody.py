@@ -3,9 +3,8 @@
 from collections.abc import Iterator, Mapping
 
 from mimoc.body import BodyTree
-from mimoc.body.strengthen import body_groups
 from mimoc.scene.poses import Pose, resting_state
-from mimoc.scene.stages.stage import Hold, Side, Stage, joints_of, middle_finger, require
+from mimoc.scene.stages.stage import Side, Stage, bodies_of, middle_finger, one_armed, require
 from mimoc.schema.goals import SelfbodyEntry, TargetEntry
 from mimoc.schema.names import SIDES
 from mimoc.schema.tasks import TaskSpec
@@ -39,20 +38,13 @@ def stage_selfbody(task: TaskSpec, tree: BodyTree) -> Stage:
     side: Side = task.hand or "right"
     fingers = middle_finger(tree, side)
     require(tree, task.kind, fingers)
-    commanded = joints_of(tree, f"{side}_arm", f"{side}_hand")
     goal = SelfbodyEntry(
         steps=task.steps or STEPS,
         fingers=fingers,
-        effectors=_bodies_of(tree, f"{side}_hand"),
+        effectors=bodies_of(tree, f"{side}_hand"),
         targets=tuple(_targets(tree, OTHER[side])),
     )
-    return Stage(
-        goal=goal,
-        start=resting_state(tree, _pose(side)),
-        commanded=commanded,
-        locked=[joint for joint in tree.joints if joint not in commanded],
-        holds=(Hold("hip"),),
-    )
+    return one_armed(tree, side, goal, resting_state(tree, _pose(side)))
 
 
 def _pose(side: Side) -> Pose:
@@ -61,17 +53,12 @@ def _pose(side: Side) -> Pose:
     return Pose(0, {**SITTING, **{f"{of}_{name}": angle for of, arm in arms for name, angle in arm.items()}})
 
 
-def _bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
-    """Return the parts of a body that a group of muscles moves."""
-    return tuple(body for body, here in body_groups(tree).items() if here == group)
-
-
 def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:
     """Yield what can be touched: head, trunk, both legs and the other arm, as far as they are there."""
     legs = {f"{side}_{part}": _leg(tree, side, part) for part in ("upper_leg", "lower_leg", "foot") for side in SIDES}
     arm = {f"{other}_{part}": (f"{other}_{part}",) for part in ("upper_arm", "lower_arm")}
     here = {body.name for body in tree.bodies}
-    for name, bodies in {**TRUNK, **legs, **arm, f"{other}_hand": _bodies_of(tree, f"{other}_hand")}.items():
+    for name, bodies in {**TRUNK, **legs, **arm, f"{other}_hand": bodies_of(tree, f"{other}_hand")}.items():
         present = tuple(body for body in bodies if body in here)
         if present:
             yield TargetEntry(name=name, bodies=present)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mimoc.body import BodyTree
-from mimoc.body.strengthen import muscle_groups
+from mimoc.body.strengthen import body_groups, muscle_groups
 from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
-from mimoc.scene.furniture import Furniture
+from mimoc.scene.furniture import BARE, Furniture
 from mimoc.scene.tree import Prop
 from mimoc.schema.goals import GoalEntry
 
@@ -42,7 +42,7 @@ class Stage:
     """Parts that are kept where they are."""
     props: tuple[Prop, ...] = ()
     """What else is there that moves."""
-    furniture: Furniture = Furniture()  # noqa: RUF009 - it is frozen.
+    furniture: Furniture = BARE
     """What else is there that does not."""
     taken: tuple[Vec3, ...] = ()
     """What that takes up of the floor, where no toy is put: discs by x, y and radius, in [m]."""
@@ -64,6 +64,33 @@ def require(tree: BodyTree, task: str, *bodies: str) -> None:
 def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:
     """Return the hinges of some groups of muscles, each with its side (`left_arm`), in the order of the body."""
     return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups)
+
+
+def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
+    """Return the parts that belong to a group of muscles, with its side."""
+    return tuple(body for body, found in body_groups(tree).items() if found == group)
+
+
+def one_armed(
+    tree: BodyTree,
+    side: Side,
+    goal: GoalEntry,
+    start: tuple[float, ...],
+    props: tuple[Prop, ...] = (),
+    *,
+    weightless: bool = False,
+) -> Stage:
+    """Return the stage of a task of one hand: only that arm moves, and the infant is held at the hip."""
+    arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
+    return Stage(
+        goal=goal,
+        start=start,
+        commanded=arm,
+        locked=[joint for joint in tree.joints if joint not in arm],
+        holds=(Hold("hip"),),
+        props=props,
+        weightless=weightless,
+    )
 
 
 def middle_finger(tree: BodyTree, side: Side) -> str:
