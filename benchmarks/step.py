@@ -38,8 +38,11 @@ def main() -> None:
         commands = np.random.default_rng(0).uniform(-1, 1, shape).astype(np.float32)
         model = env.unwrapped.model
         data = mujoco.MjData(model)
-        start = model.key(env.unwrapped.manifest.pose).id
-        candidates = {"mimoc": partial(felt, env, commands), "bare": partial(bare, model, data, start, commands)}
+        start, driven = model.key(env.unwrapped.manifest.pose).id, env.unwrapped.actuation.actuators
+        candidates = {
+            "mimoc": partial(felt, env, commands),
+            "bare": partial(bare, model, data, start, driven, commands),
+        }
         step_us = {name: 1e6 * s / CONTROL_STEPS for name, s in cpu_medians_s(candidates, rounds).items()}
         if not np.array_equal(env.unwrapped.data.qpos, data.qpos):
             raise SystemExit("the two did not go through the same states")
@@ -55,12 +58,12 @@ def felt(env: gymnasium.Env, commands: np.ndarray) -> None:
         env.step(command)
 
 
-def bare(model: mujoco.MjModel, data: mujoco.MjData, start: int, commands: np.ndarray) -> None:
+def bare(model: mujoco.MjModel, data: mujoco.MjData, start: int, driven: np.ndarray, commands: np.ndarray) -> None:
     """Run the same episode with nothing but MuJoCo."""
     mujoco.mj_resetDataKeyframe(model, data, start)
     mujoco.mj_forward(model, data)
     for command in commands:
-        data.ctrl[:] = command
+        data.ctrl[driven] = command
         mujoco.mj_step(model, data)
         mujoco.mj_step(model, data)
 

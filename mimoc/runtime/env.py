@@ -309,8 +309,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _observe(self) -> Observation:
         """Return what the senses and the task give, as fresh arrays."""
         observation = self._nerves.observe()
-        observation.update(self._task.observe())
-        return observation
+        return {**observation, **self._task.observe()} if self._task.spaces else observation
 
     def _open_window(self) -> "Window":
         from mimoc.runtime.window import Window
