@@ -21,15 +21,15 @@ help: ## Say what there is to make.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
 demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine months, and let it reach.
-	$(BIN)/mimo build configs/nine_months.yaml -o $(INFANT) --force
-	$(BIN)/mimo validate --against who --plot $(OUT)/growth.png
-	$(BIN)/mimo check $(INFANT)
-	$(BIN)/mimo run $(INFANT) --policy random
-	$(BIN)/mimo run $(INFANT) --policy reach --steps 600
-	$(BIN)/mimo render $(INFANT) -o $(OUT)/nine_months.png
-	$(BIN)/mimo rooms configs/playroom.yaml --seeds 0:12 -o $(OUT)/rooms.png
-	$(BIN)/mimo build configs/playroom.yaml --seed 1 -o $(OUT)/playroom --force
-	$(BIN)/mimo see $(OUT)/playroom -o $(OUT)/seen.png
+	$(BIN)/mimoc build configs/nine_months.yaml -o $(INFANT) --force
+	$(BIN)/mimoc validate --against who --plot $(OUT)/growth.png
+	$(BIN)/mimoc check $(INFANT)
+	$(BIN)/mimoc run $(INFANT) --policy random
+	$(BIN)/mimoc run $(INFANT) --policy reach --steps 600
+	$(BIN)/mimoc render $(INFANT) -o $(OUT)/nine_months.png
+	$(BIN)/mimoc rooms configs/playroom.yaml --seeds 0:12 -o $(OUT)/rooms.png
+	$(BIN)/mimoc build configs/playroom.yaml --seed 1 -o $(OUT)/playroom --force
+	$(BIN)/mimoc see $(OUT)/playroom -o $(OUT)/seen.png
 	@echo
 	@echo "the infant   $(INFANT)/scene.xml   ($(BIN)/python -m mujoco.viewer --mjcf=$(INFANT)/scene.xml)"
 	@echo "its picture  $(OUT)/nine_months.png"

@@ -36,7 +36,7 @@ def main() -> None:
 
 def measure(hands: str, model: str, age_months: float, rounds: int) -> tuple[int, float, float]:
     """Return how many numbers are felt, and the CPU time of a control step in mimoc and in a bare loop, in µs."""
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "senses": SENSES}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": SENSES}
     spec |= {"body": {"hands": hands}, "actuation": {"model": model}}
     env = mimoc.make(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
     low, high = env.action_space.low, env.action_space.high

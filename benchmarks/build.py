@@ -1,4 +1,4 @@
-"""What building costs: a spec to a bundle in memory, and `mimo build` beside the imports it cannot do without.
+"""What building costs: a spec to a bundle in memory, and `mimoc build` beside the imports it cannot do without.
 
     python benchmarks/build.py [--rounds 20]
 
@@ -37,14 +37,14 @@ def main() -> None:
         out = str(Path(folder) / "out")
         medians_s = command_medians_s(
             {
-                "mimo build": [sys.executable, "-m", "mimoc", "build", str(CONFIG), "-o", out, "--force"],
+                "mimoc build": [sys.executable, "-m", "mimoc", "build", str(CONFIG), "-o", out, "--force"],
                 "imports": [sys.executable, "-c", IMPORTS],
             },
             rounds,
         )
-    command_s, imports_s = medians_s["mimo build"], medians_s["imports"]
+    command_s, imports_s = medians_s["mimoc build"], medians_s["imports"]
     print(
-        f"mimo build: {command_s * 1e3:.0f} ms; {IMPORTS}: {imports_s * 1e3:.0f} ms; ratio {command_s / imports_s:.2f}"
+        f"mimoc build: {command_s * 1e3:.0f} ms; {IMPORTS}: {imports_s * 1e3:.0f} ms; ratio {command_s / imports_s:.2f}"
     )
 
 

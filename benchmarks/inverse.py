@@ -43,7 +43,7 @@ def main() -> None:
 
 def infant(hands: str, model: str) -> mimoc.InfantEnv:
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "infant",
         "age_months": 18,
         "body": {"hands": hands},

@@ -69,7 +69,7 @@ def open_and_close(times: int) -> tuple[float, float]:
 
 def infant(hands: str, senses: dict) -> mimoc.Bundle:
     """Return the bundle of an infant of nine months."""
-    spec = {"mimo": 1, "name": "infant", "age_months": 9, "body": {"hands": hands}, "senses": senses}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "body": {"hands": hands}, "senses": senses}
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 

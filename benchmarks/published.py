@@ -40,7 +40,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=15)
     rounds = parser.parse_args().rounds
-    spec = {"mimo": 1, "name": "infant", "age_months": 18, "body": {"hands": "five_finger"}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 18, "body": {"hands": "five_finger"}}
     ours = load_model(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
     published = mujoco.MjModel.from_xml_string(published_xml())
     print(f"MuJoCo {mujoco.__version__}; published {published.nu} actuators, mimoc {ours.nu}")

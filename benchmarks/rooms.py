@@ -62,7 +62,7 @@ def row(what: str, measured: float, wanted: float) -> None:
 
 def spec(world: dict[str, Any], **others: Any) -> mimoc.InfantSpec:
     """Return the average child of nine months in a world."""
-    return mimoc.InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9, "scene": world, **others})
+    return mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, "scene": world, **others})
 
 
 def timed(call: Callable[[int], object], rounds: int) -> float:

@@ -64,7 +64,7 @@ def main() -> None:
 def _spec(age_months: float, hands: str, actuation: str) -> mimoc.InfantSpec:
     return mimoc.InfantSpec.model_validate(
         {
-            "mimo": 1,
+            "mimoc": 1,
             "name": "infant",
             "age_months": age_months,
             "body": {"hands": hands, "chest_joint": hands == "five_finger"},

@@ -90,7 +90,7 @@ def measure_steps(hands: str, pose: str, age_months: float, rounds: int) -> tupl
 
 def open_infant(hands: str, pose: str, age_months: float, senses: dict):
     """Return the environment of an infant on a floor."""
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}}
     spec |= {"senses": senses, "scene": {"kind": "flat", "pose": pose}}
     return mimoc.make(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
 

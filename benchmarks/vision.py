@@ -104,7 +104,7 @@ def dissect(size_px: int, rounds: int) -> None:
 def infant(size_px: int) -> tuple[VisionEntry, mujoco.MjModel, list[mujoco.MjData], Vision]:
     """Return an infant that sits and looks at its legs, in several postures, and its sense of vision."""
     vision = {"width_px": size_px, "height_px": size_px, "foveation": FOVEATION}
-    spec = {"mimo": 1, "name": "seeing", "age_months": AGE_MONTHS, "senses": {"vision": vision}}
+    spec = {"mimoc": 1, "name": "seeing", "age_months": AGE_MONTHS, "senses": {"vision": vision}}
     scene = {"kind": "flat", "pose": "sitting"}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "scene": scene}))
     model, rng, states = load_model(bundle), np.random.default_rng(0), []

@@ -1,4 +1,4 @@
-"""`python -m mimoc` is `mimo`."""
+"""`python -m mimoc` is the command `mimoc`."""
 
 from mimoc.cli import main
 

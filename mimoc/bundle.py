@@ -143,7 +143,7 @@ def _read_folder(folder: Path) -> Bundle:
     missing = [f"{name} is missing" for name in sorted(locked.keys() - files.keys())]
     changed = [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
     if missing or changed:
-        raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimo build --force'")
+        raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimoc build --force'")
     try:
         manifest = _manifest(files[MANIFEST])
     except ValueError:
@@ -154,7 +154,7 @@ def _read_folder(folder: Path) -> Bundle:
 
 
 def _read_lock(folder: Path) -> bytes:
-    advice = "build one there with 'mimo build SPEC -o OUT'"
+    advice = "build one there with 'mimoc build SPEC -o OUT'"
     if not folder.is_dir():
         raise BundleError(f"{folder}: there is no such folder; {advice}")
     content = _read(folder / LOCK, MAX_LOCK_BYTES + 1)

@@ -1,4 +1,4 @@
-"""The `mimo` command: thin commands over the library, errors as one line each."""
+"""The `mimoc` command: thin commands over the library, errors as one line each."""
 
 import io
 import json
@@ -22,9 +22,9 @@ MOST_ROOMS = 400
 """On one sheet."""
 
 app = typer.Typer(
-    name="mimo",
+    name="mimoc",
     help="Compile simulated infants: from a YAML spec to plain MuJoCo XML and a Gymnasium environment.",
-    epilog="Start with:  mimo build configs/nine_months.yaml -o out/nine_months",
+    epilog="Start with:  mimoc build configs/nine_months.yaml -o out/nine_months",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
@@ -32,7 +32,7 @@ app = typer.Typer(
 )
 
 SpecPath = Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant.")]
-BundlePath = Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle that `mimo build` wrote.")]
+BundlePath = Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle that `mimoc build` wrote.")]
 
 
 def main() -> None:
@@ -67,7 +67,7 @@ def _options(
     pass
 
 
-@app.command(epilog="Example:  mimo build configs/nine_months.yaml -o out/nine_months")
+@app.command(epilog="Example:  mimoc build configs/nine_months.yaml -o out/nine_months")
 def build(
     spec: SpecPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write the bundle to.")],
@@ -83,10 +83,10 @@ def build(
     folder = bundle.write_bundle(built, out, force=force)
     console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
     console.print_toys(built.manifest)
-    print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimo run {folder}")
+    print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimoc run {folder}")
 
 
-@app.command(epilog="Example:  mimo validate --against who --plot growth.png")
+@app.command(epilog="Example:  mimoc validate --against who --plot growth.png")
 def validate(
     spec: Annotated[
         Path | None, typer.Argument(metavar="[SPEC]", help="Infant to grow from 0 to 24 months; the average child.")
@@ -112,7 +112,7 @@ def validate(
         raise typer.Exit(FAILED_CHECK)
 
 
-@app.command(epilog="Example:  mimo run out/nine_months --policy random --steps 500 --seed 1")
+@app.command(epilog="Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1")
 def run(
     out: BundlePath,
     policy: Annotated[
@@ -161,7 +161,7 @@ def _read_policy(policy: str) -> "str | PolicyMaker":
     return load_policy(policy)
 
 
-@app.command(epilog="Example:  mimo train configs/reach.yaml -o runs/reach --algo ppo --steps 4096")
+@app.command(epilog="Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096")
 def train(
     source: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle, or a spec (.yaml) to build.")],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training.")],
@@ -209,10 +209,10 @@ def train(
             progress=show,
         )
     console.print_training(done)
-    print(f"{out}: see {out / 'curve.png'}, or try: mimo run {out / 'bundle'} --policy {done.policy}")
+    print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")
 
 
-@app.command(epilog="Example:  mimo experiment growth -o out/growth --quick")
+@app.command(epilog="Example:  mimoc experiment growth -o out/growth --quick")
 def experiment(
     name: Annotated[str, typer.Argument(metavar="NAME", help="growth, strength, acuity, delays, inverse, rooms.")],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, pictures and page.")],
@@ -228,7 +228,7 @@ def experiment(
     print(page)
 
 
-@app.command(epilog="Example:  mimo check out/nine_months")
+@app.command(epilog="Example:  mimoc check out/nine_months")
 def check(out: BundlePath) -> None:
     """Check that a bundle is whole, compiles, and stays calm under a second of random control from each pose."""
     from mimoc import bundle, console
@@ -240,7 +240,7 @@ def check(out: BundlePath) -> None:
         raise typer.Exit(FAILED_CHECK)
 
 
-@app.command(epilog="Example:  mimo explain out/nine_months body.left_foot.mass")
+@app.command(epilog="Example:  mimoc explain out/nine_months body.left_foot.mass")
 def explain(
     out: BundlePath,
     key: Annotated[str, typer.Argument(metavar="KEY", help="A number: `actuator.act:left_elbow.gear`, ...")],
@@ -252,7 +252,7 @@ def explain(
     console.print_explanation(explain(bundle.read_bundle(out), key))
 
 
-@app.command(epilog="Example:  mimo render out/nine_months -o nine_months.png --pose supine")
+@app.command(epilog="Example:  mimoc render out/nine_months -o nine_months.png --pose supine")
 def render(
     outs: Annotated[list[Path], typer.Argument(metavar="OUT...", help="Bundles; several stand in a row, to scale.")],
     file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
@@ -276,7 +276,7 @@ def render(
     print(files.write_file(file, encode_png(picture)))
 
 
-@app.command(epilog="Example:  mimo see out/nine_months -o seen.png --pose sitting --ages 1,3,9")
+@app.command(epilog="Example:  mimoc see out/nine_months -o seen.png --pose sitting --ages 1,3,9")
 def see(
     out: BundlePath,
     file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
@@ -307,7 +307,7 @@ def see(
     print(files.write_file(file, encode_png(draw_sheet(pictures, compared.columns, compared.rows))))
 
 
-@app.command(epilog="Example:  mimo rooms configs/playroom.yaml --seeds 0:12 -o rooms.png")
+@app.command(epilog="Example:  mimoc rooms configs/playroom.yaml --seeds 0:12 -o rooms.png")
 def rooms(
     spec: SpecPath,
     file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
@@ -328,7 +328,7 @@ def rooms(
     print(files.write_file(file, encode_png(draw_grid(pictures, [f"seed {seed}" for seed in wanted]))))
 
 
-@app.command("import", epilog="Example:  mimo import babybench configs/babybench.yml -o self_touch.yaml")
+@app.command("import", epilog="Example:  mimoc import babybench configs/babybench.yml -o self_touch.yaml")
 def import_config(
     system: Annotated[str, typer.Argument(metavar="FORMAT", help="Whose configuration it is: babybench.")],
     config: Annotated[Path, typer.Argument(metavar="CONFIG", help="The configuration, a YAML file.")],
@@ -346,7 +346,7 @@ def import_config(
     written = files.write_file(file, imported.text.encode())
     for note in imported.notes:
         print(note)
-    print(f"{written}: try it with: mimo build {written} -o out/{imported.spec['name']}")
+    print(f"{written}: try it with: mimoc build {written} -o out/{imported.spec['name']}")
 
 
 def read_range(text: str) -> range:

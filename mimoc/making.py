@@ -105,7 +105,7 @@ def _child(
     """Return the spec of an average child with a task."""
     kind = task["kind"]
     data = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": kind,
         "age_months": age_months,
         "body": {"hands": hands},

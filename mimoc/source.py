@@ -72,7 +72,7 @@ class FileKind:
     """One that it could have."""
 
 
-SPEC = FileKind("spec", "mimo, name and age_months", "mimo: 1")
+SPEC = FileKind("spec", "mimoc, name and age_months", "mimoc: 1")
 
 
 @dataclass(frozen=True)

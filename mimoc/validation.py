@@ -129,7 +129,7 @@ def grow_against_who(
         SpecError: If the spec asks for what this version cannot build.
     """
     own_age = [spec.age_months] if spec else []
-    infant = spec or InfantSpec(mimo=1, name="average_child", age_months=0)
+    infant = spec or InfantSpec(mimoc=1, name="average_child", age_months=0)
     refuse_unavailable(infant)
     if months is None:
         months = () if _is_of_one_age(infant) else MONTHS

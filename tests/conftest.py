@@ -72,7 +72,7 @@ class Infant:
 
 def spec_of(age_months: float, **body: Any) -> mimoc.InfantSpec:
     """Return the spec of a child of an age, the average one if nothing else is said of its body."""
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": body, "senses": SENSES}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": body, "senses": SENSES}
     return mimoc.InfantSpec.model_validate(spec)
 
 

@@ -11,7 +11,7 @@ import mimoc
 from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec
 
-HEAD = "mimo: 1\nname: x\nage_months: 9\n"
+HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 
 EVERYTHING = (
     HEAD
@@ -80,7 +80,7 @@ def refusal_of(spec: InfantSpec) -> SpecError:
 
 def with_value(key: str, value) -> InfantSpec:
     """Return the smallest spec with one key, dotted, set to a value."""
-    data: dict = {"mimo": 1, "name": "x", "age_months": 9}
+    data: dict = {"mimoc": 1, "name": "x", "age_months": 9}
     *sections, last = key.split(".")
     section = data
     for name in sections:
@@ -113,7 +113,7 @@ def test_a_measurement_that_makes_no_difference_is_refused(hands, inert, followe
     """Each kind of hands has its own; and heads are round."""
     keys = {"middle_finger": "middle_finger_diameter_cm", "maximum_fist": "maximum_fist_breadth_cm"}
     body = {"hands": hands, "measurements": {keys[inert]: 1.0, "head_breadth_cm": 11.0, keys[followed]: 1.0}}
-    spec = InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9, "body": body})
+    spec = InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, "body": body})
     refused = {problem.key for problem in refusal_of(spec).problems}
     assert refused == {f"body.measurements.{key}" for key in (keys[inert], "head_breadth_cm")}
 
@@ -133,7 +133,7 @@ def test_what_is_written_out_but_off_can_be_built():
 def test_what_is_accepted_makes_a_difference(key):
     """Beyond the files that only repeat the spec."""
     said = {"spec.yaml", "resolved.yaml", "provenance.json", "lock.json"}
-    before = mimoc.build(InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9})).files
+    before = mimoc.build(InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9})).files
     after = mimoc.build(with_value(key, BUILT[key])).files
     assert any(before.get(name) != content for name, content in after.items() if name not in said)
 
@@ -143,4 +143,4 @@ def test_every_key_of_the_language_is_built_or_refused_or_known_to_be_inert():
     for section, field in InfantSpec.model_fields.items():
         keys = getattr(field.annotation, "model_fields", None) or {"": None}
         for key in (".".join(filter(None, (section, name))) for name in keys):
-            assert key in refused | BUILT.keys() | INERT | {"mimo"}, key
+            assert key in refused | BUILT.keys() | INERT | {"mimoc"}, key

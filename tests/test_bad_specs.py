@@ -13,7 +13,7 @@ from mimoc.errors import SpecError
 from mimoc.schema import read_spec
 from mimoc.source import read
 
-HEAD = "mimo: 1\nname: x\nage_months: 9\n"
+HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 
 AGES = ["-1", "24.5", ".nan", ".inf", "1e400", "nine", "'9'", "9 months", "9,5", "true", "[9]", "{months: 9}", ""]
 
@@ -22,17 +22,17 @@ SPECS = {
     "an empty file": "",
     "only a comment": "# nothing yet\n",
     "only the start of a document": "---\n",
-    "a list": "- mimo: 1\n",
+    "a list": "- mimoc: 1\n",
     "a word": "infant\n",
-    "UTF-16": "mimo: 1\n".encode("utf-16"),
+    "UTF-16": "mimoc: 1\n".encode("utf-16"),
     "Latin-1": HEAD.encode() + "# Säugling\n".encode("latin-1"),
     "zeros": b"\x00" * 1000,
     "a PNG": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR",
     "control characters": HEAD + "task: \x1b[31m{kind: reach}\n",
     "a tab for indentation": HEAD + "body:\n\thands: mitten\n",
-    "a tab after a value": "mimo: 1\nname: x\nage_months: 9\t# months\n",
+    "a tab after a value": "mimoc: 1\nname: x\nage_months: 9\t# months\n",
     "a byte order mark and a wrong age": "\ufeffmimo: 1\nname: x\nage_months: 99\n".encode(),
-    "CRLF and a wrong age": b"mimo: 1\r\nname: x\r\nage_months: 99\r\n",
+    "CRLF and a wrong age": b"mimoc: 1\r\nname: x\r\nage_months: 99\r\n",
     "two documents": HEAD + "---\n" + HEAD,
     "an open bracket": HEAD + "body: {remove: [left_hand, right_hand}\n",
     "an open brace": HEAD + "body: {hands: mitten\n",
@@ -50,19 +50,19 @@ SPECS = {
     "an alias of nothing": HEAD + "body: *usual\n",
     "an alias inside itself": HEAD + "body: &body {parts: *body}\n",
     "a tag that would run code": HEAD + "body: !!python/object/apply:os.system ['true']\n",
-    "tags": "mimo: !!int 1\nname: !my x\nage_months: !!float 9\n",
+    "tags": "mimoc: !!int 1\nname: !my x\nage_months: !!float 9\n",
     "merge keys": HEAD + "body: &usual {hands: mitten}\nscene:\n  <<: *usual\n",
     "keys that are no words": HEAD + "1: a\n[b]: c\ntrue: e\nno: f\n",
     "repeated keys": HEAD + "age_months: 10\nbody:\n  hands: mitten\n  hands: five_finger\n",
     # Versions, names, ages.
     "nothing that is needed": "body: {}\n",
-    "a newer language": HEAD.replace("mimo: 1", "mimo: 2"),
-    "the version as text": HEAD.replace("mimo: 1", "mimo: '1'"),
+    "a newer language": HEAD.replace("mimoc: 1", "mimoc: 2"),
+    "the version as text": HEAD.replace("mimoc: 1", "mimoc: '1'"),
     "a name with capitals": HEAD.replace("name: x", "name: Nine Months"),
     "a name that is a number": HEAD.replace("name: x", "name: 9"),
     "a name that starts with a digit": HEAD.replace("name: x", "name: 9_months"),
     "a long name": HEAD.replace("name: x", f"name: {'x' * 100}"),
-    **{f"an age of {age or 'nothing'}": f"mimo: 1\nname: x\nage_months: {age}\n" for age in AGES},
+    **{f"an age of {age or 'nothing'}": f"mimoc: 1\nname: x\nage_months: {age}\n" for age in AGES},
     # Keys.
     "unknown keys at every level": HEAD
     + "sense: {}\nbody: {hand: mitten, individual: {gender: male}, parts: {left_hand: {lenght: 1}}}\n"
@@ -130,7 +130,7 @@ SPECS = {
     "a control step between physics steps": HEAD + "control: {step_ms: 12}\n",
     "a control step shorter than physics": HEAD + "control: {step_ms: 2}\n",
     "a physics step that does not fit": HEAD + "control: {timestep_ms: 3}\n",
-    "problems of all kinds": "mimo: 1\nname: Nine\nage_months: .nan\nbody:\n  hands: miten\n  hands: mitten\n"
+    "problems of all kinds": "mimoc: 1\nname: Nine\nage_months: .nan\nbody:\n  hands: miten\n  hands: mitten\n"
     + "senses:\n  vision: {fovy: 60, acuity: !!str off}\ndelays: {vision_ms: 7}\ntask: {kind: reech}\n",
 }
 

@@ -13,7 +13,7 @@ from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.source import parse
 
-HEAD = "mimo: 1\nname: x\nage_months: 9\nbody:\n"
+HEAD = "mimoc: 1\nname: x\nage_months: 9\nbody:\n"
 
 BODIES = {
     "a part made thick": "  parts:\n    left_upper_leg: {girth: 1.9}\n",
@@ -89,7 +89,7 @@ def _with(numbered: tuple[int, str], key: str, value: float, line: int) -> str:
 
 def test_a_spec_from_python_is_blamed_in_the_file_it_would_be():
     spec = InfantSpec.model_validate(
-        {"mimo": 1, "name": "x", "age_months": 9, "body": {"parts": {"left_upper_leg": {"girth": 2.0}}}}
+        {"mimoc": 1, "name": "x", "age_months": 9, "body": {"parts": {"left_upper_leg": {"girth": 2.0}}}}
     )
     with pytest.raises(SpecError, match=r"spec.yaml:\d+:\d+: body.parts.left_upper_leg.girth: a limb"):
         mimoc.build(spec)

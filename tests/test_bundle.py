@@ -116,7 +116,7 @@ def test_a_changed_file_is_named(out):
     (out / "infant.xml").write_bytes(b"One")
     with pytest.raises(BundleError) as error:
         read_bundle(out)
-    assert str(error.value) == f"{out}: infant.xml was changed; build it again with 'mimo build --force'"
+    assert str(error.value) == f"{out}: infant.xml was changed; build it again with 'mimoc build --force'"
 
 
 def test_every_file_that_is_wrong_is_named(out):
@@ -163,7 +163,7 @@ def test_foreign_files_are_passed_over_but_do_not_survive_force(out):
 
 
 def test_a_folder_that_is_not_there_says_how_to_build_one(tmp_path):
-    with pytest.raises(BundleError, match=r"nothing: there is no such folder; build one there with 'mimo build SPEC"):
+    with pytest.raises(BundleError, match=r"nothing: there is no such folder; build one there with 'mimoc build SPEC"):
         read_bundle(tmp_path / "nothing")
 
 

@@ -34,11 +34,11 @@ class Outcome:
 
 
 @pytest.fixture
-def mimo(monkeypatch, capfd) -> Callable[..., Outcome]:
+def invoke(monkeypatch, capfd) -> Callable[..., Outcome]:
     """Return what runs a command in this process."""
 
     def run(*arguments: object) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["mimo", *map(str, arguments)])
+        monkeypatch.setattr(sys, "argv", ["mimoc", *map(str, arguments)])
         capfd.readouterr()
         try:
             cli.main()
@@ -83,28 +83,28 @@ def here(tmp_path, monkeypatch) -> Path:
 # What the commands do.
 
 
-def test_build_writes_a_bundle_and_says_where_and_what(mimo, here):
-    done = mimo("build", SPEC, "-o", "out")
+def test_build_writes_a_bundle_and_says_where_and_what(invoke, here):
+    done = invoke("build", SPEC, "-o", "out")
     assert (done.code, done.err) == (0, "")
     child = mimoc.read_bundle("out").manifest.child
     for said in ("nine_months, 9 months", f"{child.length_cm:.2f}", f"{child.weight_kg:.2f}", "WHO percentile"):
         assert said in done.out
-    assert "out: open out/scene.xml with MuJoCo, or try: mimo run out" in done.out
+    assert "out: open out/scene.xml with MuJoCo, or try: mimoc run out" in done.out
 
 
-def test_build_replaces_a_bundle_only_with_force(mimo, here):
-    assert mimo("build", SPEC, "-o", "out").code == 0
+def test_build_replaces_a_bundle_only_with_force(invoke, here):
+    assert invoke("build", SPEC, "-o", "out").code == 0
     before = {path: path.read_bytes() for path in (here / "out").rglob("*") if path.is_file()}
-    refused = mimo("build", CONFIGS / "newborn.yaml", "-o", "out")
+    refused = invoke("build", CONFIGS / "newborn.yaml", "-o", "out")
     assert refused.code == 2
     assert "--force" in refused.err
     assert {path: path.read_bytes() for path in (here / "out").rglob("*") if path.is_file()} == before
-    assert mimo("build", CONFIGS / "newborn.yaml", "-o", "out", "--force").code == 0
+    assert invoke("build", CONFIGS / "newborn.yaml", "-o", "out", "--force").code == 0
     assert mimoc.read_bundle("out").manifest.name == "newborn"
 
 
-def test_validate_prints_every_month_and_a_verdict(mimo, here):
-    done = mimo("validate")
+def test_validate_prints_every_month_and_a_verdict(invoke, here):
+    done = invoke("validate")
     assert (done.code, done.err) == (0, "")
     for indicator in ("length", "weight", "head circumference", "arm circumference"):
         assert f"{indicator} [" in done.out
@@ -112,79 +112,79 @@ def test_validate_prints_every_month_and_a_verdict(mimo, here):
     assert "ok: within one SD" in done.out
 
 
-def test_validate_gives_numbers_to_other_programs(mimo, here):
-    done = mimo("validate", SPEC, "--json", "--plot", "growth.png")
+def test_validate_gives_numbers_to_other_programs(invoke, here):
+    done = invoke("validate", SPEC, "--json", "--plot", "growth.png")
     report = json.loads(done.out)
     assert (done.code, done.err, report["within_one_sd"]) == (0, "", True)
     assert {"length_cm", "weight_kg", "head_circumference_cm"} <= report["worst"].keys()
     assert Path("growth.png").read_bytes().startswith(PNG)
 
 
-def test_validate_fails_outside_one_sd(mimo, monkeypatch):
+def test_validate_fails_outside_one_sd(invoke, monkeypatch):
     row = validation.Row(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))
-    done = mimo("validate")
+    done = invoke("validate")
     assert done.code == 1
     assert re.search(r"\+1\.20\* .*outside *│$", done.out, re.MULTILINE)
     verdict = "failed: not within one SD of the mean of WHO's boys and girls at every age: weight_kg"
     assert " ".join(done.out.split()).endswith(verdict)
-    assert mimo("validate", "--json").code == 1
+    assert invoke("validate", "--json").code == 1
 
 
 @pytest.mark.parametrize("policy", ["random", "zero"])
-def test_run_sums_up_what_happened(mimo, built, policy):
-    done = mimo("run", built, "--policy", policy, "--steps", 30)
+def test_run_sums_up_what_happened(invoke, built, policy):
+    done = invoke("run", built, "--policy", policy, "--steps", 30)
     assert (done.code, done.err) == (0, "")
     assert "30 control steps, 0.3 s simulated" in done.out
     assert re.search(r"^\d+ steps/s, [\d.]+ times real time$", done.out, re.MULTILINE)
 
 
-def test_run_tells_of_episodes_where_there_is_a_goal(mimo, built, here):
-    (here / "turning.yaml").write_text("mimo: 1\nname: x\nage_months: 9\ntask: {kind: rollover, steps: 20}\n")
-    assert mimo("build", "turning.yaml", "-o", "turning").code == 0
+def test_run_tells_of_episodes_where_there_is_a_goal(invoke, built, here):
+    (here / "turning.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\ntask: {kind: rollover, steps: 20}\n")
+    assert invoke("build", "turning.yaml", "-o", "turning").code == 0
     for steps, told in ((10, "0 of 0 episodes"), (40, "0 of 2 episodes (0%)")):
-        assert told in mimo("run", "turning", "--steps", str(steps)).out
-    assert "successes" not in mimo("run", str(built), "--steps", "10").out
+        assert told in invoke("run", "turning", "--steps", str(steps)).out
+    assert "successes" not in invoke("run", str(built), "--steps", "10").out
 
 
-def test_run_with_the_same_seed_prints_the_same_but_for_the_speed(mimo, built):
+def test_run_with_the_same_seed_prints_the_same_but_for_the_speed(invoke, built):
     def numbers(seed):
-        return mimo("run", built, "--steps", 50, "--seed", seed).out.splitlines()[:-1]
+        return invoke("run", built, "--steps", 50, "--seed", seed).out.splitlines()[:-1]
 
     assert numbers(1) == numbers(1) != numbers(2)
 
 
-def test_check_passes_a_whole_and_calm_bundle(mimo, built):
-    done = mimo("check", built)
+def test_check_passes_a_whole_and_calm_bundle(invoke, built):
+    done = invoke("check", built)
     assert (done.code, done.err) == (0, "")
     words = [line.split(maxsplit=1)[0] for line in done.out.splitlines()]
     assert words == ["ok"] * 5
 
 
-def test_check_fails_an_unstable_bundle(mimo, built, here):
+def test_check_fails_an_unstable_bundle(invoke, built, here):
     """Whole, for it was sealed so, but with motors like those of a crane."""
     files = dict(mimoc.read_bundle(built).files)
     files["infant.xml"] = re.sub(rb'gear="[^"]+"', b'gear="1e9"', files["infant.xml"])
     files.pop(bundle.LOCK)
     mimoc.write_bundle(bundle.seal(files, versions={}, inputs={}), "crane")
-    done = mimo("check", "crane")
+    done = invoke("check", "crane")
     assert (done.code, done.err) == (1, "")
     assert "failed supine: BADQ" in done.out
     assert os.listdir() == ["crane"]  # No log of MuJoCo's.
 
 
-def test_explain_tells_a_number_from_the_xml_back_to_the_table(mimo, built):
-    done = mimo("explain", built, "body.left_foot.mass")
+def test_explain_tells_a_number_from_the_xml_back_to_the_table(invoke, built):
+    done = invoke("explain", built, "body.left_foot.mass")
     assert (done.code, done.err) == (0, "")
     assert done.out.startswith("body.left_foot.mass = ")
     for said in ("written to infant.xml", "anthrokids.csv:", "spec.yaml:"):
         assert said in done.out
 
 
-def test_render_draws_a_picture_of_the_size_and_pose_asked_for(mimo, built, here):
-    done = mimo("render", built, "-o", "sitting.png", "--width", 64, "--height", 48)
+def test_render_draws_a_picture_of_the_size_and_pose_asked_for(invoke, built, here):
+    done = invoke("render", built, "-o", "sitting.png", "--width", 64, "--height", 48)
     assert (done.code, done.out, done.err) == (0, "sitting.png\n", "")
-    assert mimo("render", built, "-o", "prone.png", "--pose", "prone", "--width", 64, "--height", 48).code == 0
+    assert invoke("render", built, "-o", "prone.png", "--pose", "prone", "--width", 64, "--height", 48).code == 0
     pictures = [Path(name).read_bytes() for name in ("sitting.png", "prone.png")]
     assert pictures[0] != pictures[1]
     for picture in pictures:
@@ -192,26 +192,26 @@ def test_render_draws_a_picture_of_the_size_and_pose_asked_for(mimo, built, here
         assert [int.from_bytes(picture[start : start + 4]) for start in (16, 20)] == [64, 48]
 
 
-def test_import_replaces_a_spec_only_with_force(mimo, here):
+def test_import_replaces_a_spec_only_with_force(invoke, here):
     (here / "baby.yml").write_text("touch: true\n")
     (here / "mine.yaml").write_text("mine")
-    done = mimo("import", "babybench", "baby.yml", "-o", "mine.yaml")
+    done = invoke("import", "babybench", "baby.yml", "-o", "mine.yaml")
     assert (done.code, done.err) == (
         2,
         "mine.yaml: is there already; choose another place, or replace it with --force\n",
     )
     assert (here / "mine.yaml").read_text() == "mine"
-    assert mimo("import", "babybench", "baby.yml", "-o", "mine.yaml", "--force").code == 0
+    assert invoke("import", "babybench", "baby.yml", "-o", "mine.yaml", "--force").code == 0
     assert "touch" in (here / "mine.yaml").read_text()
 
 
-def test_import_writes_a_spec_and_says_what_has_no_counterpart(mimo, here):
+def test_import_writes_a_spec_and_says_what_has_no_counterpart(invoke, here):
     Path("baby.yml").write_text("scene: crib\nsave_dir: results\n")
-    done = mimo("import", "babybench", "baby.yml", "-o", "spec.yaml")
+    done = invoke("import", "babybench", "baby.yml", "-o", "spec.yaml")
     note, written = done.out.splitlines()
     assert (done.code, done.err) == (0, "")
     assert note.startswith("baby.yml:2:1: save_dir: no counterpart; ")
-    assert written == "spec.yaml: try it with: mimo build spec.yaml -o out/baby"
+    assert written == "spec.yaml: try it with: mimoc build spec.yaml -o out/baby"
     assert mimoc.load_spec("spec.yaml").scene.kind == "crib"
 
 
@@ -228,18 +228,18 @@ def test_the_commands_are_those_of_the_issue():
 
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("option", ["--help", "-h"])
-def test_the_help_of_each_command_has_an_example(mimo, command, option):
-    done = mimo(command, option)
+def test_the_help_of_each_command_has_an_example(invoke, command, option):
+    done = invoke(command, option)
     assert (done.code, done.err) == (0, "")
-    assert f"Example: mimo {command} " in " ".join(done.out.split())
+    assert f"Example: mimoc {command} " in " ".join(done.out.split())
 
 
-def test_the_examples_work_as_they_are_printed(mimo, here):
+def test_the_examples_work_as_they_are_printed(invoke, here):
     (here / "configs").symlink_to(CONFIGS)
     for command in COMMANDS.values():
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
-        done = mimo(*arguments)
-        assert (program, done.code, done.err) == ("mimo", 0, "")
+        done = invoke(*arguments)
+        assert (program, done.code, done.err) == ("mimoc", 0, "")
     assert sorted(os.listdir()) == [
         "configs",
         "growth.png",
@@ -252,20 +252,20 @@ def test_the_examples_work_as_they_are_printed(mimo, here):
     ]
 
 
-def test_mimo_alone_is_help(mimo):
-    done = mimo()
+def test_the_command_alone_is_help(invoke):
+    done = invoke()
     assert "Start with" in done.out + done.err
     for command in COMMANDS:
         assert command in done.out + done.err
 
 
-def test_the_version_is_told(mimo):
-    assert mimo("--version") == Outcome(0, f"mimoc {mimoc.__version__}\n", "")
+def test_the_version_is_told(invoke):
+    assert invoke("--version") == Outcome(0, f"mimoc {mimoc.__version__}\n", "")
 
 
-def test_python_dash_m_is_the_same_command(mimo, built, here):
-    assert finished("--version") == mimo("--version")
-    assert finished("explain", built, "body.left_foot.mass") == mimo("explain", built, "body.left_foot.mass")
+def test_python_dash_m_is_the_same_command(invoke, built, here):
+    assert finished("--version") == invoke("--version")
+    assert finished("explain", built, "body.left_foot.mass") == invoke("explain", built, "body.left_foot.mass")
 
 
 # Bad input.
@@ -327,10 +327,10 @@ def everything_in(folder):
 
 
 @pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, mimo, here, built):
-    (here / "bad.yaml").write_text("mimo: 1\nname: x\nage_months: 99\n")
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built):
+    (here / "bad.yaml").write_text("mimoc: 1\nname: x\nage_months: 99\n")
     (here / "handless.yaml").write_text(
-        "mimo: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
+        "mimoc: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
     )
     (here / "baby.yml").write_text("touch: maybe\n")
     (here / "calm.yml").write_text("touch: true\n")
@@ -343,7 +343,7 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     (here / "lacking" / "scene.xml").unlink()
     before = everything_in(here)
     command, message = BAD_INPUT[case]
-    done = mimo(*shlex.split(command))
+    done = invoke(*shlex.split(command))
     assert done.code == 2
     assert message in " ".join(done.err.replace("│", " ").split())
     assert "Traceback" not in done.err
@@ -352,16 +352,16 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     assert everything_in(here) == before
 
 
-def test_every_problem_of_a_spec_has_its_line(mimo, here):
-    Path("spec.yaml").write_text("mimo: 1\nname: X\nage_months: 99\nbody: {hands: miten}\n")
-    lines = mimo("build", "spec.yaml", "-o", "out").err.splitlines()
+def test_every_problem_of_a_spec_has_its_line(invoke, here):
+    Path("spec.yaml").write_text("mimoc: 1\nname: X\nage_months: 99\nbody: {hands: miten}\n")
+    lines = invoke("build", "spec.yaml", "-o", "out").err.splitlines()
     assert [line.split(": ")[0] for line in lines] == ["spec.yaml:2:7", "spec.yaml:3:13", "spec.yaml:4:15"]
 
 
-def test_a_fault_of_mimocs_own_is_not_hidden(mimo, monkeypatch):
+def test_a_fault_of_mimocs_own_is_not_hidden(invoke, monkeypatch):
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        mimo("validate")
+        invoke("validate")
 
 
 # Terminals, pipes and signals.
@@ -425,20 +425,20 @@ def test_a_terminal_of_few_letters_is_no_fault(environment, built, here):
 
 
 @pytest.mark.parametrize("command", ["validate", "run {built} --steps 3", "check {built}", "explain {built} spec.name"])
-def test_a_pipe_gets_plain_text(mimo, command, built):
-    done = mimo(*shlex.split(command.format(built=built)))
+def test_a_pipe_gets_plain_text(invoke, command, built):
+    done = invoke(*shlex.split(command.format(built=built)))
     assert done.out
     assert ESCAPE not in done.out + done.err
 
 
-def test_colours_are_for_terminals_that_want_them(mimo, built, monkeypatch):
+def test_colours_are_for_terminals_that_want_them(invoke, built, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.delenv("NO_COLOR", raising=False)
     colour = re.compile(r"\x1b\[[\d;]*3\d")
-    assert colour.search(mimo("check", built).out)
+    assert colour.search(invoke("check", built).out)
     monkeypatch.setenv("NO_COLOR", "1")
-    assert not colour.search(mimo("check", built).out)
+    assert not colour.search(invoke("check", built).out)
 
 
 @pytest.mark.parametrize("library", ["junk", "egl"])

@@ -149,13 +149,13 @@ def test_it_passes_its_own_test(container):
     before = set(container.root.iterdir())
     done = container.run(container.sections["test"])
     assert done.returncode == 0, done.stdout + done.stderr
-    for said in ("try: mimo run infant", "ok: within one SD", "20 control steps", "infant.png"):
+    for said in ("try: mimoc run infant", "ok: within one SD", "20 control steps", "infant.png"):
         assert said in done.stdout
     assert {path.name for path in set(container.root.iterdir()) - before} <= {".cache", ".config"}
 
 
 def test_its_own_test_fails_as_soon_as_a_command_does(container):
-    done = container.run(container.sections["test"].replace("mimo build infant.yaml", "mimo build nowhere.yaml"))
+    done = container.run(container.sections["test"].replace("mimoc build infant.yaml", "mimoc build nowhere.yaml"))
     assert (done.returncode, done.stdout) == (2, "")
 
 

@@ -12,7 +12,7 @@ from mimoc.errors import UnknownNameError
 
 SCENE = {"kind": "room", "toys": {"count": [3, 3]}, "seed": 4}
 YAML = """\
-mimo: 1
+mimoc: 1
 name: infant
 age_months: 9
 senses: {proprioception: {}}
@@ -21,7 +21,7 @@ scene: {kind: room, seed: 4, toys: {count: [3, 3]}}
 
 
 def spec(seed: int = 4) -> mimoc.InfantSpec:
-    data = {"mimo": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
+    data = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
     return mimoc.InfantSpec.model_validate({**data, "scene": {**SCENE, "seed": seed}})
 
 
@@ -153,7 +153,7 @@ def test_the_command_line_builds_another_scene(tmp_path, monkeypatch, capsys):
     (tmp_path / "spec.yaml").write_text(YAML)
     for arguments in (["-o", "own"], ["-o", "seven", "--seed", "7"]):
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["mimo", "build", "spec.yaml", *arguments])
+        monkeypatch.setattr(sys, "argv", ["mimoc", "build", "spec.yaml", *arguments])
         with pytest.raises(SystemExit) as ended:
             cli.main()
         assert not ended.value.code
@@ -167,7 +167,7 @@ def test_an_infant_that_sees_takes_its_eyes_along():
     """What it sees in another scene is what it would see there anyway; and so when it comes back."""
     senses = {"vision": {"width_px": 24, "height_px": 24, "foveation": 3}, "touch": {"density": 0.2}}
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "infant",
         "age_months": 9,
         "senses": senses,

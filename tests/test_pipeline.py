@@ -82,13 +82,13 @@ def test_building_leaves_nothing_behind(tmp_path, monkeypatch):
 
 
 def spec_of(**sections) -> InfantSpec:
-    return InfantSpec.model_validate({"mimo": 1, "name": "x", **sections})
+    return InfantSpec.model_validate({"mimoc": 1, "name": "x", **sections})
 
 
 @pytest.mark.parametrize(
     "written",
     [
-        b"mimo: 1\r\nname: x\r\nage_months: 9  # CRLF\r\n",
+        b"mimoc: 1\r\nname: x\r\nage_months: 9  # CRLF\r\n",
         b"\xef\xbb\xbfmimo: 1\nname: x\nage_months: 9\n",
         "# Zoë's brother 👶\nmimo: 1\nname: x\nage_months: 9".encode(),
         b"\n\n  \nmimo: 1\nname: x\nage_months: 9\n...\n",
@@ -200,7 +200,7 @@ def no_left_hand(monkeypatch):
 
 
 def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):
-    (tmp_path / "x.yaml").write_text("mimo: 1\nname: x\nage_months: 9\n")
+    (tmp_path / "x.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\n")
     with pytest.raises(ModelError) as refusal:
         mimoc.build(mimoc.load_spec(tmp_path / "x.yaml"))
     assert str(refusal.value).startswith(f"{tmp_path / 'x.yaml'}:3:")

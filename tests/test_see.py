@@ -13,11 +13,11 @@ from mimoc import cli
 
 @pytest.fixture
 def see(monkeypatch, capfd, tmp_path):
-    """Return what runs `mimo see` on an infant without vision, in an empty folder: exit code, output, errors."""
+    """Return what runs `mimoc see` on an infant without vision, in an empty folder: exit code, output, errors."""
     monkeypatch.chdir(tmp_path)
 
     def run(arguments: str, infant: Path) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["mimo", "see", str(infant), *shlex.split(arguments)])
+        monkeypatch.setattr(sys, "argv", ["mimoc", "see", str(infant), *shlex.split(arguments)])
         capfd.readouterr()
         try:
             cli.main()
@@ -34,7 +34,7 @@ def built(tmp_path_factory):
     """Return the folder of a bundle of an infant with some senses and without some limbs."""
 
     def write(name, **keys):
-        spec = {"mimo": 1, "name": name, "age_months": 9, "scene": {"pose": "sitting"}, **keys}
+        spec = {"mimoc": 1, "name": name, "age_months": 9, "scene": {"pose": "sitting"}, **keys}
         compiled = mimoc.build(mimoc.InfantSpec.model_validate(spec))
         return mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / name)
 
@@ -110,4 +110,4 @@ def test_an_eye_that_an_infant_has_not_is_refused(see, built):
 def test_the_help_has_an_example(see, blind):
     code, out, _ = see("--help", blind)
     assert code == 0
-    assert "Example: mimo see out/nine_months -o seen.png" in " ".join(out.split())
+    assert "Example: mimoc see out/nine_months -o seen.png" in " ".join(out.split())

@@ -153,7 +153,7 @@ def test_pipes_and_devices_are_not_waited_for(tmp_path):
 def test_unreadable_files_say_so(tmp_path, monkeypatch):
     """Root may read everything, so the refusal is played."""
     secret = tmp_path / "secret.yaml"
-    secret.write_text("mimo: 1")
+    secret.write_text("mimoc: 1")
 
     def refuse(*_):
         raise PermissionError

@@ -12,7 +12,7 @@ from PIL import Image
 import mimoc
 from mimoc.errors import SpecError
 
-HEAD = "mimo: 1\nname: x\nage_months: 9\n"
+HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 
 
 @pytest.fixture(autouse=True)
@@ -134,7 +134,7 @@ def test_nothing_is_noted_of_mimocs_own_toys():
 
 
 def test_a_pose_that_a_task_makes_no_use_of_is_noted():
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "scene": {"pose": "sitting"}, "task": {"kind": "reach"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"pose": "sitting"}, "task": {"kind": "reach"}}
     (note,) = mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes
     assert note == "'reach' starts from a pose of its own; for 'sitting', reset with options"
     spec["scene"] = {"pose": "prone"}

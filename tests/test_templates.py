@@ -104,7 +104,7 @@ def test_printing_is_free():
 
 def test_every_element_has_a_line_of_its_own():
     """So MuJoCo's 'line 12' means one element."""
-    spec = InfantSpec(mimo=1, name="infant", age_months=9)
+    spec = InfantSpec(mimoc=1, name="infant", age_months=9)
     rendered = render_scene(
         scene.compose(spec, body.grow(fits.measure(spec.age_months), body.assemble("mitten", False)))
     )

@@ -25,7 +25,7 @@ def report() -> GrowthReport:
 
 
 def infant(age_months: float) -> InfantSpec:
-    return InfantSpec(mimo=1, name="one", age_months=age_months)
+    return InfantSpec(mimoc=1, name="one", age_months=age_months)
 
 
 def row(z_mean: float, age_months: float = 6, indicator: str = "length_cm") -> Row:

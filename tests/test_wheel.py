@@ -101,7 +101,7 @@ def test_mimoc_comes_from_the_wheel(run, installed):
 
 def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tmp_path):
     out = tmp_path / "infant"
-    assert str(out) in run("mimo", "build", installed / "configs/nine_months.yaml", "-o", out)
+    assert str(out) in run("mimoc", "build", installed / "configs/nine_months.yaml", "-o", out)
     for file in ("scene.xml", "infant.xml"):
         model = mujoco.MjModel.from_xml_path(str(out / file))
         assert model.nu == 44
@@ -110,14 +110,14 @@ def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tm
 
 
 def test_commands_work_elsewhere(run):
-    assert "within one SD of the mean of WHO's boys and girls" in run("mimo", "validate", "--against", "who")
-    assert "mimo build" in run("python", "-m", "mimoc", "--help")
-    assert run("mimo", "--version").strip() == f"mimoc {mimoc.__version__}"
+    assert "within one SD of the mean of WHO's boys and girls" in run("mimoc", "validate", "--against", "who")
+    assert "mimoc build" in run("python", "-m", "mimoc", "--help")
+    assert run("mimoc", "--version").strip() == f"mimoc {mimoc.__version__}"
 
 
 def test_gymnasium_finds_the_environment_of_the_wheel(run, installed, tmp_path):
     """`mimoc:` tells Gymnasium what to import; nothing else has to."""
-    run("mimo", "build", installed / "configs/newborn.yaml", "-o", tmp_path / "newborn")
+    run("mimoc", "build", installed / "configs/newborn.yaml", "-o", tmp_path / "newborn")
     code = f"""
 import gymnasium
 env = gymnasium.make("mimoc:mimoc/Infant-v0", bundle={str(tmp_path / "newborn")!r})

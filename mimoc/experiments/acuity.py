@@ -92,7 +92,7 @@ def run(notebook: Notebook) -> Path:
 def _sheet(size_px: int) -> bytes:
     """Return the PNG of what an eye makes of one view, in rows by what is done and columns by age."""
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "onlooker",
         "age_months": 10,
         "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},

@@ -77,7 +77,7 @@ def _learners(notebook: Notebook, steps: int, seeds: Sequence[int]) -> Iterator[
 def reaching(delay_ms: float) -> Bundle:
     """Return the bundle of an infant that reaches, all its senses late."""
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "reaching",
         "age_months": AGE_MONTHS,
         "senses": {"proprioception": {"include": ["velocity"]}},

@@ -91,7 +91,7 @@ def efforts(age_months: float, model: Model = "torque", strength_age_months: flo
     """
     actuation = {"model": model, "strength_age_months": strength_age_months}
     control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
-    spec = {"mimo": 1, "name": "lying", "age_months": age_months, "actuation": actuation, "control": control}
+    spec = {"mimoc": 1, "name": "lying", "age_months": age_months, "actuation": actuation, "control": control}
     builder = pipeline.builder(InfantSpec.model_validate(spec))
     with closing(InfantEnv(builder(0, check=False))) as env:
         env.reset()

@@ -77,7 +77,7 @@ HOW: Mapping[str, float | None] = {"mean": None, "median": 50.0, "quartile1": 25
 def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
     """Yield how reaching goes with each set of gains."""
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "reaching",
         "age_months": AGE_MONTHS,
         "actuation": {"locked": ["trunk"]},

@@ -77,7 +77,7 @@ class Notebook:
 
     def _making(self, seeds: str, libraries: Sequence[str]) -> str:
         """Return the section on how the results were made."""
-        command = f"mimo experiment {self.name} -o {self.folder.resolve().name}{' --quick' * self.quick}"
+        command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{' --quick' * self.quick}"
         versions = ", ".join(f"{library} {version(library)}" for library in (*LIBRARIES, *libraries))
         machine = f"Python {platform.python_version()} on {platform.machine()}"
         return f"## How it was made\n\n    {command}\n\nWith {versions} and {machine}. {seeds}"

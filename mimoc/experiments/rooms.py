@@ -29,7 +29,7 @@ FARTHEST = 2.5
 """How far the figure goes, in reaches."""
 
 SPEC = {
-    "mimo": 1,
+    "mimoc": 1,
     "name": "playroom",
     "age_months": 10,
     "scene": {

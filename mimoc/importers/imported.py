@@ -27,7 +27,7 @@ class Imported:
         return "\n".join((*self._heading(), *(dump({key: value}).rstrip() for key, value in self.spec.items()), ""))
 
     def _heading(self) -> list[str]:
-        made = f"# Made of {self.system}'s {_one_line(PurePath(self.file).name)} by `mimo import`."
+        made = f"# Made of {self.system}'s {_one_line(PurePath(self.file).name)} by `mimoc import`."
         if not self.notes:
             return [made]
         said = [f"#   line {note.line}: {note.key}: {note.message}" for note in self.notes]

@@ -70,7 +70,7 @@ POLICIES: Mapping[str, PolicyMaker] = {
     "zero": zero_policy,
     "reach": Reaching,
 }
-"""By the name that `mimo run --policy` takes."""
+"""By the name that `mimoc run --policy` takes."""
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:

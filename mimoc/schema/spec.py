@@ -20,7 +20,7 @@ from mimoc.units import to_steps
 
 def _known_version(value: Any) -> Any:
     if type(value) is not int or value != 1:
-        raise ValueError("this mimoc reads version 1 of the spec language; write 'mimo: 1'")
+        raise ValueError("this mimoc reads version 1 of the spec language; write 'mimoc: 1'")
     return value
 
 
@@ -38,7 +38,7 @@ LYING = ("supine", "prone")
 class InfantSpec(Model):
     """One infant in one world, as a user wrote it: nothing is computed, and what was left out has its default."""
 
-    mimo: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
     """Version of the spec language."""
     name: Annotated[
         str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["my_infant"])

@@ -172,7 +172,7 @@ def _describe(path: Path, began: dict[str, Any] | None, settings: Settings, bund
         settings = replace(settings, steps=max(settings.steps, began["settings"]["steps"]))
     run = {
         "run": 1,
-        "command": shlex.join(["mimo", "train", BUNDLE, "-o", "NEW", *settings.options()]),
+        "command": shlex.join(["mimoc", "train", BUNDLE, "-o", "NEW", *settings.options()]),
         "settings": settings.data(),
         "bundle": _digest(bundle),
         "sessions": sessions,

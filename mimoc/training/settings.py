@@ -71,7 +71,7 @@ class Settings:
         return [f"{name} {theirs.get(name, 'nothing')}, not {mine.get(name, 'nothing')}" for name in sorted(names)]
 
     def options(self) -> list[str]:
-        """Return the options of `mimo train` that say the same."""
+        """Return the options of `mimoc train` that say the same."""
         told = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
         told += ["--checkpoint-every", str(self.checkpoint_every)]
         defaults = KNOBS[self.algo]

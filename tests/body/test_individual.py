@@ -35,7 +35,7 @@ percentiles = st.floats(1, 99)
 
 def child(age_months: float, hands: str = "mitten", **individual) -> InfantSpec:
     body = {"hands": hands, "individual": individual}
-    return InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": age_months, "body": body})
+    return InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months, "body": body})
 
 
 def at_percentiles(age_months: float, sex: str, wanted: dict[str, float | None], hands: str = "mitten") -> InfantSpec:
@@ -166,7 +166,7 @@ IMPOSSIBLE = {
 
 
 def refusal(age_months: float, individual: str) -> SpecError:
-    text = f"mimo: 1\nname: x\nage_months: {age_months}\nbody:\n  individual: {{{individual}}}\n"
+    text = f"mimoc: 1\nname: x\nage_months: {age_months}\nbody:\n  individual: {{{individual}}}\n"
     with pytest.raises(SpecError) as caught:
         mimoc.build(read_spec(parse(text, "spec.yaml")))
     return caught.value

@@ -26,7 +26,7 @@ INERT = {
 
 
 def spec(hands: str = "mitten", age_months: float = 9, **body) -> InfantSpec:
-    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": {"hands": hands, **body}}
+    data = {"mimoc": 1, "name": "x", "age_months": age_months, "body": {"hands": hands, **body}}
     return InfantSpec.model_validate(data)
 
 
@@ -178,7 +178,7 @@ def differences(before, after) -> tuple[set[str], set[str]]:
 @pytest.mark.parametrize("side", ["", "left", "right"])
 @pytest.mark.parametrize("hands", HANDS)
 def test_what_changes_is_what_says_that_it_follows(hands, side):
-    """So nothing unrelated changes, `mimo explain` leaves nothing out, and one side leaves the other alone."""
+    """So nothing unrelated changes, `mimoc explain` leaves nothing out, and one side leaves the other alone."""
     before = tree_of(spec(hands))
     for name in LIMB_MEASUREMENTS if side else MEASUREMENTS:
         key = "_".join(filter(None, (side, name, "cm")))

@@ -127,7 +127,7 @@ def test_rules_are_the_same_at_every_age(bundle_at):
 # What a spec changes of one child.
 
 ONE_CHILD = """\
-mimo: 1
+mimoc: 1
 name: one
 age_months: 9
 body:

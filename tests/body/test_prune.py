@@ -38,7 +38,7 @@ def spec(hands: str, remove=(), age_months: float = 9) -> InfantSpec:
     body = {"hands": hands, "chest_joint": True, "remove": list(remove)}
     senses = {"proprioception": {}, "vestibular": {}}
     return InfantSpec.model_validate(
-        {"mimo": 1, "name": "x", "age_months": age_months, "body": body, "senses": senses, "scene": {"kind": "flat"}}
+        {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "senses": senses, "scene": {"kind": "flat"}}
     )
 
 
@@ -158,7 +158,7 @@ def test_an_infant_without_them_lives(whole, hands, remove, tmp_path):
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_removing_nothing_changes_nothing(hands):
-    default = {"mimo": 1, "name": "x", "age_months": 9, "body": {"hands": hands}}
+    default = {"mimoc": 1, "name": "x", "age_months": 9, "body": {"hands": hands}}
     empty = {**default, "body": {"hands": hands, "remove": []}}
     one, other = (mimoc.build(InfantSpec.model_validate(data)).files for data in (default, empty))
     said = {"spec.yaml", "provenance.json", "lock.json"}

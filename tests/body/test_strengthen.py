@@ -13,7 +13,7 @@ GROUPS = [group for group in STRENGTH_GROUPS if group not in PAIRED_GROUPS]
 
 def child(actuation, age_months=9, **body):
     spec = InfantSpec.model_validate(
-        {"mimo": 1, "name": "x", "age_months": age_months, "body": body, "actuation": actuation}
+        {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "actuation": actuation}
     )
     anatomy = assemble(spec.body.hands, spec.body.chest_joint)
     return grow_child(spec, measure_child(spec, anatomy), anatomy)

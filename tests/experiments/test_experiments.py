@@ -67,7 +67,7 @@ def test_the_page_compares_in_a_table_and_names_the_paper(made):
     page = (made[1][0] / f"{made[0]}.md").read_text()
     assert "| --- |" in page
     assert "paper" in page
-    assert f"mimo experiment {made[0]} -o " in page
+    assert f"mimoc experiment {made[0]} -o " in page
     assert f"mimoc {mimoc.__version__}" in page
 
 
@@ -127,7 +127,7 @@ def test_a_file_in_the_way_is_refused(tmp_path):
 def test_the_command_says_in_one_line_what_is_wrong(arguments, message, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")
-    monkeypatch.setattr(sys, "argv", ["mimo", "experiment", *arguments])
+    monkeypatch.setattr(sys, "argv", ["mimoc", "experiment", *arguments])
     with pytest.raises(SystemExit) as exit_:
         cli.main()
     out, err = capfd.readouterr()
@@ -138,7 +138,7 @@ def test_the_command_says_in_one_line_what_is_wrong(arguments, message, tmp_path
 def test_the_command_prints_where_the_page_is(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(import_module(EXPERIMENTS["growth"]), "QUICK_MONTHS", (6,))
-    monkeypatch.setattr(sys, "argv", ["mimo", "experiment", "growth", "-o", "out/growth", "--quick"])
+    monkeypatch.setattr(sys, "argv", ["mimoc", "experiment", "growth", "-o", "out/growth", "--quick"])
     with pytest.raises(SystemExit) as exit_:
         cli.main()
     assert exit_.value.code == 0

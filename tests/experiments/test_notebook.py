@@ -31,7 +31,7 @@ def test_nothing_to_say_is_an_empty_cell(notebook):
 def test_the_page_ends_with_how_it_was_made(notebook):
     page = notebook.write_page("Growth", ["Nothing."], seeds="No seeds.", libraries=["scipy"]).read_text()
     assert page.startswith(
-        "# Growth\n\nNothing.\n\n## How it was made\n\n    mimo experiment growth -o down --quick\n\n"
+        "# Growth\n\nNothing.\n\n## How it was made\n\n    mimoc experiment growth -o down --quick\n\n"
     )
     assert all(f"{library} " in page for library in ("mimoc", "mujoco", "numpy", "scipy", "Python"))
     assert page.endswith("No seeds.\n")

@@ -104,7 +104,7 @@ def test_what_is_not_said_is_as_in_babybench(imported):
     spec, notes = imported("behavior: none")
     assert notes == []
     assert spec == InfantSpec.model_validate(
-        {"mimo": 1, "name": "config", "age_months": 18, "senses": {"proprioception": {}}}
+        {"mimoc": 1, "name": "config", "age_months": 18, "senses": {"proprioception": {}}}
     )
 
 
@@ -229,7 +229,7 @@ def test_what_has_no_counterpart_is_said_with_its_line(imported, text, said):
 def test_the_notes_stand_in_the_spec_as_well(imported):
     _, notes = imported("save_dir: x\nwarp: 9\n")
     comments = [line for line in Path("spec.yaml").read_text().splitlines() if line.startswith("#")]
-    assert comments[0] == "# Made of BabyBench's config.yml by `mimo import`."
+    assert comments[0] == "# Made of BabyBench's config.yml by `mimoc import`."
     assert [line.split(": ", 1)[1] for line in comments[2:]] == [note.split(": ", 1)[1] for note in notes]
 
 

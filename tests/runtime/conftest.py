@@ -13,7 +13,7 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 
 
 def build(**keys: Any) -> mimoc.Bundle:
-    spec = {"mimo": 1, "name": "infant", "age_months": 9, "senses": SENSES}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
     return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
 
 

@@ -237,7 +237,7 @@ def test_what_is_no_number_is_felt_as_zero(env):
 
 def test_an_infant_without_senses_observes_a_zero():
     """Gymnasium allows no empty observation, and a spec need not name any sense."""
-    env = mimoc.make(mimoc.build(mimoc.InfantSpec(mimo=1, name="senseless", age_months=3)))
+    env = mimoc.make(mimoc.build(mimoc.InfantSpec(mimoc=1, name="senseless", age_months=3)))
     check_env(env.unwrapped)
     observation, _ = env.reset(seed=0)
     assert observation == {"nothing": 0.0}

@@ -17,7 +17,7 @@ LEAST_DIFFERENCE = 15
 
 def open_env(expression: str | None = None, size: int = 240) -> mimoc.InfantEnv:
     body = {} if expression is None else {"expression": expression}
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "body": body, "scene": {"kind": "flat", "pose": "sitting"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "body": body, "scene": {"kind": "flat", "pose": "sitting"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     env = mimoc.InfantEnv(bundle, render_mode="rgb_array", width=size, height=size)
     env.reset(seed=0)

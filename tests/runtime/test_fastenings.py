@@ -83,7 +83,7 @@ def test_a_state_brings_along_what_is_held(open_env):
 @given(regions=st.sets(st.sampled_from(STRENGTH_GROUPS)), locked=st.sets(st.sampled_from(SINGLE)))
 @settings(max_examples=25)
 def test_commands_go_to_the_regions_that_are_not_locked(regions, locked):
-    data = {"mimo": 1, "name": "x", "age_months": 9, "actuation": {"regions": sorted(regions)}}
+    data = {"mimoc": 1, "name": "x", "age_months": 9, "actuation": {"regions": sorted(regions)}}
     free = InfantSpec.model_validate(data)
     entries = mimoc.build(free).manifest.actuation.actuators
     everything = {

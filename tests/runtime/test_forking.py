@@ -28,7 +28,7 @@ if __name__ == "__main__":
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> str:
     vision = {"width_px": 32, "height_px": 32}
-    spec = {"mimo": 1, "name": "infant", "age_months": 9, "senses": {"vision": vision}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"vision": vision}}
     compiled = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "scene": {"pose": "sitting"}}))
     return str(mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "infant"))
 

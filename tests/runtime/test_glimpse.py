@@ -33,7 +33,7 @@ def test_each_sight_shows_the_same_view(bundle):
 def test_it_is_what_the_environment_observes(bundle):
     """Straight ahead, in the pose of the reset."""
     vision = {"width_px": 48, "height_px": 48, "acuity": {"cpd": 0.3}}
-    spec = {"mimo": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}, "senses": {"vision": vision}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}, "senses": {"vision": vision}}
     env = mimoc.InfantEnv(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
     observed = env.reset(seed=0)[0]["eye_left"]
     env.close()

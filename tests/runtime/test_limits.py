@@ -11,7 +11,7 @@ def limits_of(request):
     """Return what gives the limits of an infant of an actuation section."""
 
     def limits_of(**actuation):
-        spec = {"mimo": 1, "name": "x", "age_months": 9, "actuation": actuation}
+        spec = {"mimoc": 1, "name": "x", "age_months": 9, "actuation": actuation}
         body = {"hands": request.param}
         return mimoc.torque_limits(mimoc.build(mimoc.InfantSpec.model_validate({**spec, "body": body})))
 

@@ -124,7 +124,7 @@ import os
 {first}
 import mimoc
 {then}
-spec = mimoc.InfantSpec(mimo=1, name="infant", age_months=9)
+spec = mimoc.InfantSpec(mimoc=1, name="infant", age_months=9)
 env = mimoc.InfantEnv(mimoc.build(spec), render_mode="rgb_array", width=32, height=24)
 env.reset()
 print(env.render().shape)

@@ -200,7 +200,7 @@ def test_a_portrait_frees_its_context_even_if_it_fails(bundle, contexts, monkeyp
 
 def test_infants_in_a_row_are_to_scale():
     """Their trousers reach from knee to waist: what shows of them is in proportion to the children."""
-    infants = [mimoc.build(mimoc.InfantSpec(mimo=1, name="infant", age_months=age)) for age in (2, 20)]
+    infants = [mimoc.build(mimoc.InfantSpec(mimoc=1, name="infant", age_months=age)) for age in (2, 20)]
     picture = lineup(infants, width=400, height=300)
     assert picture.shape == (300, 400, 3)
     trousers = load_model(infants[0]).material("pants_leg").rgba[:3]
@@ -214,7 +214,7 @@ def test_infants_in_a_row_are_to_scale():
 def test_infants_of_any_kind_stand_in_one_row(bundle):
     """Their names do not clash, whatever hands and muscles they have."""
     other = {"body": {"hands": "five_finger", "remove": ["left_eye"]}, "actuation": {"model": "muscle"}}
-    spec = {"mimo": 1, "name": "other", "age_months": 12, **other}
+    spec = {"mimoc": 1, "name": "other", "age_months": 12, **other}
     picture = lineup([bundle, mimoc.build(mimoc.InfantSpec.model_validate(spec)), bundle], width=90, height=60)
     assert picture.std() > 10
 
@@ -222,7 +222,7 @@ def test_infants_of_any_kind_stand_in_one_row(bundle):
 @pytest.fixture(scope="module")
 def feeling():
     """Return a standing infant that feels touch, and its model and state."""
-    spec = {"mimo": 1, "name": "feeling", "age_months": 9, "senses": {"touch": {"density": 0.3}}}
+    spec = {"mimoc": 1, "name": "feeling", "age_months": 9, "senses": {"touch": {"density": 0.3}}}
     spec |= {"scene": {"pose": "standing"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     return bundle, *posed(bundle, "standing")

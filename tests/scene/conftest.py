@@ -13,7 +13,7 @@ from mimoc.validation import compile_infant
 @cache
 def _driven(model: str, age_months: float, hands: str) -> mujoco.MjModel:
     body = {"hands": hands, "chest_joint": hands == "five_finger"}
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": body, "actuation": {"model": model}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": body, "actuation": {"model": model}}
     return compile_infant(mimoc.InfantSpec.model_validate(spec))
 
 

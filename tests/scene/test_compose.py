@@ -16,7 +16,7 @@ SIZES = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor",
 
 
 def spec(**sections) -> InfantSpec:
-    return InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9, **sections})
+    return InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **sections})
 
 
 def names(model: mujoco.MjModel) -> bytes:

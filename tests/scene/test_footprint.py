@@ -15,7 +15,7 @@ from mimoc.scene.world import put
 
 
 def grown(age_months: float, **body) -> Builder:
-    spec = {"mimo": 1, "name": "x", "age_months": age_months, "body": body, "scene": {"kind": "flat"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "scene": {"kind": "flat"}}
     return pipeline.builder(mimoc.InfantSpec.model_validate(spec))
 
 

@@ -24,7 +24,7 @@ TOUCH_M = 1.5e-4
 
 def spec(age_months: float, scene: Mapping[str, Any]) -> mimoc.InfantSpec:
     body = {"hands": INFANTS[int(age_months)]}
-    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": body, "scene": scene}
+    data = {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "scene": scene}
     return mimoc.InfantSpec.model_validate(data)
 
 

@@ -130,7 +130,7 @@ def test_toes_are_before_the_heel_and_the_big_one_is_on_the_inside(infants):
 
 def env_of(**body) -> mimoc.InfantEnv:
     return mimoc.InfantEnv(
-        mimoc.build(mimoc.InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9, "body": body}))
+        mimoc.build(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, "body": body}))
     )
 
 

@@ -76,7 +76,7 @@ def test_acuity_is_that_of_the_body_unless_the_spec_says_another():
 
 
 def test_the_runtime_is_told():
-    spec = {"mimo": 1, "name": "infant", "age_months": 4, "senses": {"vision": {"acuity_profile": "mayer1995"}}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 4, "senses": {"vision": {"acuity_profile": "mayer1995"}}}
     told = mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.senses.vision
     assert told
     assert told.acuity_cpd == pytest.approx(2.68)

@@ -17,7 +17,7 @@ PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")
 @pytest.fixture(scope="module", params=DRIVES)
 def bundle(request):
     actuation = {"model": request.param} | ({} if request.param == "position" else STRENGTH)
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "actuation": actuation, "body": {"remove": ["right_hand"]}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "actuation": actuation, "body": {"remove": ["right_hand"]}}
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 

@@ -10,7 +10,7 @@ from mimoc.scene.sense_provenance import PRESETS, PROFILES
 
 
 def provenance(**keys) -> dict:
-    spec = mimoc.InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 9, **keys})
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **keys})
     return json.loads(mimoc.build(spec).files["provenance.json"])
 
 

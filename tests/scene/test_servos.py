@@ -25,7 +25,7 @@ def hands(request):
 @pytest.fixture(scope="module", params=AGES_MONTHS)
 def held(request, hands):
     """Return an infant whose hip is fixed, and which collides with nothing."""
-    spec = {"mimo": 1, "name": "x", "age_months": request.param, "actuation": {"model": "position"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": request.param, "actuation": {"model": "position"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "body": {"hands": hands}}))
     infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=dict(bundle.files))
     infant.delete(infant.joint("mimo_location"))

@@ -40,7 +40,7 @@ def average(age_months: float, hands: str) -> BodyTree:
 
 
 def child(age_months: float = 9, hands: str = "mitten", **body) -> BodyTree:
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands, **body}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands, **body}}
     read, anatomy = InfantSpec.model_validate(spec), assemble(hands, body.get("chest_joint", False))
     return grow_child(read, measure_child(read, anatomy), anatomy)
 

@@ -14,7 +14,7 @@ KINDS = [kind for kind in get_args(TaskSpec.model_fields["kind"].annotation) if 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_of_a_task_can_be_explained(kind):
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "task": {"kind": kind}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "task": {"kind": kind}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     numbers = {name: value for name, value in bundle.manifest.task.model_dump().items() if isinstance(value, float)}
     for name, value in numbers.items():

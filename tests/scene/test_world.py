@@ -15,7 +15,7 @@ from mimoc.schema.scene import SceneSpec
 
 
 def compiled(kind: str) -> mujoco.MjModel:
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "scene": {"kind": kind}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"kind": kind}}
     files = mimoc.build(mimoc.InfantSpec.model_validate(spec)).files
     return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
 
@@ -62,7 +62,7 @@ def around(kind: str, age_months: float, seed: int = 0) -> tuple[pipeline.Builde
 
 @cache
 def grown(age_months: float) -> pipeline.Builder:
-    return pipeline.builder(mimoc.InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": age_months}))
+    return pipeline.builder(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months}))
 
 
 @cache

@@ -17,7 +17,7 @@ from mimoc.source import KeyPath, parse
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd")
-NO_UNIT = {"mimo", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity"}
+NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity"}
 WRONG = [
     "a word",
     "9 apples",
@@ -114,5 +114,5 @@ def test_hands_are_the_kinds_that_bodies_are_known_for():
 
 
 def test_the_least_spec_needs_three_keys():
-    assert outline(()).schema["required"] == ["mimo", "name", "age_months"]
-    assert set(InfantSpec.model_fields) > {"mimo", "name", "age_months"}
+    assert outline(()).schema["required"] == ["mimoc", "name", "age_months"]
+    assert set(InfantSpec.model_fields) > {"mimoc", "name", "age_months"}

@@ -13,9 +13,9 @@ from mimoc.schema.names import LIMB_BODIES, MEASUREMENT_KEYS, SIDED_MEASUREMENT_
 from mimoc.source import dump, parse, read
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
-LEAST = {"mimo": 1, "name": "x", "age_months": 9}
+LEAST = {"mimoc": 1, "name": "x", "age_months": 9}
 WHOLE_LANGUAGE = """\
-mimo: 1
+mimoc: 1
 name: nine_months
 age_months: 9
 body:
@@ -101,7 +101,7 @@ def test_the_whole_language_is_understood():
 
 
 def test_everything_but_version_name_and_age_has_a_default():
-    spec = InfantSpec(mimo=1, name="x", age_months=3)
+    spec = InfantSpec(mimoc=1, name="x", age_months=3)
     assert spec.actuation.strength_age_months is None
     assert set(dict(spec.senses).values()) == {None}
     assert (spec.scene.kind, spec.scene.pose, spec.control.step_ms) == ("flat", "supine", 10)
@@ -109,7 +109,7 @@ def test_everything_but_version_name_and_age_has_a_default():
 
 
 def test_to_data_fills_in_every_default():
-    data = to_data(InfantSpec(mimo=1, name="x", age_months=3))
+    data = to_data(InfantSpec(mimoc=1, name="x", age_months=3))
     assert data["control"] == {"step_ms": 10.0, "timestep_ms": 5.0}
     assert data["senses"] == {}
 
@@ -135,15 +135,15 @@ def test_a_spec_reads_back_as_an_equal_one(spec):
 
 
 def test_specs_are_equal_when_they_say_the_same():
-    written = read_spec(parse("mimo: 1\nname: x\nage_months: 9\n", "one"))
-    spelled_out = read_spec(parse("{age_months: 9.0, mimo: 1, name: x, scene: {kind: flat}}", "two"))
-    assert written == spelled_out == InfantSpec(mimo=1, name="x", age_months=9)
-    assert written != read_spec(parse("{age_months: 10, mimo: 1, name: x}", "one"))
+    written = read_spec(parse("mimoc: 1\nname: x\nage_months: 9\n", "one"))
+    spelled_out = read_spec(parse("{age_months: 9.0, mimoc: 1, name: x, scene: {kind: flat}}", "two"))
+    assert written == spelled_out == InfantSpec(mimoc=1, name="x", age_months=9)
+    assert written != read_spec(parse("{age_months: 10, mimoc: 1, name: x}", "one"))
     assert written.source != spelled_out.source
 
 
 def test_specs_share_nothing_that_can_change():
-    one, other = InfantSpec(mimo=1, name="x", age_months=9), InfantSpec(mimo=1, name="x", age_months=9)
+    one, other = InfantSpec(mimoc=1, name="x", age_months=9), InfantSpec(mimoc=1, name="x", age_months=9)
     assert one.body.measurements is not other.body.measurements
     with pytest.raises(ValidationError, match="frozen"):
         one.body.__setattr__("hands", "five_finger")
@@ -151,7 +151,7 @@ def test_specs_share_nothing_that_can_change():
 
 @pytest.mark.parametrize("acuity", ["off", "age", "0", "4.5", "{cpd: 4.2}"])
 def test_acuity_takes_four_forms(acuity):
-    spec = read_spec(parse(f"{{mimo: 1, name: x, age_months: 9, senses: {{vision: {{acuity: {acuity}}}}}}}", "f"))
+    spec = read_spec(parse(f"{{mimoc: 1, name: x, age_months: 9, senses: {{vision: {{acuity: {acuity}}}}}}}", "f"))
     assert read_spec(parse(dump(to_data(spec)), "f")) == spec
 
 
@@ -163,9 +163,9 @@ def test_acuity_takes_four_forms(acuity):
             ("scene", {"seed": 1.0}),
             ("scene", {"seed": True}),
             ("name", 9),
-            ("mimo", True),
-            ("mimo", 1.0),
-            ("mimo", "1"),
+            ("mimoc", True),
+            ("mimoc", 1.0),
+            ("mimoc", "1"),
         ],
         *[("age_months", float("nan")), ("body", {"hands": 1}), ("delays", {"motor_ms": "5"}), ("task", "reach")],
     ],

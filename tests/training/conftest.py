@@ -21,7 +21,7 @@ EVERY = 128
 
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "reaching",
         "age_months": 18,
         "senses": {"proprioception": {}},

@@ -24,11 +24,11 @@ DEADLINE_S = 60
 
 
 @pytest.fixture
-def mimo(monkeypatch, capfd):
+def invoke(monkeypatch, capfd):
     """Return what runs a command in this process; it returns exit code, output and errors."""
 
     def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["mimo", *map(str, arguments)])
+        monkeypatch.setattr(sys, "argv", ["mimoc", *map(str, arguments)])
         capfd.readouterr()
         try:
             cli.main()
@@ -64,18 +64,18 @@ def wait_for(path: Path, running: subprocess.Popen) -> None:
         time.sleep(0.01)
 
 
-def test_train_and_run_say_what_was_learned(mimo, here):
-    code, out, err = mimo("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
+def test_train_and_run_say_what_was_learned(invoke, here):
+    code, out, err = invoke("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
     assert (code, err) == (0, "")
     for said in (
         "trained for 256 control steps",
         "at first",
         "in the end",
         "success rate",
-        "mimo run run/bundle --policy run/policy.zip",
+        "mimoc run run/bundle --policy run/policy.zip",
     ):
         assert said in out
-    code, out, err = mimo("run", "out", "--policy", "run/policy.zip", "--steps", 100)
+    code, out, err = invoke("run", "out", "--policy", "run/policy.zip", "--steps", 100)
     assert (code, err) == (0, "")
     for said in ("return of an episode, mean", "successes", "episodes ("):
         assert said in out
@@ -88,18 +88,18 @@ def test_the_command_and_the_function_have_the_same_defaults():
     assert told["every"].default == known["checkpoint_every"].default
 
 
-def test_the_same_command_again_goes_on(mimo, here):
-    assert mimo("train", "out", "-o", "run", "--steps", EVERY, *TOLD)[0] == 0
-    code, out, _ = mimo("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
+def test_the_same_command_again_goes_on(invoke, here):
+    assert invoke("train", "out", "-o", "run", "--steps", EVERY, *TOLD)[0] == 0
+    code, out, _ = invoke("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
     assert code == 0
     assert "128 steps of them before" in out
 
 
-def test_the_command_in_the_folder_learns_the_same(mimo, here, learned, same):
-    assert mimo("train", "out", "-o", "run", "--steps", EVERY, "--seed", 4, *TOLD)[0] == 0
+def test_the_command_in_the_folder_learns_the_same(invoke, here, learned, same):
+    assert invoke("train", "out", "-o", "run", "--steps", EVERY, "--seed", 4, *TOLD)[0] == 0
     command = json.loads(Path("run/run.json").read_text())["command"].split()
     command[2:5] = ["run/bundle", "-o", "again"]
-    assert mimo(*command[1:])[0] == 0
+    assert invoke(*command[1:])[0] == 0
     assert same(learned(Path("run/policy.zip")), learned(Path("again/policy.zip")))
 
 
@@ -118,7 +118,7 @@ def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
     assert same(learned(training.policy), learned(learn("whole", steps=kept + EVERY).policy))
 
 
-def test_control_c_ends_it_quietly_and_it_can_go_on(mimo, here):
+def test_control_c_ends_it_quietly_and_it_can_go_on(invoke, here):
     """As a terminal does it: everything that belongs to the command is told, the infants' processes too."""
     ours, theirs = pty.openpty()
     with started("--processes", stdout=theirs, stderr=theirs, start_new_session=True) as running:
@@ -129,7 +129,7 @@ def test_control_c_ends_it_quietly_and_it_can_go_on(mimo, here):
     assert running.returncode == 130
     assert b"Traceback" not in shown
     kept = read_progress(Path("run/state.zip").read_bytes()).steps if Path("run/state.zip").exists() else 0
-    code, out, _ = mimo("train", "out", "-o", "run", "--steps", kept + EVERY, *TOLD)
+    code, out, _ = invoke("train", "out", "-o", "run", "--steps", kept + EVERY, *TOLD)
     assert code == 0
     assert f"trained for {kept + EVERY} control steps" in out
 
@@ -161,13 +161,13 @@ BAD_INPUT = {
 
 
 @pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, mimo, here):
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here):
     (here / "folder").mkdir()
     (here / "folder" / "thesis.tex").touch()
     (here / "junk.zip").write_bytes(b"junk")
     before = sorted(here.rglob("*"))
     command, said = BAD_INPUT[case]
-    code, out, err = mimo(*command.split())
+    code, out, err = invoke(*command.split())
     assert (code, out, len(err.splitlines())) == (2, "", 1)
     assert said in err
     assert sorted(here.rglob("*")) == before

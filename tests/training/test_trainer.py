@@ -63,7 +63,7 @@ def test_a_training_leaves_all_that_is_needed_to_repeat_and_to_use_it(learn, bun
 def test_the_command_in_the_folder_says_all_that_was_chosen(learn, tmp_path):
     learn("run", seed=3)
     command = shlex.split(json.loads((tmp_path / "run" / "run.json").read_text())["command"])
-    assert command[:5] == ["mimo", "train", "bundle", "-o", "NEW"]
+    assert command[:5] == ["mimoc", "train", "bundle", "-o", "NEW"]
     said = dict(zip(command[5::2], command[6::2], strict=True))
     assert (said["--algo"], said["--steps"], said["--seed"], said["--envs"]) == ("ppo", "256", "3", "2")
     assert said["--checkpoint-every"] == "128"

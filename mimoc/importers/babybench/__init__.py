@@ -49,7 +49,7 @@ def import_babybench(path: str | Path) -> Imported:
     settings = Settings(source)
     age_months = settings.number("age_months", "age", low=0, high=MAX_AGE_MONTHS)
     head = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": _name(Path(path).stem),
         "age_months": MIMO_AGE_MONTHS if age_months is None else age_months,
     }

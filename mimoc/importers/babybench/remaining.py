@@ -4,9 +4,9 @@ from mimoc.errors import suggestion
 from mimoc.importers.settings import Settings, plain
 from mimoc.source import shown
 
-WHERE = "say where results go when you run something: mimo train OUT -o DIR"
-HOW_OFTEN = "say how often when you train: mimo train --help"
-HOW_LARGE = "say how large when you draw: mimo render OUT -o FILE.png --width PX --height PX"
+WHERE = "say where results go when you run something: mimoc train OUT -o DIR"
+HOW_OFTEN = "say how often when you train: mimoc train --help"
+HOW_LARGE = "say how large when you draw: mimoc render OUT -o FILE.png --width PX --height PX"
 REASONS = {
     "save_dir": WHERE,
     "log_dir": WHERE,

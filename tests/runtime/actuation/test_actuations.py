@@ -18,7 +18,7 @@ def hands(request):
 
 def infant(model, hands, age_months=9, **actuation):
     spec = {
-        "mimo": 1,
+        "mimoc": 1,
         "name": "x",
         "age_months": age_months,
         "body": {"hands": hands},

@@ -234,7 +234,7 @@ def test_the_environment_is_only_looked_at(held_infant):
 
 
 def test_it_follows_the_infant_into_another_scene():
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "scene": {"kind": "room", "pose": "sitting"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"kind": "room", "pose": "sitting"}}
     env = mimoc.make(mimoc.InfantSpec.model_validate(spec))
     env.reset(seed=0)
     control = InverseDynamics(env, [Reach(HAND, (0.2, 0, 0.2))])

@@ -1,4 +1,4 @@
-"""Reaching by chance, as `mimo run --policy reach` shows it and experiments measure it."""
+"""Reaching by chance, as `mimoc run --policy reach` shows it and experiments measure it."""
 
 import numpy as np
 import pytest

@@ -218,7 +218,7 @@ def test_what_is_observed_keeps_to_its_bounds(quantity, low, felt):
 @cache
 def built(age_months, hands, pose, **touch) -> mimoc.Bundle:
     """Return an infant on a floor."""
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}}
     spec |= {"senses": {"touch": touch}, "scene": {"kind": "flat", "pose": pose}}
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 

@@ -24,7 +24,7 @@ DOWN_RAD = {"head_tilt": 0.6, "left_eye_vertical": -0.5, "right_eye_vertical": -
 def seeing(age_months=9, vision=RAW, kind="flat", **keys) -> mimoc.Bundle:
     """Return an infant that sits and sees."""
     scene = {"kind": kind, "pose": "sitting"}
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "senses": {"vision": vision}, "scene": scene}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": {"vision": vision}, "scene": scene}
     return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
 
 
@@ -283,5 +283,5 @@ def test_without_opengl_an_infant_that_sees_cannot_be_made_and_others_can(infant
     with pytest.raises(RenderingError, match="OpenGL does not start here") as refusal:
         mimoc.make(infant)
     assert len(str(refusal.value).splitlines()) == 1
-    with closing(mimoc.make(mimoc.build(mimoc.InfantSpec(mimo=1, name="blind", age_months=9)))) as env:
+    with closing(mimoc.make(mimoc.build(mimoc.InfantSpec(mimoc=1, name="blind", age_months=9)))) as env:
         env.reset(seed=0)

@@ -69,7 +69,7 @@ def test_random_commands_are_survived_by_every_body(kind, body):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_episode_is_cut_off_after_its_steps(kind):
-    spec = {"mimo": 1, "name": "x", "age_months": 9, "task": {"kind": kind, "steps": 3}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "task": {"kind": kind, "steps": 3}}
     with mimoc.make(mimoc.InfantSpec.model_validate(spec)) as env:
         for _ in range(2):
             env.reset(seed=0)
@@ -111,7 +111,13 @@ def test_it_starts_at_rest_and_stays_together(kind):
 
 
 def test_a_bundle_of_another_task_is_compiled_for_this_one(tmp_path):
-    spec = {"mimo": 1, "name": "x", "age_months": 7, "senses": {"proprioception": {}}, "body": {"hands": "five_finger"}}
+    spec = {
+        "mimoc": 1,
+        "name": "x",
+        "age_months": 7,
+        "senses": {"proprioception": {}},
+        "body": {"hands": "five_finger"},
+    }
     folder = mimoc.write_bundle(mimoc.build(mimoc.InfantSpec.model_validate(spec)), tmp_path / "out")
     with gymnasium.make("mimoc/Reach-v0", bundle=folder) as env:
         manifest = env.unwrapped.manifest
@@ -148,7 +154,7 @@ def test_choices_of_a_task_can_be_made_by_name(options, told):
 
 
 def test_a_bundle_says_what_infant_it_is():
-    spec = mimoc.InfantSpec.model_validate({"mimo": 1, "name": "x", "age_months": 7})
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 7})
     with pytest.raises(mimoc.MimocError, match="leave age_months out, or the bundle"):
         gymnasium.make("mimoc/Reach-v0", bundle=mimoc.build(spec), age_months=3)
 
@@ -162,6 +168,6 @@ def test_a_bundle_says_what_infant_it_is():
     ids=str,
 )
 def test_a_task_that_leaves_nothing_to_command_is_refused(actuation, problem):
-    spec = {"mimo": 1, "name": "x", "age_months": 7, "actuation": actuation, "task": {"kind": "reach"}}
+    spec = {"mimoc": 1, "name": "x", "age_months": 7, "actuation": actuation, "task": {"kind": "reach"}}
     with pytest.raises(mimoc.MimocError, match=problem):
         mimoc.build(mimoc.InfantSpec.model_validate(spec))

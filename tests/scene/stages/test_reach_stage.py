@@ -12,7 +12,7 @@ AGES = (0, 3, 9, 18, 24)
 
 
 def reach(age_months: float, hands: str = "mitten", **keys) -> mimoc.InfantSpec:
-    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": {"hands": hands}, "task": {"kind": "reach"}}
+    data = {"mimoc": 1, "name": "x", "age_months": age_months, "body": {"hands": hands}, "task": {"kind": "reach"}}
     return mimoc.InfantSpec.model_validate({**data, **keys})
 
 

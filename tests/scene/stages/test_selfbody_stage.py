@@ -19,7 +19,7 @@ def selfbody(
     age_months: float = 9, hands: str = "mitten", hand: str = "right", remove: tuple[str, ...] = (), **keys
 ) -> mimoc.InfantSpec:
     body = {"hands": hands, "remove": list(remove)}
-    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": body, "task": {"kind": "selfbody", "hand": hand}}
+    data = {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "task": {"kind": "selfbody", "hand": hand}}
     return mimoc.InfantSpec.model_validate({**data, **keys})
 
 

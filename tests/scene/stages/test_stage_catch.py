@@ -14,7 +14,7 @@ PALMAR = {"right": -1, "left": 1}
 
 
 def staged(age_months: float = 18, hands: str = "mitten", hand: str = "right", **keys) -> Builder:
-    spec = {"mimo": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}, **keys}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}, **keys}
     return builder(mimoc.InfantSpec.model_validate({**spec, "task": {"kind": "catch", "hand": hand}}))
 
 

@@ -10,7 +10,7 @@ from mimoc.source import parse
 
 
 def staged(**keys) -> Builder:
-    spec = {"mimo": 1, "name": "infant", "age_months": 9, "task": {"kind": "rollover"}, **keys}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "task": {"kind": "rollover"}, **keys}
     return builder(mimoc.InfantSpec.model_validate(spec))
 
 
@@ -54,7 +54,7 @@ def test_an_infant_without_limbs_can_play():
     ],
 )
 def test_it_needs_a_floor_and_an_infant_that_lies_on_it(scene, problem):
-    text = f"mimo: 1\nname: x\nage_months: 9\nscene: {scene}\ntask: {{kind: rollover}}\n"
+    text = f"mimoc: 1\nname: x\nage_months: 9\nscene: {scene}\ntask: {{kind: rollover}}\n"
     with pytest.raises(SpecError) as error:
         read_spec(parse(text, "x.yaml"))
     assert str(error.value) == problem

@@ -14,7 +14,7 @@ HANDS = ("mitten", "five_finger")
 
 
 def standup(age_months: float, hands: str = "mitten", body: dict | None = None, **keys) -> mimoc.InfantSpec:
-    data = {"mimo": 1, "name": "x", "age_months": age_months, "body": {"hands": hands, **(body or {})}}
+    data = {"mimoc": 1, "name": "x", "age_months": age_months, "body": {"hands": hands, **(body or {})}}
     return mimoc.InfantSpec.model_validate({**data, "task": {"kind": "standup"}, **keys})
 
 
