@@ -1,0 +1,28 @@
+"""`mimoc build`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mimoc.cli.arguments import SpecPath
+
+EXAMPLE = "Example:  mimoc build configs/nine_months.yaml -o out/nine_months"
+
+
+def build(
+    spec: SpecPath,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write the bundle to.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace the bundle that is there.")] = False,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the scene; the spec's.")] = None,
+) -> None:
+    """Compile SPEC into a bundle: MuJoCo XML, textures, and all that is known of them."""
+    from mimoc import bundle, console, pipeline
+
+    infant = pipeline.load_spec(spec)
+    with console.status("building"):
+        built = pipeline.builder(infant)(infant.scene.seed if seed is None else seed)
+    folder = bundle.write_bundle(built, out, force=force)
+    console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
+    console.print_toys(built.manifest)
+    print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimoc run {folder}")

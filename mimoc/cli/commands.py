@@ -1,0 +1,46 @@
+"""All commands, as one program."""
+
+from typing import Annotated
+
+import typer
+
+from mimoc.cli import build, check, experiment, explain, import_config, render, rooms, run, see, train, validate
+from mimoc.version import __version__
+
+app = typer.Typer(
+    name="mimoc",
+    help="Compile simulated infants: from a YAML spec to plain MuJoCo XML and a Gymnasium environment.",
+    epilog="Start with:  mimoc build configs/nine_months.yaml -o out/nine_months",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        print(f"mimoc {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Say which version this is.", callback=_say_version, is_eager=True)
+    ] = False,
+) -> None:
+    pass
+
+
+app.command(epilog=build.EXAMPLE)(build.build)
+app.command(epilog=validate.EXAMPLE)(validate.validate)
+app.command(epilog=run.EXAMPLE)(run.run)
+app.command(epilog=train.EXAMPLE)(train.train)
+app.command(epilog=experiment.EXAMPLE)(experiment.experiment)
+app.command(epilog=check.EXAMPLE)(check.check)
+app.command(epilog=explain.EXAMPLE)(explain.explain)
+app.command(epilog=render.EXAMPLE)(render.render)
+app.command(epilog=see.EXAMPLE)(see.see)
+app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
+app.command("import", epilog=import_config.EXAMPLE)(import_config.import_config)

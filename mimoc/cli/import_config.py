@@ -1,0 +1,30 @@
+"""`mimoc import`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mimoc.errors import OutputError
+
+EXAMPLE = "Example:  mimoc import babybench configs/babybench.yml -o self_touch.yaml"
+
+
+def import_config(
+    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Whose configuration it is: babybench.")],
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="The configuration, a YAML file.")],
+    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace the spec that is there.")] = False,
+) -> None:
+    """Turn the configuration of another system into a spec, and say what of it has no counterpart."""
+    from mimoc import files, importers
+
+    imported = importers.import_config(system, config)
+    if file.resolve() == config.resolve():
+        raise OutputError(f"{file}: this is the configuration itself; choose another place")
+    if file.exists() and not force:
+        raise OutputError(f"{file}: is there already; choose another place, or replace it with --force")
+    written = files.write_file(file, imported.text.encode())
+    for note in imported.notes:
+        print(note)
+    print(f"{written}: try it with: mimoc build {written} -o out/{imported.spec['name']}")
