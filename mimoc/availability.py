@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mimoc.body import assemble
 from mimoc.errors import Problem, SpecError
-from mimoc.schema import InfantSpec
+from mimoc.schema import InfantSpec, as_written
 from mimoc.schema.names import unsided
 
 KeyPath = tuple[str, ...]
@@ -32,6 +32,4 @@ def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
 
 def _problem(spec: InfantSpec, path: KeyPath, what: str, advice: str) -> Problem:
     message = f"{what} is not available in this version of mimoc; {advice}"
-    if spec.source:
-        return spec.source.problem(path, message, at="key")
-    return Problem(f"<{spec.name}>", 0, 0, ".".join(path), message)
+    return as_written(spec).problem(path, message, at="key")

@@ -24,7 +24,7 @@ MAX_LOCK_BYTES = 2**22
 """No bundle has enough files for a longer lock."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Bundle:
     """The files of a compiled infant."""
 
@@ -34,6 +34,13 @@ class Bundle:
     """What the runtime knows of it."""
     path: Path | None
     """Folder it was read from; None if it is only in memory."""
+
+    def __repr__(self) -> str:
+        """Return who it is, how much there is of it and where it was read from, in a line."""
+        size_kb = sum(map(len, self.files.values())) / 1000
+        at = f", read from {str(self.path)!r}" if self.path else ""
+        who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
+        return f"Bundle({who}, {len(self.files)} files, {size_kb:.0f} kB{at})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let a bundle be copied and sent to other processes, which a read-only mapping alone cannot be."""

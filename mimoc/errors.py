@@ -18,6 +18,7 @@ class Problem:
 
     file: str
     line: int
+    """From 1; 0 where there are no lines to look at, as of a spec that was made in Python."""
     column: int
     key: str
     """Dotted path of the key, or empty where the whole file is meant."""
@@ -25,7 +26,8 @@ class Problem:
     """What is wrong; what to do."""
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}: {self.key + ': ' if self.key else ''}{self.message}"
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return f"{place}: {self.key + ': ' if self.key else ''}{self.message}"
 
 
 class SpecError(MimocError):

@@ -33,7 +33,7 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         ModelError: If MuJoCo refuses the model.
         RenderingError: If the infant sees, and there is no OpenGL here.
     """
-    is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix in (".yaml", ".yml")
+    is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
     if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
         return runtime.make(source, **options)
     from mimoc import pipeline  # The compiler, which bundles do without.
@@ -120,4 +120,4 @@ def _child(
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
     """Return the spec of a bundle with another task."""
     spec = schema.read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))
-    return schema.read_spec(source.parse(source.dump({**schema.to_data(spec), "task": task}), RESOLVED))
+    return spec.with_(task=None).with_(task=task)

@@ -21,12 +21,13 @@ from mimoc.scene.manifest import describe, describe_toys
 from mimoc.scene.provenance import trace_drive
 from mimoc.scene.sense_provenance import trace_senses
 from mimoc.scene.task_provenance import trace_task
-from mimoc.schema import InfantSpec, read_spec, to_data
+from mimoc.schema import InfantSpec, as_written, read_spec, to_data, validated
 from mimoc.schema.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.supplies import gather, notes
 from mimoc.version import __version__
 
 SPEC_FILE = "spec.yaml"
+SPEC_SUFFIXES = (".yaml", ".yml")
 
 
 def load_spec(path: str | Path) -> InfantSpec:
@@ -38,18 +39,37 @@ def load_spec(path: str | Path) -> InfantSpec:
     return read_spec(source.read(path))
 
 
-def build(spec: InfantSpec) -> bundle.Bundle:
+def build(spec: InfantSpec | str | Path) -> bundle.Bundle:
     """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
 
+    Args:
+        spec: The spec, or the path of its YAML file.
+
     Raises:
-        SpecError: If the spec asks for what this version cannot build, for a child that there is none of, or for toys
-            or pictures that are not there.
+        SpecError: If the spec is wrong or has not passed validation, or if it asks for what this version cannot build,
+            for a child that there is none of, or for toys or pictures that are not there.
         ModelError: If MuJoCo refuses the model.
     """
-    return builder(spec)(spec.scene.seed)
+    compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec))
+    return compiler(compiler.spec.scene.seed)
 
 
-@dataclass(frozen=True, slots=True)
+def compiled(source: bundle.Bundle | InfantSpec | str | Path) -> bundle.Bundle:
+    """Return a bundle as it is, the bundle in a folder, or what a spec or the file of one (.yaml, .yml) compiles to.
+
+    Raises:
+        BundleError: If a folder is not a whole bundle.
+        SpecError: As `build`.
+        ModelError: If MuJoCo refuses the model.
+    """
+    if isinstance(source, bundle.Bundle):
+        return source
+    if isinstance(source, InfantSpec) or Path(source).suffix.lower() in SPEC_SUFFIXES:
+        return build(source)
+    return bundle.read_bundle(source)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Builder:
     """A spec whose child is grown: what is left to do is to put it into the world that a seed draws."""
 
@@ -72,6 +92,10 @@ class Builder:
     origin_members: Mapping[str, str]
     """The same as text, by key."""
 
+    def __repr__(self) -> str:
+        """Return whom it builds, in a line."""
+        return f"Builder({self.spec.name!r}, {self.spec.age_months:g} months)"
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be copied and sent to other processes, which grow the child anew."""
         return builder, (self.spec,)
@@ -88,7 +112,7 @@ class Builder:
             ModelError: If MuJoCo refuses the model.
         """
         spec = _with_seed(self.spec, seed)
-        written = _as_written(spec)
+        written = as_written(spec)
         try:
             furnished = scene.furnish(self.infant, spec, self.tree, self.supplies, self.stage, self.discs)
         except (NoRoomError, ToyError) as error:
@@ -121,8 +145,9 @@ def builder(spec: InfantSpec) -> Builder:
     Raises:
         SpecError: As `build`.
     """
+    spec = validated(spec)
     refuse_unavailable(spec)
-    written = _as_written(spec)
+    written = as_written(spec)
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     try:
         measurements = body.measure_child(spec, anatomy)
@@ -159,9 +184,7 @@ def builder(spec: InfantSpec) -> Builder:
 
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:
     """Return a spec whose scene has another seed."""
-    if seed == spec.scene.seed:
-        return spec
-    return spec.model_copy(update={"scene": spec.scene.model_copy(update={"seed": seed})})
+    return spec if seed == spec.scene.seed else spec.with_(scene={"seed": seed})
 
 
 def who_percentiles(child: ChildEntry) -> dict[str, float]:
@@ -222,13 +245,6 @@ def _blame(error: ModelError, written: source.Source, provenance: Mapping[str, M
     keys = sorted(tuple(key.split(".")[1:]) for key in seen if key.startswith("spec."))
     problems = [written.problem(key, f"'{error.element}' follows from this, and {error}") for key in keys]
     return ModelError("\n".join(map(str, problems)) or f"{written.file}: '{error.element}': {error}", error.element)
-
-
-def _as_written(spec: InfantSpec) -> source.Source:
-    """Return the file a spec was read from, or, if it was made or changed since, the file it would be read from."""
-    if spec.source and read_spec(spec.source) == spec:
-        return spec.source
-    return source.parse(source.dump(to_data(spec)), SPEC_FILE)
 
 
 def _trace_spec(spec: InfantSpec, written: source.Source) -> dict[str, dict[str, Any]]:

@@ -4,7 +4,7 @@ import re
 import stat
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal, NoReturn, TypeAlias
@@ -75,7 +75,7 @@ class FileKind:
 SPEC = FileKind("spec", "mimoc, name and age_months", "mimoc: 1")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Source:
     """A YAML file that was read: its data, and where in the file each value stands."""
 
@@ -90,6 +90,14 @@ class Source:
     """Where the data is not what was written, because of those problems."""
     key_places: Mapping[KeyPath, Place]
     value_places: Mapping[KeyPath, Place]
+    folder: Path
+    """What relative paths in it are seen from."""
+    has_lines: bool = True
+    """Whether a user can look at its lines; problems of what was made in Python name keys only."""
+
+    def __repr__(self) -> str:
+        """Return its name and size: the text may be long."""
+        return f"Source({self.file!r}, {len(self.text.splitlines())} lines)"
 
     def locate(self, path: KeyPath, *, at: Literal["key", "value"] = "value") -> Place:
         """Return the line and column of a key or its value, or else of the closest key above it that was written."""
@@ -101,7 +109,8 @@ class Source:
 
     def problem(self, path: KeyPath, message: str, *, at: Literal["key", "value"] = "value") -> Problem:
         """Return a problem that points at a key of this file, or at its value."""
-        return Problem(self.file, *self.locate(path, at=at), dotted(path), message)
+        place = self.locate(path, at=at) if self.has_lines else (0, 0)
+        return Problem(self.file, *place, dotted(path), message)
 
 
 def dotted(path: KeyPath) -> str:
@@ -176,7 +185,18 @@ def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
         message = f"this is not a mapping; write 'key: value' lines, such as '{kind.line}'"
         reader.stop((), reader.value_places[()], message)
     places = (reader.key_places, reader.value_places)
-    return Source(file, written, data, tuple(reader.problems), frozenset(reader.spoilt), *places)
+    folder = Path(file).parent
+    return Source(file, written, data, tuple(reader.problems), frozenset(reader.spoilt), *places, folder)
+
+
+def unwritten(data: dict[str, Any], name: str, folder: Path) -> Source:
+    """Return data that nobody has written to a file, as if it had been read; it may hold what YAML cannot say."""
+    return Source(name, "", data, (), frozenset(), {(): (1, 1)}, {}, folder, has_lines=False)
+
+
+def printed(data: dict[str, Any], name: str, folder: Path) -> Source:
+    """Return data that nobody has written to a file, with the text that mimoc writes in a user's stead."""
+    return replace(parse(dump(data), name), folder=folder, has_lines=False)
 
 
 def dump(data: Mapping[str, Any]) -> str:

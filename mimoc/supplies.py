@@ -33,7 +33,7 @@ def gather(spec: InfantSpec, written: Source) -> Supplies:
     Raises:
         SpecError: If a toy or a picture that it names is not there, or is none.
     """
-    folder = Path(written.file).parent
+    folder = written.folder
     decor = Decor(
         floors=(*FLOORS.values(), *_own("floor", spec, written, folder)),
         ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written, folder)),

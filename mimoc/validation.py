@@ -15,7 +15,7 @@ from mimoc.availability import refuse_unavailable
 from mimoc.body.stature import Stature
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.pipeline import compile_model
-from mimoc.schema import InfantSpec, SceneSpec
+from mimoc.schema import InfantSpec, SceneSpec, validated
 from mimoc.units import m_to_cm
 
 MONTHS = range(25)
@@ -128,12 +128,11 @@ def grow_against_who(
     Raises:
         SpecError: If the spec asks for what this version cannot build.
     """
-    own_age = [spec.age_months] if spec else []
-    infant = spec or InfantSpec(mimoc=1, name="average_child", age_months=0)
+    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     refuse_unavailable(infant)
     if months is None:
         months = () if _is_of_one_age(infant) else MONTHS
-    ages = sorted({*map(float, months), *own_age})
+    ages = sorted({*map(float, months), *([infant.age_months] if spec else ())})
     rows: list[Row] = []
     for done, age_months in enumerate(ages, start=1):
         model = compile_infant(infant.model_copy(update={"age_months": age_months}))

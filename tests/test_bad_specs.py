@@ -31,7 +31,7 @@ SPECS = {
     "control characters": HEAD + "task: \x1b[31m{kind: reach}\n",
     "a tab for indentation": HEAD + "body:\n\thands: mitten\n",
     "a tab after a value": "mimoc: 1\nname: x\nage_months: 9\t# months\n",
-    "a byte order mark and a wrong age": "\ufeffmimo: 1\nname: x\nage_months: 99\n".encode(),
+    "a byte order mark and a wrong age": "\ufeffmimoc: 1\nname: x\nage_months: 99\n".encode(),
     "CRLF and a wrong age": b"mimoc: 1\r\nname: x\r\nage_months: 99\r\n",
     "two documents": HEAD + "---\n" + HEAD,
     "an open bracket": HEAD + "body: {remove: [left_hand, right_hand}\n",

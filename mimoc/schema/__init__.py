@@ -4,7 +4,7 @@ from mimoc.schema.actuation import ActuationSpec
 from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
 from mimoc.schema.control import ControlSpec
 from mimoc.schema.delays import DelaysSpec
-from mimoc.schema.reading import read_spec, to_data
+from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
 from mimoc.schema.scene import RoomSpec, SceneSpec, TexturesSpec, ToysSpec
 from mimoc.schema.senses import (
     AcuitySpec,
@@ -14,7 +14,6 @@ from mimoc.schema.senses import (
     VestibularSpec,
     VisionSpec,
 )
-from mimoc.schema.spec import InfantSpec
 from mimoc.schema.tasks import TaskSpec
 
 __all__ = [
@@ -36,6 +35,8 @@ __all__ = [
     "ToysSpec",
     "VestibularSpec",
     "VisionSpec",
+    "as_written",
     "read_spec",
     "to_data",
+    "validated",
 ]

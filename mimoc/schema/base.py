@@ -1,5 +1,8 @@
 """What every section of a spec has in common."""
 
+from collections.abc import Iterator
+from typing import Any
+
 from pydantic import BaseModel, ConfigDict
 
 from mimoc.source import KeyPath
@@ -9,6 +12,10 @@ class Model(BaseModel):
     """Base of every section: immutable, no unknown keys, documented fields."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
+        """Yield what `repr` shows: what was said, not what was left to its default."""
+        yield from ((key, value) for key, value in super().__repr_args__() if key in self.model_fields_set)
 
 
 class KeyedError(ValueError):

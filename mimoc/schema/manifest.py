@@ -1,6 +1,8 @@
 """All that the runtime knows of an infant: the contract between the wing that compiles and the wing that runs."""
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from mimoc.schema.base import Model
 from mimoc.schema.goals import FreeEntry, GoalEntry
@@ -69,7 +71,7 @@ class TouchEntry(Model):
     """What each skin point feels: a force in its body's frame, in the world's, or only how hard it is pressed."""
     response: TouchResponse
     """Whether the skin points around a contact feel it, or only the nearest."""
-    points_m: dict[str, tuple[tuple[float, float, float], ...]]
+    points_m: Annotated[dict[str, tuple[tuple[float, float, float], ...]], Field(repr=False)]
     """The skin points by body, in its frame; the observation has them in this order, bodies in that of the model."""
     spacing_m: dict[str, float]
     """Distance of neighbouring skin points by body; a contact is felt within twice that."""
@@ -252,3 +254,9 @@ class Manifest(Model):
     """What its user should know of how it was built."""
     keypoints: tuple[str, ...] = ()
     """The BODY_25 sites, in BODY_25's order; of limbs it does not have too."""
+
+    def __repr__(self) -> str:
+        """Return who it tells of: the whole of it is long."""
+        return f"Manifest({self.name!r}, {self.child.age_months:g} months)"
+
+    __str__ = __repr__

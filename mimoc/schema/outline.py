@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from mimoc.schema.spec import InfantSpec
+from mimoc.schema.spec import InfantKeys
 from mimoc.source import KeyPath
 
 
@@ -92,4 +92,4 @@ def _resolved(node: dict[str, Any]) -> dict[str, Any]:
 
 @cache
 def _language() -> dict[str, Any]:
-    return InfantSpec.model_json_schema()
+    return InfantKeys.model_json_schema()

@@ -2,22 +2,28 @@
 
 from collections.abc import Iterator
 from itertools import takewhile
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from mimoc.errors import SpecError
 from mimoc.schema.outline import is_known, outline
-from mimoc.schema.spec import InfantSpec
+from mimoc.schema.spec import InfantKeys
 from mimoc.schema.wording import fault, nothing_at
 from mimoc.source import KeyPath, Source
 
+Spec = TypeVar("Spec", bound=InfantKeys)
 
-def read_spec(source: Source) -> InfantSpec:
+
+def read_keys(keys: type[Spec], source: Source) -> Spec:
     """Return the spec that a file holds.
 
     A value that is wrong is reported and taken out, and the rest looked at again, since pydantic compares the keys of
     a section only once each of them is right.
+
+    Args:
+        keys: The class of the spec.
+        source: The file.
 
     Raises:
         SpecError: If anything is wrong with it, with all that is.
@@ -27,7 +33,7 @@ def read_spec(source: Source) -> InfantSpec:
     spec = None
     while spec is None:
         try:
-            spec = InfantSpec.model_validate(data, context=source)
+            spec = keys.model_validate(data, context=source)
         except ValidationError as error:
             found = [fault(details, data) for details in error.errors(include_url=False)]
             known = {path[:depth] for path in {*source.spoilt, *faults} for depth in range(len(path) + 1)}
@@ -39,14 +45,6 @@ def read_spec(source: Source) -> InfantSpec:
         reported = (source.problem(wrong.path, wrong.message, at=wrong.at) for wrong in faults.values())
         raise SpecError([*source.problems, *reported])
     return spec
-
-
-def to_data(spec: InfantSpec) -> dict[str, Any]:
-    """Return a spec as plain data with every default in place, which reads back as an equal spec.
-
-    A key without a value, such as a sense that is off, is left out.
-    """
-    return spec.model_dump(mode="json", exclude_none=True)
 
 
 def _empty(value: Any, path: KeyPath = ()) -> Iterator[KeyPath]:

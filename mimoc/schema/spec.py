@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, StringConstraints, model_validator
+from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
 from mimoc.schema.actuation import ActuationSpec
 from mimoc.schema.base import KeyedError, Model
@@ -14,7 +14,6 @@ from mimoc.schema.quantities import Age
 from mimoc.schema.scene import SceneSpec
 from mimoc.schema.senses import SensesSpec
 from mimoc.schema.tasks import TaskSpec
-from mimoc.source import Source
 from mimoc.units import to_steps
 
 
@@ -35,8 +34,8 @@ LYING = ("supine", "prone")
 """The poses that `rollover` can start from."""
 
 
-class InfantSpec(Model):
-    """One infant in one world, as a user wrote it: nothing is computed, and what was left out has its default."""
+class InfantKeys(Model):
+    """All keys of the spec language, and what holds between them."""
 
     mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
     """Version of the spec language."""
@@ -60,22 +59,6 @@ class InfantSpec(Model):
     """The clock."""
     task: TaskSpec | None = None
     """What it is to achieve; left out, nothing."""
-
-    _source: Source | None = PrivateAttr(default=None)
-
-    @property
-    def source(self) -> Source | None:
-        """The file this was read from, None where it was written in Python."""
-        return self._source
-
-    def __eq__(self, other: object) -> bool:
-        """Say whether two specs say the same, wherever they were read from."""
-        return isinstance(other, InfantSpec) and self.__dict__ == other.__dict__
-
-    def model_post_init(self, context: Any) -> None:
-        """Remember the source, which is passed as the context of validation."""
-        if isinstance(context, Source):
-            self._source = context
 
     @model_validator(mode="after")
     def _vision_has_eyes(self) -> Self:

@@ -10,7 +10,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc import pipeline
-from mimoc.bundle import Bundle, read_bundle
+from mimoc.bundle import Bundle
 from mimoc.errors import TrainingError
 from mimoc.plot.learning import curves_png, draw_curves
 from mimoc.runtime.env import InfantEnv
@@ -92,7 +92,7 @@ def train(
         MissingExtraError: If matplotlib is not installed.
     """
     settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {})
-    bundle = _bundle(source)
+    bundle = pipeline.compiled(source)
     check_learnable(bundle)
     draw_curves({})  # That matplotlib is missing had better be said now than after hours.
     tell = progress or (lambda done, total: None)
@@ -105,16 +105,6 @@ def train(
         folder.show(known.curve.to_csv())
         folder.draw(_picture(known))
     return Training(known.curve, folder.path / POLICY, before.steps)
-
-
-def _bundle(source: Source) -> Bundle:
-    if isinstance(source, Bundle):
-        return source
-    if isinstance(source, InfantSpec):
-        return pipeline.build(source)
-    if Path(source).suffix in (".yaml", ".yml"):
-        return pipeline.build(pipeline.load_spec(source))
-    return read_bundle(source)
 
 
 def _before(folder: RunFolder) -> Progress:
