@@ -140,6 +140,8 @@ class Lock:
     name: str
     joint: str
     angle_rad: float
+    active: bool
+    """Whether it does so from the start; others are there to be switched on."""
 
 
 @dataclass(frozen=True, slots=True)
