@@ -51,11 +51,12 @@ def holds(spec: InfantSpec, tree: BodyTree, stage: Stage) -> tuple[Hold, ...]:
         UnplayableError: If the spec holds a part that this infant does not have.
     """
     here = {body.name for body in tree.bodies}
-    for name in spec.scene.held:
-        if name not in here:
+    homes = {tree.home(name): name for name in spec.scene.held}
+    for home, name in homes.items():
+        if home not in here:
             raise UnplayableError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
     by_task = {hold.body for hold in stage.holds}
-    return (*stage.holds, *(Hold(name) for name in spec.scene.held if name not in by_task))
+    return (*stage.holds, *(Hold(home) for home in homes if home not in by_task))
 
 
 def hold_name(body: str) -> str:

@@ -39,7 +39,7 @@ def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree, stage: Stage = 
     return Manifest(
         name=spec.name,
         child=_child(spec, tree),
-        root_body=tree.bodies[0].name,
+        root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,
