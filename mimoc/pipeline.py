@@ -17,6 +17,7 @@ from mimoc.body.provenance import trace_body
 from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError, UnplayableError
 from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
+from mimoc.scene.conventions import find_convention
 from mimoc.scene.manifest import describe, describe_toys
 from mimoc.scene.provenance import trace_drive
 from mimoc.scene.sense_provenance import trace_senses
@@ -39,18 +40,20 @@ def load_spec(path: str | Path) -> InfantSpec:
     return read_spec(source.read(path))
 
 
-def build(spec: InfantSpec | str | Path) -> bundle.Bundle:
+def build(spec: InfantSpec | str | Path, convention: str | None = None) -> bundle.Bundle:
     """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
 
     Args:
         spec: The spec, or the path of its YAML file.
+        convention: Other people's code to build it for, by a name of `scene.conventions`.
 
     Raises:
+        UnknownNameError: If there is no such convention.
         SpecError: If the spec is wrong or has not passed validation, or if it asks for what this version cannot build,
             for a child that there is none of, or for toys or pictures that are not there.
         ModelError: If MuJoCo refuses the model.
     """
-    compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec))
+    compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec), convention)
     return compiler(compiler.spec.scene.seed)
 
 
@@ -74,6 +77,8 @@ class Builder:
     """A spec whose child is grown: what is left to do is to put it into the world that a seed draws."""
 
     spec: InfantSpec
+    convention: str | None
+    """The code it is built for, if not mimoc's alone."""
     tree: body.BodyTree
     infant: scene.SceneTree
     """In no world yet."""
@@ -98,7 +103,7 @@ class Builder:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be copied and sent to other processes, which grow the child anew."""
-        return builder, (self.spec,)
+        return builder, (self.spec, self.convention)
 
     def __call__(self, seed: int, *, check: bool = True) -> bundle.Bundle:
         """Return the bundle of a seed.
@@ -114,11 +119,13 @@ class Builder:
         spec = _with_seed(self.spec, seed)
         written = as_written(spec)
         try:
-            furnished = scene.furnish(self.infant, spec, self.tree, self.supplies, self.stage, self.discs)
+            furnished = find_convention(self.convention).world(
+                scene.furnish(self.infant, spec, self.tree, self.supplies, self.stage, self.discs)
+            )
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
         toys = tuple(ToyEntry.model_validate(render.rounded(toy.model_dump())) for toy in describe_toys(furnished))
-        changes = {"seed": seed, "toys": toys, "notes": notes(spec, toys)}
+        changes = {"seed": seed, "toys": toys, "notes": notes(spec, toys, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
         changed = render.json_members(manifest.model_dump(include=set(changes)))
         spec_origins = _trace_spec(spec, written)
@@ -139,28 +146,34 @@ class Builder:
         return bundle.seal(files, {"mimoc": __version__}, data_files(), manifest)
 
 
-def builder(spec: InfantSpec) -> Builder:
+def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
     """Return what compiles a spec for any seed of its scene; the child, which is always the same, is grown now.
 
     Raises:
+        UnknownNameError: If there is no such convention.
         SpecError: As `build`.
     """
+    wanted = find_convention(convention)
     spec = validated(spec)
     refuse_unavailable(spec)
     written = as_written(spec)
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     try:
         measurements = body.measure_child(spec, anatomy)
-        tree = body.grow_child(spec, measurements, anatomy)
+        tree = wanted.body(body.grow_child(spec, measurements, anatomy))
     except (GeometryError, IndividualError) as error:
         raise SpecError([blame(error, spec, written)]) from None
     try:
-        infant, stage = scene.set_stage(scene.compose(spec, tree), spec, tree)
+        staged, stage = scene.set_stage(scene.compose(spec, tree), spec, tree)
+        infant = wanted.infant(staged, spec.actuation.model)
         described = describe(spec, tree, infant, stage)
     except UnplayableError as error:
         raise SpecError([written.problem(error.key, str(error))]) from None
     manifest = Manifest.model_validate(render.rounded(described.model_dump()))
-    scaled = {name: tuple(f"spec.body.parts.{name}.{key}" for key, _ in part) for name, part in spec.body.parts.items()}
+    scaled: dict[str, tuple[str, ...]] = {}
+    for name, part in spec.body.parts.items():
+        keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
+        scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
     origins = {
         **trace_body(measurements, anatomy, tree, scaled),
         **trace_drive(spec.actuation.model, anatomy, tree, infant.actuators),
@@ -169,6 +182,7 @@ def builder(spec: InfantSpec) -> Builder:
     }
     return Builder(
         spec=spec,
+        convention=convention,
         tree=tree,
         infant=infant,
         stage=stage,

@@ -84,9 +84,12 @@ def _unknown_toys(toys: ToysSpec, written: Source, messages: dict[str, str]) -> 
     )
 
 
-def notes(spec: InfantSpec, toys: Sequence[ToyEntry]) -> tuple[str, ...]:
+def notes(spec: InfantSpec, toys: Sequence[ToyEntry], convention: str | None = None) -> tuple[str, ...]:
     """Return what the user of a bundle should know of how it was built."""
-    return (*_task_notes(spec), *_toy_notes(spec, toys))
+    built_for = (
+        () if convention is None else (f"built for {convention}: parts, joints and commands are as its code wants",)
+    )
+    return (*built_for, *_task_notes(spec), *_toy_notes(spec, toys))
 
 
 def _task_notes(spec: InfantSpec) -> Iterator[str]:

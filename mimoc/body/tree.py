@@ -111,6 +111,12 @@ class BodyTree:
     """Pairs of bodies that pass through each other."""
     frictionless: tuple[tuple[str, str], ...]
     """Pairs of geoms that slide on each other."""
+    merged: tuple[tuple[str, str], ...] = ()
+    """Parts that are of one piece with another here, which has their geoms: their name, and that of the other."""
+
+    def home(self, part: str) -> str:
+        """Return the body that has a part's geoms: that of its name, or the one it is merged with."""
+        return dict(self.merged).get(part, part)
 
     @property
     def geoms(self) -> Mapping[str, Geom]:

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from mimoc.scene.drawing import GRID_LAYOUT, GRID_SIZE, SKIN, Colour, draw_ear, draw_eye, draw_face, draw_stripes
 from mimoc.scene.faces import FACES
+from mimoc.scene.mimo.lookups import face_texture
 
 Rgba = tuple[float, float, float, float]
 
@@ -108,7 +109,7 @@ def dress(expression: str) -> Appearance:
     Args:
         expression: One of `mimoc.scene.faces.FACES`.
     """
-    faces = {name: Texture(f"face_{name}", f"assets/face_{name}.png") for name in FACES}
+    faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in FACES}
     eye = Texture("eye", "assets/eye.png")
     ear = Texture("ear", "assets/ear.png")
     stripes = Texture("stripes", "assets/stripes.png")
@@ -130,8 +131,8 @@ def _materials(expression: str) -> tuple[Material, ...]:
     """Return one material for each name that the body's geoms use, and those of the head's features."""
     return (
         Material("skin", _rgba(SKIN)),
-        Material("head", UNTINTED, f"face_{expression}"),
-        *(Material(face_material(name), UNTINTED, f"face_{name}") for name in FACES),
+        Material("head", UNTINTED, face_texture(expression)),
+        *(Material(face_material(name), UNTINTED, face_texture(name)) for name in FACES),
         Material("ear", UNTINTED, "ear"),
         Material("eye_left", UNTINTED, "eye", specular=0.5, shininess=0.8),
         Material("eye_right", UNTINTED, "eye", specular=0.5, shininess=0.8),

@@ -6,6 +6,7 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world, quaternion
 from mimoc.body.strengthen import muscle_groups
 from mimoc.errors import UnplayableError
+from mimoc.scene.mimo.lookups import lock_name
 from mimoc.scene.stages import Hold, Stage
 from mimoc.scene.tree import Lock, Weld
 from mimoc.schema import InfantSpec
@@ -50,16 +51,12 @@ def holds(spec: InfantSpec, tree: BodyTree, stage: Stage) -> tuple[Hold, ...]:
         UnplayableError: If the spec holds a part that this infant does not have.
     """
     here = {body.name for body in tree.bodies}
-    for name in spec.scene.held:
-        if name not in here:
+    homes = {tree.home(name): name for name in spec.scene.held}
+    for home, name in homes.items():
+        if home not in here:
             raise UnplayableError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
     by_task = {hold.body for hold in stage.holds}
-    return (*stage.holds, *(Hold(name) for name in spec.scene.held if name not in by_task))
-
-
-def lock_name(joint: str) -> str:
-    """Return the name of the constraint that locks a hinge."""
-    return f"lock:{joint.removeprefix('robot:')}"
+    return (*stage.holds, *(Hold(home) for home in homes if home not in by_task))
 
 
 def hold_name(body: str) -> str:
@@ -68,9 +65,14 @@ def hold_name(body: str) -> str:
 
 
 def lock(joints: Collection[str], tree: BodyTree, state: Sequence[float]) -> tuple[Lock, ...]:
-    """Return constraints that keep some hinges as they are in a state (qpos)."""
+    """Return constraints that keep some hinges as they are in a state (qpos); those of the others are not active."""
     angles_rad = dict(zip(tree.joints, state[7:], strict=False))
-    return tuple(Lock(lock_name(joint), joint, angles_rad[joint]) for joint in joints)
+    return tuple(
+        Lock(lock_name(joint), joint, angle_rad, active=True)
+        if joint in joints
+        else Lock(lock_name(joint), joint, 0.0, active=False)
+        for joint, angle_rad in angles_rad.items()
+    )
 
 
 def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tuple[Weld, ...]:

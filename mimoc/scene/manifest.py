@@ -6,10 +6,11 @@ from mimoc.scene import instruments
 from mimoc.scene.acuity import resolve_acuity
 from mimoc.scene.appearance import face_material
 from mimoc.scene.faces import FACES
-from mimoc.scene.fastening import commanded_joints, hold_name, holds, lock_name, locked_joints
+from mimoc.scene.fastening import commanded_joints, hold_name, holds, locked_joints
 from mimoc.scene.furnish import start_pose
 from mimoc.scene.keypoints import KEYPOINTS, PREFIX
 from mimoc.scene.latency import delays
+from mimoc.scene.mimo.lookups import lock_name
 from mimoc.scene.skin import Skin
 from mimoc.scene.stages import Stage
 from mimoc.scene.stages.free import FREE
@@ -38,7 +39,7 @@ def describe(spec: InfantSpec, tree: BodyTree, scene: SceneTree, stage: Stage = 
     return Manifest(
         name=spec.name,
         child=_child(spec, tree),
-        root_body=tree.bodies[0].name,
+        root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from mimoc.body import BodyTree, Joint
-from mimoc.scene.muscles import MUSCLE, limp_joints, muscles
+from mimoc.scene.muscles import MUSCLE, limp_joints, muscles, parameters
 from mimoc.scene.servos import SERVO, held, servo_joints, servos
 from mimoc.scene.tree import Actuator, Keyframe
 
@@ -25,7 +25,11 @@ class Drive:
 
 
 def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
-    """Return one motor for each of MIMo's actuators: torque = gear x command, within the force range."""
+    """Return one motor for each of MIMo's actuators: torque = gear x command, within the force range.
+
+    Each has the parameters of its muscles with it, for MIMo's code, which makes muscles of torque motors.
+    """
+    joints = tree.joints
     return tuple(
         Actuator(
             name=motor.name,
@@ -33,7 +37,7 @@ def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
             joint=motor.joint,
             gear=motor.gear_nm,
             control_range=(-1.0, 1.0),
-            settings=(("forcerange", motor.force_range),),
+            settings=(("forcerange", motor.force_range), ("user", parameters(motor, joints[motor.joint]))),
         )
         for motor in tree.motors
     )

@@ -47,6 +47,19 @@ def limp_joints(tree: BodyTree) -> Mapping[str, Joint]:
     }
 
 
+def parameters(motor: Motor, joint: Joint) -> tuple[float, float, float]:
+    """Return VMAX and both FMAX of the muscles in a motor's place, as MIMo's own muscle model wants them.
+
+    VMAX is in optimal lengths a second. FMAX, of the muscle towards negative angles and of the other, is torque by
+    moment arm, which in MIMo's model is the same all over the range of a joint: (LONGEST - SHORTEST) / range.
+    """
+    low, high = map(deg_to_rad, joint.range_deg)
+    negative, positive = (
+        PEAK * motor.gear_nm * abs(share) * (high - low) / (LONGEST - SHORTEST) for share in motor.force_range
+    )
+    return motor.vmax_lengths_per_s, negative, positive
+
+
 def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
     low, high = map(deg_to_rad, joint.range_deg)
     negative, positive = motor.force_range

@@ -5,11 +5,13 @@ from collections.abc import Callable, Iterator, Mapping
 from mimoc.body import Anatomy, BodyTree, Motor
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
 from mimoc.scene.motors import DRIVES
-from mimoc.scene.muscles import DAMPING, PEAK
+from mimoc.scene.muscles import DAMPING, LONGEST, PEAK, SHORTEST
 from mimoc.scene.servos import FOLLOWING, FREQUENCY_RAD_S, LAG_S
 from mimoc.scene.tree import Actuator
 
 MODEL_KEY = "spec.actuation.model"
+STROKE = LONGEST - SHORTEST
+"""By how much a muscle's length changes over the range of its joint, in optimal lengths."""
 
 
 def trace_drive(model: str, anatomy: Anatomy, tree: BodyTree, actuators: tuple[Actuator, ...]) -> dict[str, Entry]:
@@ -51,6 +53,11 @@ def _trace_torque(
 ) -> Iterator[tuple[str, Entry]]:
     for key, entry in _trace_strength(tree, motor, reference_nm, actuators):
         yield key, {**entry, "xml": _xml(motor.name, key.split(".")[-1])}
+    (actuator,) = actuators
+    rule = f"VMAX ({REFERENCE}), both FMAX = {PEAK:g} x gear x part of forcerange x range of the joint / {STROKE:g}"
+    strength = [f"actuator.{motor.name}.gear", f"actuator.{motor.name}.forcerange", f"joint.{motor.joint}.range"]
+    entry = {"value": dict(actuator.settings)["user"], "rule": rule, "from": strength}
+    yield f"actuator.{motor.name}.user", {**entry, "xml": _xml(motor.name, "user")}
 
 
 def _trace_strength(

@@ -64,6 +64,8 @@ class Site:
     name: str
     pos_m: Vec3
     radius_m: float
+    settings: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    """Its other attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +76,8 @@ class Camera:
     pos_m: Vec3
     euler_rad: Vec3
     fovy_deg: float
+    names: tuple[tuple[str, str], ...] = ()
+    """What it follows, if it follows anything, as attributes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +144,8 @@ class Lock:
     name: str
     joint: str
     angle_rad: float
+    active: bool
+    """Whether it does so from the start; others are there to be switched on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +181,16 @@ class Light:
     direction: Vec3
     diffuse: Vec3
     castshadow: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A point in the world that programs place (MuJoCo's `mocap`); it touches nothing, and is hidden."""
+
+    name: str
+    pos_m: Vec3
+    radius_m: float
+    rgba: tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,6 +269,9 @@ class World:
     """What a task needs."""
     locks: tuple[Lock, ...] = ()
     welds: tuple[Weld, ...] = ()
+    cameras: tuple[Camera, ...] = ()
+    """Onlookers'."""
+    marks: tuple[Mark, ...] = ()
     midphase: str = "enable"
     """Whether MuJoCo looks for touching geoms of two bodies in a tree of boxes: quicker among many bars only."""
 

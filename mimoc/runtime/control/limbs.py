@@ -6,6 +6,11 @@ TRUNK = ("hip", "lower_body", "upper_body", "chest")
 """The bodies that limbs hang on, from the first to the last; MIMo's names."""
 
 
+def chest_of(model: mujoco.MjModel) -> int:
+    """Return the last body of the trunk that a model has: a rigid chest can be of one piece with the upper body."""
+    return max(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in TRUNK)
+
+
 def limb_of(model: mujoco.MjModel, body: int) -> int:
     """Return the body next to the trunk that a body hangs on, or is; 0, the world, for what is not of a limb."""
     trunk = {mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in TRUNK}

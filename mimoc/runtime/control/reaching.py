@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from mimoc.runtime.control.gains import Gains
 from mimoc.runtime.control.inverse_dynamics import InverseDynamics
-from mimoc.runtime.control.limbs import TRUNK
+from mimoc.runtime.control.limbs import TRUNK, chest_of
 from mimoc.runtime.control.objectives import LOOKING, REACHING, Align, LookAt, Reach
 from mimoc.runtime.control.posture import Posture
 from mimoc.runtime.control.targets import Reachable
@@ -183,10 +183,11 @@ def _steady(env: InfantEnv) -> list[Posture | Align]:
     One that lies only keeps its spine as it is: the ground holds its chest.
     """
     legs, spine = _joints_of(env, LEGS), _joints_of(env, TRUNK, with_limbs=False)
-    chest = env.data.body(TRUNK[-1]).xmat.reshape(3, 3)
-    if chest[2, 2] < LYING:
+    chest = env.data.body(chest_of(env.model))
+    turned = chest.xmat.reshape(3, 3)
+    if turned[2, 2] < LYING:
         return [Posture(joints=[*legs, *spine])]
-    return [Posture(joints=legs), Align(TRUNK[-1], chest, gains=BALANCING)]
+    return [Posture(joints=legs), Align(chest.name, turned, gains=BALANCING)]
 
 
 def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.errors import ControlError
 from mimoc.runtime.control.frames import Frame, find_frame
-from mimoc.runtime.control.limbs import TRUNK, joints_between, limb_of
+from mimoc.runtime.control.limbs import chest_of, joints_between, limb_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.model import hanging_on
 from mimoc.runtime.senses.sense import FloatArray
@@ -67,7 +67,7 @@ class Reachable:
         self._data = mujoco.MjData(model)
         self._frames = [find_frame(hand, model) for hand in self.hands]
         joints = [joint for frame in self._frames for joint in _arm_joints(frame, model)]
-        self._angles = model.jnt_qposadr[joints]
+        self._angles, self._chest = model.jnt_qposadr[joints], chest_of(model)
         low_rad, high_rad = model.jnt_range[joints].T
         middle_rad, reach_rad = (low_rad + high_rad) / 2, SHARE * (high_rad - low_rad) / 2
         self._low_rad, self._high_rad = middle_rad - reach_rad, middle_rad + reach_rad
@@ -78,7 +78,7 @@ class Reachable:
     def _is_in_view(self, place_m: FloatArray) -> bool:
         if not self._eyes:
             return True
-        ahead = self._data.body(TRUNK[-1]).xmat.reshape(3, 3)[:, 0]
+        ahead = self._data.body(self._chest).xmat.reshape(3, 3)[:, 0]
         away_m = place_m - np.mean([eye.place_m(self._data) for eye in self._eyes], axis=0)
         return float(away_m @ ahead) > np.cos(VIEW_RAD) * float(np.linalg.norm(away_m))
 

@@ -39,7 +39,7 @@ def stage_reach(task: TaskSpec, tree: BodyTree) -> Stage:
         steps=task.steps or STEPS,
         effector=effector,
         shoulder=f"{side}_upper_arm",
-        trunk="chest",
+        trunk=tree.home("chest"),
         ball=BALL,
         distance_m=_distances(tree, side),
         azimuth_rad=_azimuths(side),

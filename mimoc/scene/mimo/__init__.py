@@ -1,0 +1,1 @@
+"""What code that was written for MIMo looks for in a model."""
