@@ -41,7 +41,7 @@ TRUNK = (
                 ALONG_Y,
                 placed_by=TRUNK_HEIGHT,
                 contype=0,
-                conaffinity=0,
+                conaffinity=1,
             ),
         ),
         (
@@ -260,8 +260,14 @@ TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
 )
 """Couplings of the lumbar joints and combined limits of the head: name, half range in [rad], factors."""
 
-EXCLUDED = (("left_eye", "upper_body"), ("right_eye", "upper_body"), ("chest", "head"))
-"""Bodies that pass through each other."""
+EXCLUDED = (
+    ("left_eye", "upper_body"),
+    ("right_eye", "upper_body"),
+    ("left_eye", "chest"),
+    ("right_eye", "chest"),
+    ("chest", "head"),
+)
+"""Bodies that pass through each other; MIMo's eyes met the chest when it became a body of its own."""
 
 FRICTIONLESS = (("lb", "ub1"),)
 """Geoms that slide on each other when the trunk bends."""
