@@ -5,7 +5,7 @@ import json
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -127,19 +127,45 @@ def run(
         int, typer.Option("--seed", min=0, help="Of the policy and the episodes: the same gives the same.")
     ] = 0,
     window: Annotated[bool, typer.Option("--window", help="Show it in a window, in real time.")] = False,
+    video: Annotated[
+        Path | None, typer.Option("--video", metavar="FILE", help="Film it, as an .mp4 (`mimoc[record]`) or a .gif.")
+    ] = None,
+    eyes: Annotated[bool, typer.Option("--eyes", help="Show beside the film what its eyes see.")] = False,
+    fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Pictures a second of the film.")] = 25,
+    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the film, pixels.")] = 360,
 ) -> None:
-    """Run the infant under a policy, with progress and a closing summary."""
-    from mimoc import bundle, console
+    """Run the infant under a policy, with progress and a closing summary; film it in real time."""
+    from mimoc import bundle, console, recording
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
+    if eyes and not video:
+        raise MimocError("--eyes shows what the infant sees beside its film; say where that goes, with --video FILE")
+    if video:
+        recording.check_video(video)
     with closing(InfantEnv(bundle.read_bundle(out), render_mode="human" if window else None)) as env:
         running = Run(env, _read_policy(policy), seed)
-        with console.progress("running") as show:
+        film = recording.filming(running, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
+        with _kept(video), console.progress("running") as show, film as look:
             for step in range(steps):
                 running.step()
+                if look:
+                    look()
                 show(step + 1, steps)
     console.print_run(running.summary())
+    if video:
+        print(video)
+
+
+@contextmanager
+def _kept(video: Path | None) -> Iterator[None]:
+    """Say, where Ctrl-C ends a film, that what was filmed is there."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if video:
+            print(f"stopped; {video} shows what happened until then", file=sys.stderr)
+        raise
 
 
 @contextmanager
@@ -289,10 +315,16 @@ def see(
     ] = None,
     pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; the spec's.")] = None,
     eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
-    down: Annotated[float, typer.Option("--down", min=-90, max=90, help="How far the eye looks down, degrees.")] = 50,
+    down: Annotated[
+        float | None,
+        typer.Option("--down", min=-90, max=90, help="How far the eye looks down, degrees; at a toy, or at a hand."),
+    ] = None,
+    fovy: Annotated[
+        float, typer.Option("--fovy", min=1, max=170, help="Field of view, degrees: acuity shows if it is narrow.")
+    ] = 18,
     size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Of each picture, pixels.")] = 256,
 ) -> None:
-    """Draw what the infant sees: as drawn, as fine as several ages see it, and foveated as well."""
+    """Draw what the infant looks at: as fine as several ages see it, foveated as well, and as it is drawn."""
     from mimoc import bundle, files, schema, source
     from mimoc.runtime.glimpse import glimpse
     from mimoc.scene.drawing import encode_png
@@ -303,7 +335,7 @@ def see(
     spec = schema.read_spec(source.parse(infant.files["resolved.yaml"].decode(), "resolved.yaml"))
     vision = spec.senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
-    pictures = glimpse(infant, compared.sights, pose, down)
+    pictures = glimpse(infant, compared.sights, pose, down, fovy)
     print(files.write_file(file, encode_png(draw_sheet(pictures, compared.columns, compared.rows))))
 
 
