@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from mimoc.experiments import run_experiment
     from mimoc.making import make
     from mimoc.pipeline import build, load_spec
+    from mimoc.recording import record
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.runtime.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
     from mimoc.schema import InfantSpec
@@ -34,6 +35,7 @@ _HOMES = {
     "load_spec": "mimoc.pipeline",
     "make": "mimoc.making",
     "read_bundle": "mimoc.bundle",
+    "record": "mimoc.recording",
     "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
@@ -59,6 +61,7 @@ __all__ = [
     "load_spec",
     "make",
     "read_bundle",
+    "record",
     "run_experiment",
     "torque_limits",
     "train",

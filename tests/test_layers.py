@@ -49,14 +49,15 @@ LAYERS = {
     "explain": layer("explain", "errors bundle"),
     "runtime": layer("runtime", "errors units schema bundle", "gymnasium mujoco scipy glfw"),
     "plot": layer("plot", "errors units base schema fits body", "matplotlib"),
+    "recording": layer("recording", "errors units base runtime", "gymnasium av PIL"),
     "training": layer("training experiments importers", RUNNING, "stable_baselines3 torch"),
-    "cli": layer("cli console __main__", f"{RUNNING} training mimoc", "typer rich"),
-    "mimoc": layer("__init__ making registration", f"{RUNNING} training", "gymnasium"),
+    "cli": layer("cli console __main__", f"{RUNNING} recording training mimoc", "typer rich"),
+    "mimoc": layer("__init__ making registration", f"{RUNNING} recording training", "gymnasium"),
 }
 """What design.md says, and where the modules it does not name belong."""
 
 MODULES_WITH_A_LIBRARY_OF_THEIR_OWN = {
-    "gymnasium": {"runtime", "registration", "making"},
+    "gymnasium": {"runtime", "recording", "registration", "making"},
     "mujoco": {"runtime", "pipeline", "validation"},
     "typer": {"cli"},
     "rich": {"cli", "console"},
@@ -201,7 +202,11 @@ def test_modules_do_not_import_each_other_in_a_circle(all_imports):
 
 
 def test_each_owned_library_has_one_home():
-    shared = {"mujoco": {"pipeline", "runtime"}, "gymnasium": {"runtime", "mimoc"}}
+    shared = {
+        "mujoco": {"pipeline", "runtime"},
+        "gymnasium": {"runtime", "recording", "mimoc"},
+        "PIL": {"scene", "recording"},
+    }
     for library in set().union(*(layer.libraries for layer in LAYERS.values())):
         homes = {name for name, layer in LAYERS.items() if library in layer.libraries}
         assert homes == shared.get(library, homes)
@@ -231,7 +236,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.body.grow", "from scipy.optimize import root", "scipy belongs to runtime"),
         ("mimoc.scene.world", "import mujoco", "mujoco belongs to pipeline, runtime"),
         ("mimoc.availability", "import mujoco", "mujoco belongs to pipeline, runtime, validation"),
-        ("mimoc.__init__", "import gymnasium", "gymnasium belongs to making, registration, runtime"),
+        ("mimoc.__init__", "import gymnasium", "gymnasium belongs to making, recording, registration, runtime"),
         ("mimoc.body.grow", "import numpy, torch", "torch belongs to training"),
         ("mimoc.stray", "import math", "the module is in no layer"),
         ("mimoc.body.grow", "from mimoc import stray", "what it imports is in no layer"),

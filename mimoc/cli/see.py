@@ -22,10 +22,16 @@ def see(
     ] = None,
     pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; the spec's.")] = None,
     eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
-    down: Annotated[float, typer.Option("--down", min=-90, max=90, help="How far the eye looks down, degrees.")] = 50,
+    down: Annotated[
+        float | None,
+        typer.Option("--down", min=-90, max=90, help="How far the eye looks down, degrees; at a toy, or at a hand."),
+    ] = None,
+    fovy: Annotated[
+        float, typer.Option("--fovy", min=1, max=170, help="Field of view, degrees: acuity shows if it is narrow.")
+    ] = 18,
     size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Of each picture, pixels.")] = 256,
 ) -> None:
-    """Draw what the infant sees: as drawn, as fine as several ages see it, and foveated as well."""
+    """Draw what the infant looks at: as fine as several ages see it, foveated as well, and as it is drawn."""
     from mimoc import bundle, files, schema, source
     from mimoc.runtime.glimpse import glimpse
     from mimoc.scene.drawing import encode_png
@@ -36,5 +42,5 @@ def see(
     spec = schema.read_spec(source.parse(infant.files["resolved.yaml"].decode(), "resolved.yaml"))
     vision = spec.senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
-    pictures = glimpse(infant, compared.sights, pose, down)
+    pictures = glimpse(infant, compared.sights, pose, down, fovy)
     print(files.write_file(file, encode_png(draw_sheet(pictures, compared.columns, compared.rows))))

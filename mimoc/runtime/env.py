@@ -14,11 +14,12 @@ import numpy.typing as npt
 from mimoc.bundle import Bundle, read_bundle
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.actuation import ACTUATIONS, Actuation
+from mimoc.runtime.camera import FROM_THE_SIDE, towards
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.runtime.model import broke_down, load_model
 from mimoc.runtime.nerves import Nerves
 from mimoc.runtime.opengl import has_screen
-from mimoc.runtime.portrait import FROM_THE_SIDE, Painter, towards
+from mimoc.runtime.portrait import Painter
 from mimoc.runtime.senses import Sense, bind_senses
 from mimoc.runtime.senses.sense import Observation
 from mimoc.runtime.tasks import bind_task
@@ -238,6 +239,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if self._painter is None:
             view = towards(FROM_THE_SIDE, self.data, self.manifest.root_body)
             self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size, view)
+            self._painter.turn(self.data)
         return self._painter.paint(self.data)
 
     def close(self) -> None:

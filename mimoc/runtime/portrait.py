@@ -13,23 +13,42 @@ import numpy.typing as npt
 from mimoc.bundle import Bundle
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.beads import Beads, add_beads, join_beads, scene_for, skin_beads
+from mimoc.runtime.camera import (
+    FROM_BEFORE,
+    FROM_THE_SIDE,
+    LENS_DEG,
+    MARGIN,
+    Balls,
+    Shot,
+    View,
+    balls_of,
+    clearest,
+    frame,
+    towards,
+    walls_of,
+)
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import open_context
+from mimoc.runtime.quality import drawn_with
+from mimoc.runtime.senses.vision import average_down
 from mimoc.units import cm_to_m
 
 Picture = npt.NDArray[np.uint8]
-FloatArray = npt.NDArray[np.float64]
 
 MAX_GEOMS = 2000
-View = tuple[float, float]
-"""Azimuth and elevation of where a camera looks, [deg]."""
-FROM_THE_SIDE: View = (160.0, -15.0)
-"""From before an infant, a little to its right and above."""
-FROM_BEFORE: View = (180.0, -5.0)
-MARGIN = 1.05
-"""How much further away than needed to see all of it."""
+STILL, MOVING = 3, 2
+"""How many times larger pictures are drawn and then averaged down, which smooths the edges of shadows too: those that
+are looked at for long, and those of a film."""
+LARGEST_PX = 4096
+"""Side of what is drawn: a picture that would be larger is drawn as it is, with MuJoCo's smoothing."""
+SAMPLES = 8
+"""Of a pixel, for MuJoCo's smoothing."""
+ROW_LENS_DEG = 10.0
+"""For infants in a row: from so far away that those at the ends do not turn their faces."""
 ELBOW_ROOM = 0.5
 """Distance of infants in a row, as a share of their length."""
+IN_SHADOW_M = 2.0
+"""Half side of what casts shadows at most, as the scene says; longer rows ask for more."""
 
 
 class Painter:
@@ -42,6 +61,9 @@ class Painter:
         width: int,
         height: int,
         view: View = FROM_THE_SIDE,
+        lens_deg: float = LENS_DEG,
+        finer: int = MOVING,
+        margin: float = MARGIN,
     ):
         """Open an OpenGL context for pictures of what hangs on some bodies.
 
@@ -51,72 +73,79 @@ class Painter:
             width: In pixels.
             height: In pixels.
             view: From where they are seen.
+            lens_deg: Vertical field of view, where there is space for it.
+            finer: How many times larger pictures are drawn and then averaged down, if that is not too large.
+            margin: How much wider the lens is than what it has to show.
 
         Raises:
             RenderingError: If there is no OpenGL here.
         """
-        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-        self._model = model
-        self.view = view
+        self._model, self.view, self._lens_deg, self._margin = model, view, lens_deg, margin
+        self._finer = finer if finer * max(width, height) <= LARGEST_PX else 1
         self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
-        self._viewport = mujoco.MjrRect(0, 0, width, height)
-        self._gl = open_context(width, height)
-        self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        self._viewport = mujoco.MjrRect(0, 0, self._finer * width, self._finer * height)
+        self._gl = open_context(self._viewport.width, self._viewport.height)
+        settings = (
+            (model.vis.global_, "offwidth", self._viewport.width),
+            (model.vis.global_, "offheight", self._viewport.height),
+            (model.vis.quality, "offsamples", 0 if self._finer > 1 else SAMPLES),
+        )
+        with drawn_with(settings):
+            self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         self._scene = mujoco.MjvScene(model, MAX_GEOMS)
         self._close = weakref.finalize(self, _free, self._context, self._gl)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
-    def paint(self, data: mujoco.MjData, beads: Beads | None = None) -> Picture:
-        """Return a picture of all of it, and of some beads, shape (height, width, 3)."""
+    @property
+    def aspect(self) -> float:
+        """Width of the pictures over their height."""
+        return self._viewport.width / self._viewport.height
+
+    def balls(self, data: mujoco.MjData) -> Balls:
+        """Return what it looks at."""
+        return balls_of(self._model, data, self._seen)
+
+    def turn(self, data: mujoco.MjData) -> None:
+        """Look from now on from where the walls leave space."""
+        walls = walls_of(self._model, data)
+        self.view = clearest(self.balls(data), walls, self.view, self.aspect, self._lens_deg)
+
+    def shot(self, data: mujoco.MjData) -> Shot:
+        """Return the shot that shows everything from top to toe."""
+        walls = walls_of(self._model, data)
+        return frame(self.balls(data), walls, self.view, self.aspect, self._lens_deg, self._margin)
+
+    def paint(self, data: mujoco.MjData, beads: Beads | None = None, shot: Shot | None = None) -> Picture:
+        """Return a picture of all of it, or of a shot, and of some beads, shape (height, width, 3)."""
         self._gl.make_current()
+        shot = shot or self.shot(data)
         scene = self._scene if beads is None else scene_for(beads, self._model, MAX_GEOMS)
-        camera, options, perturbation = self._camera(data), mujoco.MjvOption(), mujoco.MjvPerturb()
-        everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateCamera(self._model, data, camera, scene)  # Or shadows are those of the camera before.
-        mujoco.mjv_updateScene(self._model, data, options, perturbation, camera, everything, scene)
+        self._compose(data, shot, scene)
         if beads is not None:
             add_beads(scene, beads)
         mujoco.mjr_render(self._viewport, scene, self._context)
         upside_down = np.empty((self._viewport.height, self._viewport.width, 3), np.uint8)
         mujoco.mjr_readPixels(upside_down, None, self._viewport, self._context)
-        return upside_down[::-1].copy()
+        if self._finer == 1:
+            return upside_down[::-1].copy()
+        return np.rint(average_down(upside_down[::-1].astype(np.float32), self._finer)).astype(np.uint8)
 
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine."""
         self._close()
 
-    def place(self, data: mujoco.MjData) -> FloatArray:
-        """Return where the camera is, shape (3,), in the world, [m]."""
-        camera = self._camera(data)
-        return camera.lookat - camera.distance * _camera_axes(self.view)[0]
-
-    def _camera(self, data: mujoco.MjData) -> mujoco.MjvCamera:
-        """Return a camera just far enough away to see everything from top to toe."""
-        centres, radii = data.geom_xpos[self._seen], self._model.geom_rbound[self._seen]
-        low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
-        camera = mujoco.MjvCamera()
-        camera.lookat[:] = (low + high) / 2
-        camera.azimuth, camera.elevation = self.view
-        camera.distance = MARGIN * self._distance_m(centres - camera.lookat, radii)
-        return camera
-
-    def _distance_m(self, centres: FloatArray, radii: FloatArray) -> float:
-        """Return from how far the camera sees all of some balls, whose centres are told from where it looks at."""
-        ahead, *across = _camera_axes(self.view) @ centres.T
-        half_height = np.tan(np.radians(self._model.vis.global_.fovy) / 2)
-        half_angles = np.arctan([half_height * self._viewport.width / self._viewport.height, half_height])
-        needed = [
-            np.abs(offset) / np.tan(half) + radii / np.sin(half) - ahead
-            for offset, half in zip(across, half_angles, strict=True)
-        ]
-        return float(np.max(needed))
-
-
-def towards(view: View, data: mujoco.MjData, body: str) -> View:
-    """Return a view as a body sees it that is turned about the vertical and may lie on its back or its face."""
-    across_x, across_y = data.body(body).xmat.reshape(3, 3)[:2, 1]  # Its left, which stays level.
-    azimuth, elevation = view
-    return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation
+    def _compose(self, data: mujoco.MjData, shot: Shot, scene: mujoco.MjvScene) -> None:
+        """Fill a scene with what a shot shows."""
+        camera, options, perturbation = mujoco.MjvCamera(), mujoco.MjvOption(), mujoco.MjvPerturb()
+        camera.lookat[:], camera.distance = shot.lookat_m, shot.depth_m
+        camera.azimuth, camera.elevation = shot.view
+        everything = mujoco.mjtCatBit.mjCAT_ALL
+        with drawn_with([(self._model.vis.global_, "fovy", shot.fovy_deg)]):
+            mujoco.mjv_updateCamera(self._model, data, camera, scene)  # Or shadows are those of the camera before.
+            mujoco.mjv_updateScene(self._model, data, options, perturbation, camera, everything, scene)
+        for light in scene.lights[: scene.nlight]:
+            if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL and not light.headlight:
+                light.pos[:2] += shot.lookat_m[:2]  # The sun is everywhere; the shadows it draws are around a point.
 
 
 def portrait(
@@ -145,7 +174,9 @@ def portrait(
     mujoco.mj_forward(model, data)
     beads = skin_beads(bundle, model, data) if skin else None
     view = towards(FROM_THE_SIDE, data, manifest.root_body)
-    return _paint_once(Painter(model, [manifest.root_body], width, height, view), data, beads)
+    painter = Painter(model, [manifest.root_body], width, height, view, finer=STILL)
+    painter.turn(data)
+    return _paint_once(painter, data, beads)
 
 
 def lineup(bundles: Sequence[Bundle], width: int = 640, height: int = 480, *, skin: bool = False) -> Picture:
@@ -165,7 +196,8 @@ def lineup(bundles: Sequence[Bundle], width: int = 640, height: int = 480, *, sk
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     beads = join_beads(map(_standing_beads, bundles, places_m)) if skin else None
-    return _paint_once(Painter(model, roots, width, height, FROM_BEFORE), data, beads)
+    painter = Painter(model, roots, width, height, FROM_BEFORE, ROW_LENS_DEG, STILL)
+    return _paint_once(painter, data, beads)
 
 
 def _places_m(bundles: Sequence[Bundle]) -> list[float]:
@@ -189,8 +221,7 @@ def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[muj
         prefix = f"infant {number}: "
         row.attach(infant, frame=row.worldbody.add_frame(pos=[0, y_m, 0]), prefix=prefix)
         roots.append(prefix + bundle.manifest.root_body)
-    for light in row.lights:
-        light.pos = light.pos + np.array([0.0, places_m[-1] / 2, 0.0])
+    row.visual.map.shadowclip = max(row.visual.map.shadowclip, places_m[-1] / 2 + IN_SHADOW_M / 2)
     return row.compile(), roots
 
 
@@ -216,14 +247,6 @@ def _text(bundle: Bundle, name: str) -> str:
 
 def _assets(bundle: Bundle) -> dict[str, bytes]:
     return {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
-
-
-def _camera_axes(view: View) -> FloatArray:
-    """Return the unit vectors ahead, right and up of the camera, in rows."""
-    azimuth, elevation = np.radians(view)
-    ahead = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
-    right = [np.sin(azimuth), -np.cos(azimuth), 0.0]
-    return np.array([ahead, right, np.cross(right, ahead)])
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:

@@ -95,7 +95,7 @@ class Run:
         Raises:
             UnknownNameError: If there is no such policy.
         """
-        self._env, self._act = env, policy_of(env, policy)
+        self.env, self._act = env, policy_of(env, policy)
         self._generator = np.random.default_rng(seed)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
         model = env.model
@@ -106,29 +106,29 @@ class Run:
         self._earned, self._taken = 0.0, 0
         self._returns: list[float] = []
         self._times_s: list[float] = []
-        self._observation, _ = env.reset(seed=seed)
+        self.observation, _ = env.reset(seed=seed)
 
     def step(self) -> None:
         """Take one control step; an episode that ends is followed by another."""
-        action = self._act(self._generator, self._observation)
+        action = self._act(self._generator, self.observation)
         start = perf_counter()
-        self._observation, reward, terminated, truncated, info = self._env.step(action)
+        self.observation, reward, terminated, truncated, info = self.env.step(action)
         self._wall_s += perf_counter() - start
         self._reward += reward
         self._earned, self._taken = self._earned + reward, self._taken + 1
         self._unstable |= info["unstable"]
-        data, root = self._env.data, self._env.manifest.root_body
+        data, root = self.env.data, self.env.manifest.root_body
         self._hip_m.append(data.body(root).xpos.copy())
         self._head_m.append(float(data.geom("head").xpos[2]))
         self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
         if terminated or truncated:
             self._end_episode(info["is_success"])
-            self._observation, _ = self._env.reset()
+            self.observation, _ = self.env.reset()
 
     def _end_episode(self, success: bool) -> None:
         self._returns.append(self._earned)
         if success:
-            self._times_s.append(ms_to_s(self._taken * self._env.manifest.step_ms))
+            self._times_s.append(ms_to_s(self._taken * self.env.manifest.step_ms))
         self._earned, self._taken = 0.0, 0
         self._episodes += 1
 
@@ -138,10 +138,10 @@ class Run:
         return Summary(
             steps=steps,
             episodes=self._episodes,
-            simulated_s=ms_to_s(steps * self._env.manifest.step_ms),
+            simulated_s=ms_to_s(steps * self.env.manifest.step_ms),
             wall_s=self._wall_s,
             total_reward=self._reward,
-            task=self._env.manifest.task.kind,
+            task=self.env.manifest.task.kind,
             finished=len(self._returns),
             successes=len(self._times_s),
             mean_return=float(np.mean(self._returns)) if self._returns else None,

@@ -10,7 +10,7 @@ import mujoco
 import mujoco.viewer
 
 from mimoc.errors import RenderingError
-from mimoc.runtime.portrait import FROM_THE_SIDE
+from mimoc.runtime.camera import FROM_THE_SIDE
 
 DISTANCE_M = 1.4
 """From where an infant of any age is seen as a whole."""

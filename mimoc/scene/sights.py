@@ -12,8 +12,12 @@ from mimoc.schema.manifest import VisionEntry
 SIDES = ("left", "right")
 LAST_MONTH = 36.0
 """Of the ages that acuity is known for."""
-ROWS = ("as drawn", "acuity", "acuity and foveation")
+ROWS = ("acuity", "acuity and foveation")
 """What is compared, as in the paper (López et al. 2025, figure 3)."""
+AS_DRAWN = "not blurred"
+FOVY_DEG = 18.0
+"""Field of view that is drawn: with it, pictures of 256 pixels show all that acuity lets through up to 12 months, at 7
+cycles per degree (two pixels a cycle)."""
 TELLING_FOVEATION = 5.0
 """Shown where the infant's own eyes have none."""
 SUPERSAMPLE = 2
@@ -38,7 +42,7 @@ def compare_ages(
     profile: str | None = None,
     foveation: float | None = None,
 ) -> Comparison:
-    """Return the sights of one eye, with a column for each age.
+    """Return the sights of one eye, with a column for each age and one for what is drawn.
 
     Args:
         vision: Whose profile of acuity and whose foveation it is, unless others are given.
@@ -71,13 +75,9 @@ def compare_ages(
 
     acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
     return Comparison(
-        sights=(
-            tuple(sight(None, 0) for _ in acuities_cpd),
-            tuple(sight(acuity_cpd, 0) for acuity_cpd in acuities_cpd),
-            tuple(sight(acuity_cpd, foveation) for acuity_cpd in acuities_cpd),
-        ),
+        sights=tuple(tuple(sight(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation)),
         rows=ROWS,
-        columns=tuple(map(_caption, ages_months, acuities_cpd)),
+        columns=(*map(_caption, ages_months, acuities_cpd), AS_DRAWN),
     )
 
 

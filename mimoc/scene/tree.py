@@ -249,8 +249,8 @@ class Prop:
     meshes: tuple[MeshFile, ...]
 
 
-OUTDOORS = Headlight((0.45, 0.45, 0.45), (0.35, 0.35, 0.35))
-"""Beside the sun."""
+OUTDOORS = Headlight((0.43, 0.43, 0.43), (0.24, 0.24, 0.24))
+"""Beside the sun; all three together are just not too bright for skin."""
 
 
 @dataclass(frozen=True, slots=True)

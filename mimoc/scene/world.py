@@ -21,7 +21,7 @@ WEIGHTLESS = (0.0, 0.0, 0.0)
 ENDLESS_M = (1e3, 1e3)
 """Half size of a floor without walls."""
 
-_SUN = Light("sun", (1.2, -0.6, 3.0), (-0.4, 0.2, -1.0), (0.55, 0.55, 0.55), castshadow=True)
+_SUN = Light("sun", (1.8, -0.9, 2.4), (-0.6, 0.3, -0.8), (0.46, 0.46, 0.46), castshadow=True)
 _WINDOW = Light("window", (1.2, -0.6, 3.0), (-0.4, 0.2, -1.0), (0.3, 0.3, 0.3), castshadow=True)
 """The sun indoors."""
 ORIGIN = Placement(0.0, 0.0, 0.0)

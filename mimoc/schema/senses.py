@@ -81,9 +81,10 @@ class VisionSpec(Model):
     source, pooled anew), Mayer et al. 1995, or the figures of MIMo v2."""
     foveation: Annotated[Real, Field(ge=0, le=1000)] = 0.0
     """How much finer the centre is than the rim, as s of the mapping r = R log(1 + s r'/R) / log(1 + s); 0 is even."""
-    foveation_radius: FoveationRadius = "border"
-    """What the R of that mapping reaches to: the picture's border along each ray (nothing is lost), its corners (the
-    middles of the edges are cut off), or the nearest edge (beyond it nothing is seen)."""
+    foveation_radius: FoveationRadius = "corner"
+    """What the R of that mapping reaches to: the picture's corners (it is smooth, but the middles of the edges are cut
+    off), its border along each ray (nothing is lost, but straight lines break at the diagonals), or the nearest edge
+    (beyond it nothing is seen)."""
     supersample: Annotated[Whole, Field(ge=1, le=8)] = 1
     """How many times larger, in both directions, the picture is drawn and blurred before it is averaged down: a
     grating of f cycles a degree only shows in a picture of more than 2 f x fovy_deg pixels."""

@@ -2,8 +2,7 @@
 
 import math
 import weakref
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import mujoco
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from mimoc.errors import RenderingError
 from mimoc.runtime.opengl import open_context
+from mimoc.runtime.quality import Setting, drawn_with
 
 Drawn = npt.NDArray[np.uint8]
 """Shape (cameras, height, width, 3)."""
@@ -121,7 +121,7 @@ def _make_context(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int, 
         RenderingError: If OpenGL has no room for that; its context is freed then.
     """
     try:
-        with _drawn_lean(model, whole, height_px):
+        with drawn_with(_lean(model, whole, height_px)):
             return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
     except mujoco.FatalError as error:
         gl.free()
@@ -129,12 +129,11 @@ def _make_context(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int, 
         raise RenderingError(f"OpenGL cannot draw {size} here ({error}); choose smaller pictures") from None
 
 
-@contextmanager
-def _drawn_lean(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int) -> Iterator[None]:
-    """Ask MuJoCo for no more than pictures of a height need, while a context is made of a model."""
+def _lean(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int) -> tuple[Setting, ...]:
+    """Return what asks MuJoCo for no more than pictures of a height need, while a context is made of a model."""
     size, quality = model.vis.global_, model.vis.quality
     slices = max(LEAST_SLICES, math.ceil(SLICES_PER_ROOT_PX * math.sqrt(height_px)))
-    wanted = (
+    return (
         (size, "offwidth", whole.width),
         (size, "offheight", whole.height),
         (quality, "shadowsize", 0),
@@ -142,14 +141,6 @@ def _drawn_lean(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int) ->
         (quality, "numslices", min(quality.numslices, slices)),
         (quality, "numstacks", min(quality.numstacks, round(slices * STACKS_PER_SLICE))),
     )
-    usual = [(part, name, getattr(part, name)) for part, name, _ in wanted]
-    try:
-        for part, name, value in wanted:
-            setattr(part, name, value)
-        yield
-    finally:
-        for part, name, value in usual:
-            setattr(part, name, value)
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:

@@ -77,8 +77,8 @@ RADII: Mapping[str, Callable[[FloatArray, tuple[int, int]], FloatArray]] = {
     "edge": _to_edge,
 }
 """How far points are from the centre, as a share of R, by what R reaches to: the border of the picture in the same
-direction, which loses nothing; its corners, which loses the middles of its edges; or the nearest edge, beyond which
-there is nothing to see."""
+direction, which loses nothing but breaks straight lines at the diagonals; its corners, as in the paper, which loses the
+middles of its edges; or the nearest edge, beyond which there is nothing to see."""
 
 
 @functools.lru_cache(maxsize=32)
