@@ -90,8 +90,8 @@ def test_every_geom_weighs_what_it_does_in_mimo(hands, reference):
 
 FILLERS = {"cb", "neck"}
 """Belly and neck fill gaps and collide with nothing; MIMo's own collided with what its bit masks were left at."""
-THUMBS = {f"geom:left_{name}1" for name in ("lfmetacarpal", "thbase")} | {"geom:left_lfmetacarpal2"}
-THIGHS = {"geom:left_upper_leg1", "geom:right_upper_leg1"}
+THUMBS = {f"left_{name}1" for name in ("lfmetacarpal", "thbase")} | {"left_lfmetacarpal2"}
+THIGHS = {"left_upper_leg1", "right_upper_leg1"}
 
 
 def may_touch(geoms: dict[str, tuple[str, int, int]], parents: dict[str, str], excluded: set[frozenset]) -> set:
