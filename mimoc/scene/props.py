@@ -35,7 +35,7 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         number: Which of the toys, from 1.
         place_m: x and y.
     """
-    name = f"toy{number}_{re.sub(r"\W", "_", toy.model.name, flags=re.ASCII)}"
+    name = f"toy{number}_" + re.sub(r"\W", "_", toy.model.name, flags=re.ASCII)
     x_m, y_m = map(float, place_m)
     materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
     looks = list(_looks(toy, name, number))

@@ -101,7 +101,7 @@ def corners(obj: bytes) -> np.ndarray:
 
 
 def solids(model: mujoco.MjModel) -> list[int]:
-    return [geom for geom in range(model.ngeom) if ":solid" in model.geom(geom).name]
+    return [geom for geom in range(model.ngeom) if "_solid" in model.geom(geom).name]
 
 
 def post(model: mujoco.MjModel, data: mujoco.MjData, place: np.ndarray) -> int:
