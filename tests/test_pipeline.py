@@ -178,7 +178,7 @@ def broken(files, name: str, attribute: str, value: str) -> dict[str, bytes]:
 @pytest.mark.parametrize(
     ("name", "attribute", "value"),
     [
-        ("geom:left_hand1", "size", "-1 1 1"),
+        ("left_hand1", "size", "-1 1 1"),
         ("robot:left_elbow", "range", "1 -1"),
         ("act:left_elbow", "forcerange", "1 -1"),
         ("lb", "material", "no_such_material"),
@@ -195,7 +195,7 @@ def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value
 def no_left_hand(monkeypatch):
     """Let every hand be written with a size that MuJoCo refuses."""
     render_infant = pipeline.render.render_infant
-    spoil = lambda tree: broken(render_infant(tree), "geom:left_hand1", "size", "-1 1 1")  # noqa: E731
+    spoil = lambda tree: broken(render_infant(tree), "left_hand1", "size", "-1 1 1")  # noqa: E731
     monkeypatch.setattr(pipeline.render, "render_infant", spoil)
 
 
@@ -204,11 +204,11 @@ def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):
     with pytest.raises(ModelError) as refusal:
         mimoc.build(mimoc.load_spec(tmp_path / "x.yaml"))
     assert str(refusal.value).startswith(f"{tmp_path / 'x.yaml'}:3:")
-    assert "age_months: 'geom:left_hand1' follows from this, and MuJoCo refuses the model: " in str(refusal.value)
+    assert "age_months: 'left_hand1' follows from this, and MuJoCo refuses the model: " in str(refusal.value)
 
 
 def test_a_spec_from_python_is_led_back_to_as_well(no_left_hand):
-    with pytest.raises(ModelError, match=r"^<x>: age_months: 'geom:left_hand1' follows"):
+    with pytest.raises(ModelError, match=r"^<x>: age_months: 'left_hand1' follows"):
         mimoc.build(spec_of(age_months=9))
 
 

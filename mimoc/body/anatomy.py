@@ -168,7 +168,7 @@ EYE = (
     Part(
         "{side}_eye",
         "head",
-        (GeomFigures("geom:{side}_eye1", "sphere", 0.006275, ("head_circumference",), "in proportion to the head"),),
+        (GeomFigures("{side}_eye1", "sphere", 0.006275, ("head_circumference",), "in proportion to the head"),),
         (
             JointFigures("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
             JointFigures("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
@@ -185,7 +185,7 @@ LEG = (
         "hip",
         (
             GeomFigures(
-                "geom:{side}_upper_leg1",
+                "{side}_upper_leg1",
                 "capsule",
                 0.7998,
                 ("mid_thigh_circumference", "calf_circumference", *LEG_LENGTH),
@@ -207,14 +207,14 @@ LEG = (
         "{side}_upper_leg",
         (
             GeomFigures(
-                "geom:{side}_lower_leg1",
+                "{side}_lower_leg1",
                 "capsule",
                 0.3341,
                 ("calf_circumference", *LEG_LENGTH),
                 "radius = calf_circumference / 2 pi, upper half of the shank",
             ),
             GeomFigures(
-                "geom:{side}_lower_leg2",
+                "{side}_lower_leg2",
                 "capsule",
                 0.1160,
                 ("ankle_circumference", *LEG_LENGTH),

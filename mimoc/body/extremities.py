@@ -25,12 +25,12 @@ def lay_out_mitten(h: Hand, forearm: Limb) -> Layout:
             "{side}_fingers": (0.0, 0.0, palm_m),
         },
         solids={
-            "geom:{side}_hand1": Solid((h.half_fist_m, h.half_thickness_m, palm_m / 2), (thumb_m, 0.0, palm_m / 2)),
-            "geom:{side}_hand2": Solid((tip_m, rim_m), (thumb_m, 0.0, palm_m)),
-            "geom:{side}_fingers1": Solid(
+            "{side}_hand1": Solid((h.half_fist_m, h.half_thickness_m, palm_m / 2), (thumb_m, 0.0, palm_m / 2)),
+            "{side}_hand2": Solid((tip_m, rim_m), (thumb_m, 0.0, palm_m)),
+            "{side}_fingers1": Solid(
                 (h.half_breadth_m - 2 * CLEARANCE_M, h.half_thickness_m, fingers_m / 2), (0.0, 0.0, fingers_m / 2)
             ),
-            "geom:{side}_fingers2": Solid((tip_m, h.half_breadth_m), (0.0, 0.0, fingers_m)),
+            "{side}_fingers2": Solid((tip_m, h.half_breadth_m), (0.0, 0.0, fingers_m)),
         },
         anchors={"robot:{side}_hand1": (0.0, 0.7 * h.half_thickness_m, 0.0)},
     )
@@ -52,15 +52,13 @@ def lay_out_flat_foot(f: Foot) -> Layout:
     return Layout(
         origins={"{side}_toes": (0.054 * s, 0.0, 0.0)},
         solids={
-            "geom:{side}_foot1": Solid((heel_m, half_height_m - CLEARANCE_M), (-0.016 * s, 0.0, 0.0)),
-            "geom:{side}_foot2": Solid((0.035 * s, half_width_m, half_height_m), (0.019 * s, 0.0, 0.0)),
-            "geom:{side}_foot3": Solid(
-                (half_height_m - CLEARANCE_M, half_width_m - 2 * CLEARANCE_M), (0.054 * s, 0.0, 0.0)
-            ),
-            "geom:{side}_toes1": Solid(
+            "{side}_foot1": Solid((heel_m, half_height_m - CLEARANCE_M), (-0.016 * s, 0.0, 0.0)),
+            "{side}_foot2": Solid((0.035 * s, half_width_m, half_height_m), (0.019 * s, 0.0, 0.0)),
+            "{side}_foot3": Solid((half_height_m - CLEARANCE_M, half_width_m - 2 * CLEARANCE_M), (0.054 * s, 0.0, 0.0)),
+            "{side}_toes1": Solid(
                 (0.007 * s, half_width_m - CLEARANCE_M, half_height_m - CLEARANCE_M), (0.007 * s, 0.0, 0.0)
             ),
-            "geom:{side}_toes2": Solid((toe_m, half_width_m), (0.014 * s, 0.0, 0.0)),
+            "{side}_toes2": Solid((toe_m, half_width_m), (0.014 * s, 0.0, 0.0)),
         },
         anchors={f"robot:{{side}}_foot{k}": ankle for k in (1, 2, 3)},
     )
@@ -102,12 +100,12 @@ def _lay_out_palm(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide: f
             "{side}_lfmetacarpal": (-0.01498 * wide, 0.0, 0.122 * palm_m),
         },
         solids={
-            "geom:{side}_hand1": Solid((0.01712 * wide, thick_m, palm_m), middle_m),
-            "geom:{side}_hand2": Solid((0.00588 * wide, thick_m, palm_m / 2), (-h.half_breadth_m, 0.0, -palm_m / 2)),
-            "geom:{side}_hand3": Solid((thick_m, 0.01712 * wide - CLEARANCE_M), (0.0, 0.0, palm_m)),
-            "geom:{side}_hand4": Solid((thick_m, h.half_breadth_m), (-0.00588 * wide, 0.0, -palm_m)),
-            "geom:{side}_lfmetacarpal1": Solid((0.00508 * wide, thick_m, palm_m / 2), (-0.00883 * wide, 0.0, meta_m)),
-            "geom:{side}_lfmetacarpal2": Solid(
+            "{side}_hand1": Solid((0.01712 * wide, thick_m, palm_m), middle_m),
+            "{side}_hand2": Solid((0.00588 * wide, thick_m, palm_m / 2), (-h.half_breadth_m, 0.0, -palm_m / 2)),
+            "{side}_hand3": Solid((thick_m, 0.01712 * wide - CLEARANCE_M), (0.0, 0.0, palm_m)),
+            "{side}_hand4": Solid((thick_m, h.half_breadth_m), (-0.00588 * wide, 0.0, -palm_m)),
+            "{side}_lfmetacarpal1": Solid((0.00508 * wide, thick_m, palm_m / 2), (-0.00883 * wide, 0.0, meta_m)),
+            "{side}_lfmetacarpal2": Solid(
                 (thick_m, 0.00508 * wide - CLEARANCE_M), (-0.00883 * wide, 0.0, meta_m + palm_m / 2)
             ),
         },
@@ -129,9 +127,9 @@ def _lay_out_finger(name: str, root: Vec3, radius_m: float, half_m: float) -> La
             f"{{side}}_{name}distal": (0.0, 0.0, half_m),
         },
         solids={
-            f"geom:{{side}}_{name}knuckle1": Solid((radius_m, half_m), (0.0, 0.0, half_m)),
-            f"geom:{{side}}_{name}middle1": Solid((0.95 * radius_m, half_m / 2), (0.0, 0.0, half_m / 2)),
-            f"geom:{{side}}_{name}distal1": Solid((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
+            f"{{side}}_{name}knuckle1": Solid((radius_m, half_m), (0.0, 0.0, half_m)),
+            f"{{side}}_{name}middle1": Solid((0.95 * radius_m, half_m / 2), (0.0, 0.0, half_m / 2)),
+            f"{{side}}_{name}distal1": Solid((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
         },
     )
 
@@ -147,9 +145,9 @@ def _lay_out_thumb(h: Hand, palm_m: float, wide: float) -> Layout:
             "{side}_thdistal": (0.0, 0.0, 2 * hub_m),
         },
         solids={
-            "geom:{side}_thbase1": Solid((radius_m, base_m), (0.0, 0.0, base_m)),
-            "geom:{side}_thhub1": Solid((0.95 * radius_m, hub_m), (0.0, 0.0, hub_m)),
-            "geom:{side}_thdistal1": Solid((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
+            "{side}_thbase1": Solid((radius_m, base_m), (0.0, 0.0, base_m)),
+            "{side}_thhub1": Solid((0.95 * radius_m, hub_m), (0.0, 0.0, hub_m)),
+            "{side}_thdistal1": Solid((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
         },
     )
 
@@ -165,9 +163,9 @@ def lay_out_toes(p: Proportions) -> Layout:
     layout = Layout(
         origins={"{side}_big_toe": (0.053 * s, 0.0175 * wide, 0.0), "{side}_toes": (0.053 * s, -0.0075 * wide, 0.0)},
         solids={
-            "geom:{side}_foot1": Solid((heel_m, height_m - CLEARANCE_M), (-0.007 * s, 0.0, 0.0)),
-            "geom:{side}_foot2": Solid((0.030 * s, half_m, height_m), (0.023 * s, 0.0, 0.0)),
-            "geom:{side}_foot3": Solid((height_m - CLEARANCE_M, half_m - 2 * CLEARANCE_M), (0.053 * s, 0.0, 0.0)),
+            "{side}_foot1": Solid((heel_m, height_m - CLEARANCE_M), (-0.007 * s, 0.0, 0.0)),
+            "{side}_foot2": Solid((0.030 * s, half_m, height_m), (0.023 * s, 0.0, 0.0)),
+            "{side}_foot3": Solid((height_m - CLEARANCE_M, half_m - 2 * CLEARANCE_M), (0.053 * s, 0.0, 0.0)),
         },
         anchors={f"robot:{{side}}_foot{k}": (0.0, 0.0, 1.5 * height_m) for k in (1, 2, 3)},
     )
@@ -175,8 +173,8 @@ def lay_out_toes(p: Proportions) -> Layout:
         box_m = (0.0095 * s, half_width_m - CLEARANCE_M, height_m - CLEARANCE_M)
         layout |= Layout(
             solids={
-                f"geom:{{side}}_{name}1": Solid(box_m, (0.0095 * s, 0.0, 0.0)),
-                f"geom:{{side}}_{name}2": Solid((height_m, half_width_m), (0.019 * s, 0.0, 0.0)),
+                f"{{side}}_{name}1": Solid(box_m, (0.0095 * s, 0.0, 0.0)),
+                f"{{side}}_{name}2": Solid((height_m, half_width_m), (0.019 * s, 0.0, 0.0)),
             }
         )
     return layout

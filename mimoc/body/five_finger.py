@@ -22,7 +22,7 @@ _GRIP_CONDIM = 6
 
 def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigures:
     euler_deg = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0)
-    name = f"geom:{{side}}_hand{number}"
+    name = f"{{side}}_hand{number}"
     return GeomFigures(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM)
 
 
@@ -30,7 +30,7 @@ def _phalanx(
     name: str, parent: str, mass_kg: float, joints: tuple[JointFigures, ...], follows: tuple[str, ...]
 ) -> Part:
     geom = GeomFigures(
-        f"geom:{{side}}_{name}1",
+        f"{{side}}_{name}1",
         "capsule",
         mass_kg,
         follows,
@@ -67,7 +67,7 @@ _METACARPAL = Part(
     "{side}_hand",
     (
         GeomFigures(
-            "geom:{side}_lfmetacarpal1",
+            "{side}_lfmetacarpal1",
             "box",
             0.002879,
             _PALM,
@@ -75,7 +75,7 @@ _METACARPAL = Part(
             condim=_GRIP_CONDIM,
         ),
         GeomFigures(
-            "geom:{side}_lfmetacarpal2",
+            "{side}_lfmetacarpal2",
             "cylinder",
             0.0009879,
             _PALM,
@@ -94,7 +94,7 @@ _THUMB_BASE = Part(
     "{side}_hand",
     (
         GeomFigures(
-            "geom:{side}_thbase1",
+            "{side}_thbase1",
             "capsule",
             0.005463,
             _THUMB,
@@ -150,12 +150,10 @@ FOOT = (
         "{side}_foot",
         "{side}_lower_leg",
         (
-            GeomFigures("geom:{side}_foot1", "cylinder", 0.03225, _FOOT, "heel, as wide as foot_breadth"),
+            GeomFigures("{side}_foot1", "cylinder", 0.03225, _FOOT, "heel, as wide as foot_breadth"),
+            GeomFigures("{side}_foot2", "box", 0.04923, _FOOT, "sole, as wide as foot_breadth", friction=_SOLE_GRIP),
             GeomFigures(
-                "geom:{side}_foot2", "box", 0.04923, _FOOT, "sole, as wide as foot_breadth", friction=_SOLE_GRIP
-            ),
-            GeomFigures(
-                "geom:{side}_foot3",
+                "{side}_foot3",
                 "cylinder",
                 0.01312,
                 _FOOT,
@@ -178,11 +176,9 @@ def _toes(name: str, masses_kg: tuple[float, float]) -> Part:
         f"{{side}}_{name}",
         "{side}_foot",
         (
+            GeomFigures(f"{{side}}_{name}1", "box", box, _FOOT, "a share of foot_breadth wide", friction=_SOLE_GRIP),
             GeomFigures(
-                f"geom:{{side}}_{name}1", "box", box, _FOOT, "a share of foot_breadth wide", friction=_SOLE_GRIP
-            ),
-            GeomFigures(
-                f"geom:{{side}}_{name}2",
+                f"{{side}}_{name}2",
                 "cylinder",
                 tip,
                 _FOOT,
@@ -211,10 +207,10 @@ MASSES_KG: Mapping[str, float] = {
     "{side}_uarm1": 0.2708,
     "{side}_larm": 0.1869,
     "head": 1.7901,
-    "geom:{side}_eye1": 0.006329,
-    "geom:{side}_upper_leg1": 0.8067,
-    "geom:{side}_lower_leg1": 0.3370,
-    "geom:{side}_lower_leg2": 0.1170,
+    "{side}_eye1": 0.006329,
+    "{side}_upper_leg1": 0.8067,
+    "{side}_lower_leg1": 0.3370,
+    "{side}_lower_leg2": 0.1170,
 }
 """Where this body's parts weigh something else than the mitten body's: together they weigh 10.9 kg again."""
 
@@ -242,7 +238,7 @@ def _finger_motors(
             gear_nm,
             force,
             vmax,
-            f"geom:{{side}}_{name}{mover}1",
+            f"{{side}}_{name}{mover}1",
         )
         for (joint, force, mover), gear_nm, vmax in figures
     )
@@ -262,16 +258,16 @@ HAND_MOTORS = (
     *_finger_motors("mf", (0.05, 0.117, 0.039, 0.02925), (5.375, 4.325, 3.375, 2.577)),
     *_finger_motors("rf", (0.05, 0.078, 0.026, 0.0195), (4.984, 2.817, 3.007, 2.313)),
     _LITTLE[0],
-    MotorFigures("act:{side}_lf_meta", "robot:{side}_lf_meta", 0.064, _FLEXORS, 6.855, "geom:{side}_lfmetacarpal1"),
+    MotorFigures("act:{side}_lf_meta", "robot:{side}_lf_meta", 0.064, _FLEXORS, 6.855, "{side}_lfmetacarpal1"),
     *_LITTLE[1:],
-    MotorFigures("act:{side}_thumb_side", "robot:{side}_th_swivel", 0.373, _FLEXORS, 3.491, "geom:{side}_thbase1"),
-    MotorFigures("act:{side}_thumb_add", "robot:{side}_th_adduction", 0.134, _EVEN, 5.646, "geom:{side}_thbase1"),
-    MotorFigures("act:{side}_thumb_pivot", "robot:{side}_th_pivot", 0.1, _EVEN, 9.055, "geom:{side}_thhub1"),
-    MotorFigures("act:{side}_thumb_middle", "robot:{side}_th_middle", 0.126, _FLEXORS, 3.877, "geom:{side}_thhub1"),
-    MotorFigures("act:{side}_thumb_distal", "robot:{side}_th_distal", 0.0945, _FLEXORS, 3.392, "geom:{side}_thdistal1"),
+    MotorFigures("act:{side}_thumb_side", "robot:{side}_th_swivel", 0.373, _FLEXORS, 3.491, "{side}_thbase1"),
+    MotorFigures("act:{side}_thumb_add", "robot:{side}_th_adduction", 0.134, _EVEN, 5.646, "{side}_thbase1"),
+    MotorFigures("act:{side}_thumb_pivot", "robot:{side}_th_pivot", 0.1, _EVEN, 9.055, "{side}_thhub1"),
+    MotorFigures("act:{side}_thumb_middle", "robot:{side}_th_middle", 0.126, _FLEXORS, 3.877, "{side}_thhub1"),
+    MotorFigures("act:{side}_thumb_distal", "robot:{side}_th_distal", 0.0945, _FLEXORS, 3.392, "{side}_thdistal1"),
 )
 _TOE_FORCE = (-1.0, 0.3)
-_BIG_TOE = MotorFigures("act:{side}_big_toe", "robot:{side}_big_toe", 0.165, _TOE_FORCE, 1.774, "geom:{side}_big_toe1")
-_TOES = MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.165, _TOE_FORCE, 1.805, "geom:{side}_toes1")
+_BIG_TOE = MotorFigures("act:{side}_big_toe", "robot:{side}_big_toe", 0.165, _TOE_FORCE, 1.774, "{side}_big_toe1")
+_TOES = MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.165, _TOE_FORCE, 1.805, "{side}_toes1")
 TOE_MOTORS: Mapping[str, tuple[MotorFigures, ...]] = {"right": (_BIG_TOE, _TOES), "left": (_TOES, _BIG_TOE)}
 """In the order of each side's toes."""

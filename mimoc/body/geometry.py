@@ -61,7 +61,7 @@ def _lay_out_head(t: Trunk, radius_m: float) -> Layout:
         origins={"head": (0.0, 0.0, 0.135 * t.axial), "{side}_eye": (0.07 * s, -0.0245 * s, 0.067375 * s)},
         solids={
             "head": Solid((radius_m,), (0.01 * s, 0.0, radius_m)),
-            "geom:{side}_eye1": Solid((0.01125 * s,), (0.0, 0.0, 0.0)),
+            "{side}_eye1": Solid((0.01125 * s,), (0.0, 0.0, 0.0)),
         },
         anchors={"robot:head_tilt": (0.0, 0.0, 0.0123 * s), "robot:head_tilt_side": (0.0, 0.0, 0.0245 * s)},
     )
@@ -98,11 +98,11 @@ def _lay_out_leg(p: Proportions) -> Layout:
             "{side}_foot": (0.0, 0.0, -shank.length_m),
         },
         solids={
-            "geom:{side}_upper_leg1": _flip(_along("thigh", thigh, shank.radius_m)),
-            "geom:{side}_lower_leg1": Solid(
+            "{side}_upper_leg1": _flip(_along("thigh", thigh, shank.radius_m)),
+            "{side}_lower_leg1": Solid(
                 (shank.radius_m, 0.044 / 0.177 * shank.length_m), (0.0, 0.0, -0.044 / 0.177 * shank.length_m)
             ),
-            "geom:{side}_lower_leg2": Solid(
+            "{side}_lower_leg2": Solid(
                 (p.ankle_radius_m, (lower_end_m - lower_start_m) / 2), (0.0, 0.0, -(lower_start_m + lower_end_m) / 2)
             ),
         },

@@ -15,14 +15,14 @@ HAND = (
         "{side}_lower_arm",
         (
             GeomFigures(
-                "geom:{side}_hand1",
+                "{side}_hand1",
                 "box",
                 0.04315,
                 ("maximum_fist_breadth", "hand_length", "hand_breadth"),
                 "as wide as maximum_fist_breadth, half of hand_length less the fingertip's radius",
             ),
             GeomFigures(
-                "geom:{side}_hand2",
+                "{side}_hand2",
                 "cylinder",
                 0.01602,
                 ("maximum_fist_breadth", "hand_length", "hand_breadth"),
@@ -39,7 +39,7 @@ HAND = (
         "{side}_hand",
         (
             GeomFigures(
-                "geom:{side}_fingers1",
+                "{side}_fingers1",
                 "box",
                 0.03494,
                 ("hand_breadth", "hand_length"),
@@ -47,7 +47,7 @@ HAND = (
                 friction=_HAND_GRIP,
             ),
             GeomFigures(
-                "geom:{side}_fingers2",
+                "{side}_fingers2",
                 "cylinder",
                 0.01323,
                 ("hand_breadth", "hand_length"),
@@ -68,14 +68,14 @@ FOOT = (
         "{side}_lower_leg",
         (
             GeomFigures(
-                "geom:{side}_foot1",
+                "{side}_foot1",
                 "cylinder",
                 0.03219,
                 ("foot_breadth", "foot_length"),
                 "heel, as wide as foot_breadth",
             ),
             GeomFigures(
-                "geom:{side}_foot2",
+                "{side}_foot2",
                 "box",
                 0.05850,
                 ("foot_breadth", "foot_length"),
@@ -83,7 +83,7 @@ FOOT = (
                 friction=_SOLE_GRIP,
             ),
             GeomFigures(
-                "geom:{side}_foot3",
+                "{side}_foot3",
                 "cylinder",
                 0.01268,
                 ("foot_breadth", "foot_length"),
@@ -104,7 +104,7 @@ TOES = (
         "{side}_foot",
         (
             GeomFigures(
-                "geom:{side}_toes1",
+                "{side}_toes1",
                 "box",
                 0.01084,
                 ("foot_breadth", "foot_length"),
@@ -112,7 +112,7 @@ TOES = (
                 friction=_SOLE_GRIP,
             ),
             GeomFigures(
-                "geom:{side}_toes2",
+                "{side}_toes2",
                 "cylinder",
                 0.01226,
                 ("foot_breadth", "foot_length"),
@@ -127,7 +127,5 @@ TOES = (
     ),
 )
 
-HAND_MOTORS = (
-    MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "geom:{side}_hand1"),
-)
-TOE_MOTORS = (MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), 1.29, "geom:{side}_foot2"),)
+HAND_MOTORS = (MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "{side}_hand1"),)
+TOE_MOTORS = (MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), 1.29, "{side}_foot2"),)

@@ -15,8 +15,8 @@ LYING_PARTS = ("{side}_foot", "{side}_toes", "{side}_big_toe")
 LIMBS = (
     ("{side}_uarm1", "{side}_lower_arm"),
     ("{side}_larm", "{side}_hand"),
-    ("geom:{side}_upper_leg1", "{side}_lower_leg"),
-    ("geom:{side}_lower_leg1", "{side}_foot"),
+    ("{side}_upper_leg1", "{side}_lower_leg"),
+    ("{side}_lower_leg1", "{side}_foot"),
 )
 """The solid of each long segment, and the part at whose joint it ends."""
 

@@ -81,8 +81,8 @@ class Appearance:
 
 GEOM_MATERIALS = {
     "head": "head",
-    "geom:left_eye1": "eye_left",
-    "geom:right_eye1": "eye_right",
+    "left_eye1": "eye_left",
+    "right_eye1": "eye_right",
     "ub3": "top_up",
     "ub2": "top_middle",
     "ub1": "top_down",
@@ -90,8 +90,8 @@ GEOM_MATERIALS = {
     "right_uarm1": "top_sleeve",
     "cb": "pants_up",
     "lb": "pants_down",
-    "geom:left_upper_leg1": "pants_leg",
-    "geom:right_upper_leg1": "pants_leg",
+    "left_upper_leg1": "pants_leg",
+    "right_upper_leg1": "pants_leg",
 }
 """Name of a body's geom to its material; any other geom is `skin`."""
 

@@ -11,6 +11,7 @@ from mimoc.scene.chance import stream
 from mimoc.scene.fastening import holds, lock, locked_joints, weld
 from mimoc.scene.footprint import floor_reach, footprint, reach_of
 from mimoc.scene.motors import DRIVES
+from mimoc.scene.pairs import barrier_pairs
 from mimoc.scene.props import make_prop
 from mimoc.scene.room import Decor
 from mimoc.scene.stages import STAGES, Stage
@@ -101,6 +102,7 @@ def furnish(
         welds=weld(holds(spec, tree, stage), tree, start.qpos),
         gravity_m_s2=WEIGHTLESS if stage.weightless else setting.world.gravity_m_s2,
     )
+    world = replace(world, pairs=barrier_pairs(world, scene.roots))
     resting = tuple(number for prop in world.props for number in (*prop.pos_m, *prop.quat))
     keyframes = tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in starts.values())
     return replace(scene, world=world, keyframes=keyframes)

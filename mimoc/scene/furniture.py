@@ -64,6 +64,8 @@ class WorldGeom:
     solmix: float = 1.0
     """How much it counts for how soft a contact is; an infant's geoms count 1."""
     group: int = 0
+    barrier: bool = False
+    """Whether what moves touches it by a pair for each of its geoms, and not by contact bits; see `pairs.py`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -90,9 +90,7 @@ def cameras(tree: BodyTree, fovy_deg: float) -> dict[str, tuple[Camera, ...]]:
     """Return the camera of each eye: on the front of the eyeball, looking along +x, up along +z."""
     euler_rad = (deg_to_rad(90), deg_to_rad(-90), 0.0)
     return {
-        f"{side}_eye": (
-            Camera(f"eye_{side}", (tree.geoms[f"geom:{side}_eye1"].size_m[0], 0.0, 0.0), euler_rad, fovy_deg),
-        )
+        f"{side}_eye": (Camera(f"eye_{side}", (tree.geoms[f"{side}_eye1"].size_m[0], 0.0, 0.0), euler_rad, fovy_deg),)
         for side in ("left", "right")
         if f"{side}_eye" in {body.name for body in tree.bodies}
     }

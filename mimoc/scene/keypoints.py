@@ -59,7 +59,7 @@ def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
 
 def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tuple[str, str, Vec3]]:
     """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
-    foot, sole = f"{side}_foot", tree.geoms[f"geom:{side}_foot2"]
+    foot, sole = f"{side}_foot", tree.geoms[f"{side}_foot2"]
     apart = tree.hands == "five_finger"
     long, wide = sole.size_m[0] / (0.030 if apart else 0.035), sole.size_m[1] / 0.025
     yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m

@@ -1,6 +1,7 @@
 """Toys as the MJCF lists them: scaled, coloured, weighed and put in their places."""
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 
 from mimoc.scene.furniture import FIRM, SOLID, UNTOUCHED, WorldMaterial
@@ -34,9 +35,9 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         number: Which of the toys, from 1.
         place_m: x and y.
     """
-    name = f"toy{number}:{toy.model.name}"
+    name = f"toy{number}_" + re.sub(r"\W", "_", toy.model.name, flags=re.ASCII)
     x_m, y_m = map(float, place_m)
-    materials = {part.tint: WorldMaterial(f"{name}:{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
+    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
     looks = list(_looks(toy, name, number))
     solids = list(_solids(toy, name, number))
     return Prop(
@@ -44,7 +45,7 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         object=toy.model.name,
         category=toy.model.category,
         source=toy.model.source,
-        joint=f"{name}:free",
+        joint=f"{name}_free",
         pos_m=(x_m, y_m, 0.0),
         quat=(math.cos(toy.yaw_rad / 2), 0.0, 0.0, math.sin(toy.yaw_rad / 2)),
         size_m=toy.size_m,
@@ -61,14 +62,14 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFil
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
         yield (
             PropGeom(
-                name=f"{name}:looks_{part.tint}",
+                name=f"{name}_looks_{part.tint}",
                 type="mesh",
                 names=(("mesh", mesh.name),),
                 sizes=(),
                 pos_m=(0.0, 0.0, 0.0),
                 quat=(1.0, 0.0, 0.0, 0.0),
                 mass_kg=0.0,
-                material=f"{name}:{part.tint}",
+                material=f"{name}_{part.tint}",
                 contype=UNTOUCHED,
                 conaffinity=UNTOUCHED,
                 condim=1,
@@ -89,14 +90,14 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
         x, y, z = (toy.size_m * offset for offset in solid.pos)
         yield (
             PropGeom(
-                name=f"{name}:solid{index}",
+                name=f"{name}_solid{index}",
                 type=solid.type,
                 names=(("mesh", mesh.name),) if mesh else (),
                 sizes=() if mesh else (("size", _scaled(solid, toy.size_m)),),
                 pos_m=(x, y, z),
                 quat=solid.quat,
                 mass_kg=(toy.mass_kg - ballast_kg) * volume / sum(volumes),
-                material=f"{name}:{toy.model.parts[0].tint}",
+                material=f"{name}_{toy.model.parts[0].tint}",
                 contype=SOLID,
                 conaffinity=SOLID,
                 condim=CONDIM[solid.type],
@@ -113,14 +114,14 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
 def _ballast(toy: Toy, name: str, mass_kg: float) -> PropGeom:
     """Return what moves the centre of mass of a toy a little to one side, and is neither seen nor felt."""
     return PropGeom(
-        name=f"{name}:ballast",
+        name=f"{name}_ballast",
         type="sphere",
         names=(),
         sizes=(("size", (BALLAST_RADIUS * toy.size_m,)),),
         pos_m=(BALLAST_AT * toy.size_m, 0.0, toy.model.solids[0].pos[2] * toy.size_m),
         quat=(1.0, 0.0, 0.0, 0.0),
         mass_kg=mass_kg,
-        material=f"{name}:{toy.model.parts[0].tint}",
+        material=f"{name}_{toy.model.parts[0].tint}",
         contype=UNTOUCHED,
         conaffinity=UNTOUCHED,
         condim=1,

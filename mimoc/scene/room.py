@@ -9,7 +9,16 @@ import numpy as np
 from mimoc.body.tree import Vec3
 from mimoc.scene.appearance import UNTINTED
 from mimoc.scene.chance import between, pick, shuffled, stream, whole_between
-from mimoc.scene.furniture import UNTOUCHED, Furniture, Headlight, WorldGeom, WorldLight, WorldMaterial, WorldTexture
+from mimoc.scene.furniture import (
+    SOLID,
+    UNTOUCHED,
+    Furniture,
+    Headlight,
+    WorldGeom,
+    WorldLight,
+    WorldMaterial,
+    WorldTexture,
+)
 from mimoc.scene.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS, Wallpaper
 
 Range = tuple[float, float]
@@ -140,8 +149,17 @@ def _sides(depth: float, width: float, height: float) -> tuple[_Side, ...]:
 
 def _plane(side: _Side) -> WorldGeom:
     across, up = side.extent_m
+    barrier = side.name != "floor"
     return WorldGeom(
-        side.name, "plane", (across / 2, up / 2, max(across, up) / QUADS), side.pos_m, side.euler_rad, side.name
+        side.name,
+        "plane",
+        (across / 2, up / 2, max(across, up) / QUADS),
+        side.pos_m,
+        side.euler_rad,
+        side.name,
+        contype=UNTOUCHED if barrier else SOLID,
+        conaffinity=UNTOUCHED if barrier else SOLID,
+        barrier=barrier,
     )
 
 

@@ -165,6 +165,19 @@ class Weld:
 
 
 @dataclass(frozen=True, slots=True)
+class Pair:
+    """Two geoms that touch though their contact bits say that they do not."""
+
+    geom1: str
+    geom2: str
+    condim: int
+    friction: tuple[float, float, float, float, float]
+    """Sliding along two axes, spinning, and rolling about two axes."""
+    solref: tuple[float, float]
+    solimp: tuple[float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Ground:
     """A floor without end."""
 
@@ -272,8 +285,8 @@ class World:
     cameras: tuple[Camera, ...] = ()
     """Onlookers'."""
     marks: tuple[Mark, ...] = ()
-    midphase: str = "enable"
-    """Whether MuJoCo looks for touching geoms of two bodies in a tree of boxes: quicker among many bars only."""
+    pairs: tuple[Pair, ...] = ()
+    """Contacts with what is barred, such as walls."""
 
     @property
     def props(self) -> tuple[Prop, ...]:

@@ -63,7 +63,7 @@ def room_world(spec: SceneSpec, decor: Decor, tree: BodyTree, discs: FloatArray)
     room = draw_room(spec.room.size_m, spec.seed, decor)
     depth, width, _ = room.size_m
     return Setting(
-        World(headlight=room.headlight, furniture=room.furniture, midphase="disable"),
+        World(headlight=room.headlight, furniture=room.furniture),
         place_infant(room.size_m, reach_of(discs), stream(spec.seed, "infant.place")),
         (depth / 2, width / 2),
     )

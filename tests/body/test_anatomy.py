@@ -92,8 +92,8 @@ FILLERS = {"neck"}
 """The neck fills a gap and collides with nothing; MIMo's own collided with what its bit masks were left at."""
 EYES = {frozenset((f"{side}_eye", "chest")) for side in ("left", "right")}
 """Eyes pass through the chest as through the body it was split from, where MIMo's meet it."""
-THUMBS = {f"geom:left_{name}1" for name in ("lfmetacarpal", "thbase")} | {"geom:left_lfmetacarpal2"}
-THIGHS = {"geom:left_upper_leg1", "geom:right_upper_leg1"}
+THUMBS = {f"left_{name}1" for name in ("lfmetacarpal", "thbase")} | {"left_lfmetacarpal2"}
+THIGHS = {"left_upper_leg1", "right_upper_leg1"}
 
 
 def may_touch(geoms: dict[str, tuple[str, int, int]], parents: dict[str, str], excluded: set[frozenset]) -> set:

@@ -74,9 +74,9 @@ def farthest_allowed_m(infant, joint: str, of_parent: bool) -> float:
     if "shoulder" in joint and of_parent:
         return infant.model.geom("left_uarm1").size[0] + GAP_M
     if "lf_meta" in joint and not of_parent:
-        return infant.model.geom("geom:left_lfmetacarpal1").size[0]
+        return infant.model.geom("left_lfmetacarpal1").size[0]
     if "_foot" in joint and not of_parent:
-        return 0.5 * infant.model.geom("geom:left_foot2").size[2] + ON_SURFACE_M
+        return 0.5 * infant.model.geom("left_foot2").size[2] + ON_SURFACE_M
     return 0.001 if "head" in joint else ON_SURFACE_M
 
 

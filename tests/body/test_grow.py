@@ -15,9 +15,9 @@ BOTH = ("left", "right")
 GIRTHS = {
     "upper_arm_circumference": "{}_uarm1",
     "forearm_circumference": "{}_larm",
-    "mid_thigh_circumference": "geom:{}_upper_leg1",
-    "calf_circumference": "geom:{}_lower_leg1",
-    "ankle_circumference": "geom:{}_lower_leg2",
+    "mid_thigh_circumference": "{}_upper_leg1",
+    "calf_circumference": "{}_lower_leg1",
+    "ankle_circumference": "{}_lower_leg2",
 }
 
 
@@ -102,7 +102,7 @@ FINGERS = {"middle_finger_diameter": "mfknuckle", "thumb_diameter": "thbase"}
 def test_fingers_are_as_thick_as_measured(infants, measurement):
     for infant in infants:
         if infant.hands == "five_finger":
-            diameter_m = 2 * infant.model.geom(f"geom:left_{FINGERS[measurement]}1").size[0]
+            diameter_m = 2 * infant.model.geom(f"left_{FINGERS[measurement]}1").size[0]
             assert diameter_m == pytest.approx(measure(infant.age_months)[measurement], rel=1e-7), infant
 
 

@@ -90,8 +90,8 @@ def hand_breadth(infant, side: str) -> float:
 
 
 DIMENSIONS = {
-    "ankle_circumference": girth("geom:{side}_lower_leg2"),
-    "calf_circumference": girth("geom:{side}_lower_leg1"),
+    "ankle_circumference": girth("{side}_lower_leg2"),
+    "calf_circumference": girth("{side}_lower_leg1"),
     "chest_breadth": across("ub2"),
     "chest_circumference": radius("ub2"),
     "crown_rump_length": lambda infant, side: span(infant, UP, ["head", "lb"]),
@@ -106,13 +106,13 @@ DIMENSIONS = {
     "hip_breadth": across("lb"),
     "hip_circumference": radius("lb"),
     "knee_sole_length": between("{side}_lower_leg", "{side}_foot"),
-    "maximum_fist_breadth": lambda infant, side: of_hand(infant, side, 0, [f"geom:{side}_hand1"]),
-    "mid_thigh_circumference": girth("geom:{side}_upper_leg1"),
-    "middle_finger_diameter": lambda infant, side: 2 * radius("geom:{side}_mfknuckle1")(infant, side),
+    "maximum_fist_breadth": lambda infant, side: of_hand(infant, side, 0, [f"{side}_hand1"]),
+    "mid_thigh_circumference": girth("{side}_upper_leg1"),
+    "middle_finger_diameter": lambda infant, side: 2 * radius("{side}_mfknuckle1")(infant, side),
     "rump_knee_length": between("{side}_upper_leg", "{side}_lower_leg"),
     "shoulder_breadth": between("left_upper_arm", "right_upper_arm"),
     "shoulder_elbow_length": between("{side}_upper_arm", "{side}_lower_arm"),
-    "thumb_diameter": lambda infant, side: 2 * radius("geom:{side}_thbase1")(infant, side),
+    "thumb_diameter": lambda infant, side: 2 * radius("{side}_thbase1")(infant, side),
     "upper_arm_circumference": girth("{side}_uarm1"),
     "waist_circumference": radius("cb"),
 }
@@ -259,10 +259,10 @@ def test_a_box_and_a_rod_are_scaled_as_their_part_lies():
         pairs = zip(before[geom].size_m, after[geom].size_m, strict=True)
         return pytest.approx([new / old for old, new in pairs], rel=1e-9)
 
-    assert grown("geom:left_foot2") == [1.1, 0.95, 0.95]
-    assert grown("geom:left_upper_leg1") == [0.95, 1.1]
-    assert grown("geom:left_hand2") == [math.sqrt(0.95 * 1.1), 0.95]
-    assert grown("geom:right_foot2") == [1, 1, 1]
+    assert grown("left_foot2") == [1.1, 0.95, 0.95]
+    assert grown("left_upper_leg1") == [0.95, 1.1]
+    assert grown("left_hand2") == [math.sqrt(0.95 * 1.1), 0.95]
+    assert grown("right_foot2") == [1, 1, 1]
 
 
 def test_what_sits_on_a_scaled_part_follows(infant_with, infant_at):

@@ -48,8 +48,8 @@ def test_cameras_are_mimos(model, published):
 def test_eyes_look_ahead_from_the_front_of_the_eyeball(infants, side):
     """Upright; MuJoCo's cameras look along -z. MIMo v2 left the cameras behind when eyes grow."""
     for infant in infants:
-        camera, eye = infant.data.camera(f"eye_{side}"), infant.data.geom(f"geom:{side}_eye1")
-        radius_m = infant.model.geom(f"geom:{side}_eye1").size[0]
+        camera, eye = infant.data.camera(f"eye_{side}"), infant.data.geom(f"{side}_eye1")
+        radius_m = infant.model.geom(f"{side}_eye1").size[0]
         right, up, back = camera.xmat.reshape(3, 3).T
         assert camera.xpos == pytest.approx(eye.xpos + np.array([radius_m, 0, 0]), abs=1e-9)
         assert np.stack([right, up, back]) == pytest.approx(np.array([[0, -1, 0], [0, 0, 1], [-1, 0, 0]]), abs=1e-8)

@@ -74,7 +74,7 @@ def _hand_length(tree: BodyTree, side: Side) -> float:
 
 def _palm(tree: BodyTree, side: Side) -> Vec3:
     """Return the point of the palm that the ball falls on, in the frame of the hand."""
-    geom = tree.geoms[f"geom:{side}_hand1"]
+    geom = tree.geoms[f"{side}_hand1"]
     _, half_thickness_m, half_length_m = geom.size_m
     _, y, z = geom.pos_m
     return 0.0, y + PALMAR[side] * half_thickness_m, z + ALONG_PALM * half_length_m

@@ -60,7 +60,7 @@ def grip_point(tree: BodyTree, side: Side, radius_m: float) -> Vec3:
     The bar lies in the corner between palm and fingers, as far from the one as from the others; the hand's x axis is
     along the bar, to the side of the thumb.
     """
-    palm = tree.geoms[f"geom:{side}_hand1"]
+    palm = tree.geoms[f"{side}_hand1"]
     knuckles = next(body for body in tree.bodies if body.name == f"{side}_{KNUCKLES[tree.hands]}")
     away_m = radius_m + palm.size_m[1] + CLEAR_M
     inwards = -1.0 if side == "right" else 1.0

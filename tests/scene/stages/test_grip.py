@@ -64,7 +64,7 @@ def test_both_arms_do_the_same(infant):
 def test_the_bar_is_clear_of_the_palm(infant):
     tree = grown(*infant)
     for side in SIDES:
-        palm = tree.geoms[f"geom:{side}_hand1"]
+        palm = tree.geoms[f"{side}_hand1"]
         away_m = abs(grip_point(tree, side, RAIL_RADIUS_M)[1] - palm.pos_m[1])
         assert away_m == pytest.approx(RAIL_RADIUS_M + palm.size_m[1] + CLEAR_M)
         assert curled(tree, side).keys() <= tree.joints.keys()

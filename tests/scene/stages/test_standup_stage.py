@@ -36,7 +36,7 @@ def test_bottom_and_soles_are_on_the_floor_and_nothing_else_touches(age_months, 
     touching = contacts(env)
     assert {pair[0] for pair in touching} == {"floor"}
     on_floor = {pair[1] for pair in touching}
-    assert {"lb", "geom:left_foot2", "geom:right_foot2"} <= on_floor
+    assert {"lb", "left_foot2", "right_foot2"} <= on_floor
     assert all(name == "lb" or "foot" in name or "toe" in name for name in on_floor)
     assert min(dist for _, _, dist in touching) > -2e-4
     for side in ("left", "right"):
@@ -92,7 +92,7 @@ def test_trunk_arms_and_legs_take_commands_but_not_wrists_and_fingers(hands, cou
 def test_a_foot_gets_to_the_floor_on_a_leg_of_its_own_length():
     env = opened(18, body={"parts": {"left_lower_leg": {"length": 0.95}, "left_upper_arm": {"length": 0.97}}})
     touching = contacts(env)
-    assert {"geom:left_foot2", "geom:right_foot2"} <= {name for _, name, _ in touching}
+    assert {"left_foot2", "right_foot2"} <= {name for _, name, _ in touching}
     assert min(dist for _, _, dist in touching) > -2e-4
 
 
