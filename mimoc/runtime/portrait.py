@@ -1,6 +1,5 @@
 """Pictures of an infant from outside."""
 
-import weakref
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate
@@ -14,7 +13,7 @@ from mimoc.bundle import Bundle
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.beads import Beads, add_beads, join_beads, scene_for, skin_beads
 from mimoc.runtime.model import load_model
-from mimoc.runtime.opengl import open_context
+from mimoc.runtime.opengl import Finalizer, open_context
 from mimoc.units import cm_to_m
 
 Picture = npt.NDArray[np.uint8]
@@ -63,7 +62,7 @@ class Painter:
         self._gl = open_context(width, height)
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         self._scene = mujoco.MjvScene(model, MAX_GEOMS)
-        self._close = weakref.finalize(self, _free, self._context, self._gl)
+        self._close = Finalizer(self, _free, self._context, self._gl)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     def paint(self, data: mujoco.MjData, beads: Beads | None = None) -> Picture:
