@@ -2,13 +2,12 @@
 
 PYTHON ?= python3
 VENV ?= .venv
-OUT ?= out
+OUT ?= out/demo
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
-# Any version that Stable-Baselines3 takes will do; the newest comes with gigabytes of CUDA.
-TORCH ?= torch==2.13.0
-
 BIN := $(VENV)/bin
-READY := $(VENV)/.ready
+# What is in $(VENV) already: what the demo needs, and what tests and training need besides.
+DEMO := $(VENV)/.demo
+TEST := $(VENV)/.test
 INFANT := $(OUT)/nine_months
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -20,7 +19,7 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 help: ## Say what there is to make.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine months, and let it reach.
+demo: $(DEMO) opengl ## Build, validate, check, run and draw an infant of nine months, and let it reach.
 	$(BIN)/mimoc build configs/nine_months.yaml -o $(INFANT) --force
 	$(BIN)/mimoc validate --against who --plot $(OUT)/growth.png
 	$(BIN)/mimoc check $(INFANT)
@@ -37,19 +36,19 @@ demo: $(READY) opengl ## Build, validate, check, run and draw an infant of nine 
 	@echo "what it sees $(OUT)/seen.png   (in one of them, through eyes of 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(READY) opengl ## Lint, check types and run every test.
+test: $(TEST) opengl ## Lint, check types and run every test.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/pytest -n 2 --benchmark-disable
 
-golden: $(READY) ## Renew the golden files; read the difference before you commit it.
+golden: $(TEST) ## Renew the golden files; read the difference before you commit it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
 
-bench: $(READY) ## Measure speed and the solver (minutes).
+bench: $(TEST) ## Measure speed and the solver (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
 
-container: apptainer $(READY) ## Build dist/mimoc.sif, a container with all that mimoc needs, and test it.
+container: apptainer $(TEST) ## Build dist/mimoc.sif, a container with all that mimoc needs, and test it.
 	rm -f dist/mimoc-*.whl
 	$(BIN)/python -m build --wheel --no-isolation --outdir dist .
 	$(APPTAINER) build --force dist/mimoc.sif containers/mimoc.def
@@ -58,24 +57,37 @@ apptainer:
 	@[ -n "$(APPTAINER)" ] || { echo "make container needs Apptainer or Singularity, and there is none; install one" \
 		"(https://apptainer.org/docs/admin/main/installation.html), or name it with: make container APPTAINER=..."; exit 1; }
 
-clean: ## Remove what was built here: .venv, out, caches.
-	rm -rf $(VENV) $(OUT) dist build .pytest_cache .ruff_cache .hypothesis .benchmarks
+clean: ## Remove what was built here: .venv, .matrix, out, caches.
+	rm -rf $(VENV) .matrix out dist build .pytest_cache .ruff_cache .hypothesis .benchmarks
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
-$(READY): pyproject.toml
+$(DEMO): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "mimoc needs Python 3.11 or later; name one with: make PYTHON=/path/to/python3.12"; exit 1; }
+	@echo "Installing mimoc and what it needs into $(VENV): some 450 MB (MuJoCo, SciPy, Matplotlib), in a minute or two."
 	@$(PYTHON) -m venv $(VENV) || { echo "python's venv is missing (Debian: apt-get install python3-venv)"; exit 1; }
-	$(BIN)/pip install --quiet --editable '.[report,toys,train,test,dev]' '$(TORCH)'
+	$(BIN)/pip install --editable '.[report]'
 	@touch $@
 
+$(TEST): $(DEMO)
+	@echo "Installing what tests and training need into $(VENV): PyTorch, pytest, ruff, pyright and more. With a PyTorch"
+	@echo "without CUDA, where that is to be had, some 1 GB in a few minutes; with CUDA some 6 GB, in ten minutes."
+	@$(torch_without_cuda) || echo "There is no PyTorch without CUDA to be had now: taking PyTorch as it comes."
+	$(BIN)/pip install --editable '.[report,toys,train,test,dev]'
+	@touch $@
+
+# uv knows the index of builds without CUDA. It gives up after some ten seconds without an answer. On a Mac there is no CUDA.
+torch_without_cuda = [ "$$(uname)" != Linux ] || { $(BIN)/pip install uv && \
+	UV_HTTP_CONNECT_TIMEOUT=4 UV_HTTP_TIMEOUT=8 UV_HTTP_RETRIES=1 \
+	$(BIN)/uv pip install --python $(BIN)/python --torch-backend cpu --no-deps 'torch<3'; }
+
 # Pictures need OpenGL without a screen. It is tried rather than looked up: a library may be there and not work.
-opengl: $(READY)
+opengl: $(DEMO)
 	@$(draw) || { $(install_opengl) && $(draw); } || \
 		echo "No OpenGL: pictures will fail. Install EGL or OSMesa (Debian: $(OPENGL_PACKAGES))."
 
 OPENGL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libosmesa6
 draw = $(BIN)/python -c 'from mimoc.runtime.opengl import open_context; open_context(8, 8).free()' 2>/dev/null
 install_opengl = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && echo "installing $(OPENGL_PACKAGES)" && \
-	export DEBIAN_FRONTEND=noninteractive && apt-get update -qq </dev/null && \
+	export DEBIAN_FRONTEND=noninteractive PATH="$$PATH:/usr/sbin:/sbin" && apt-get update -qq </dev/null && \
 	apt-get install -y -qq --no-install-recommends $(OPENGL_PACKAGES) </dev/null >/dev/null

@@ -1,14 +1,17 @@
 """An OpenGL context to draw in, with or without a screen."""
 
+import atexit
 import importlib
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+import weakref
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from mimoc.errors import RenderingError
+from mimoc.runtime import triton
 
 _NO_OPENGL = (
     "no picture can be drawn, because OpenGL does not start here ({}); install EGL or OSMesa "
@@ -28,12 +31,13 @@ def open_context(width: int, height: int) -> Any:
 
     A process that is forked after this, as those of Gymnasium's `AsyncVectorEnv` are, can draw as well: Mesa does it
     without threads, unless `LP_NUM_THREADS` says otherwise. The driver of a graphics card may not let it: then start
-    processes with `context="spawn"` or `"forkserver"`.
+    processes with `context="spawn"` or `"forkserver"`. A process that learns with torch after this can do so.
 
     Raises:
         RenderingError: If none of them works.
     """
     os.environ.setdefault(_MESA_THREADS, "0")
+    triton.keep_apart()
     failures = []
     for name in _backends():
         try:
@@ -42,6 +46,29 @@ def open_context(width: int, height: int) -> Any:
         except Exception as error:  # Each OpenGL library fails with errors of its own.
             failures.append(f"{name}: {type(error).__name__}")
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
+
+
+class Finalizer(weakref.finalize):
+    """Frees what an object draws with: when called, when the object is gone, or at exit while OpenGL is still there.
+
+    Make it once the context is open. What is registered for the exit last runs first: a plain `weakref.finalize` comes
+    after OpenGL has gone if anything in the process used one before OpenGL was loaded.
+    """
+
+    def __init__(self, owner: object, free: Callable[..., None], *arguments: Any):
+        super().__init__(owner, free, *arguments)
+        self.atexit = False
+        atexit.register(self)
+
+    def __call__(self, _: object = None) -> None:
+        """Free it; the second time, do nothing."""
+        atexit.unregister(self)
+        super().__call__()
+
+    def detach(self) -> Any:
+        """Leave it to others to free it."""
+        atexit.unregister(self)
+        return super().detach()
 
 
 def has_screen() -> bool:

@@ -1,6 +1,5 @@
 """Pictures of an infant from outside."""
 
-import weakref
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate
@@ -28,7 +27,7 @@ from mimoc.runtime.camera import (
     walls_of,
 )
 from mimoc.runtime.model import load_model
-from mimoc.runtime.opengl import open_context
+from mimoc.runtime.opengl import Finalizer, open_context
 from mimoc.runtime.quality import drawn_with
 from mimoc.runtime.senses.vision import average_down
 from mimoc.units import cm_to_m
@@ -93,7 +92,7 @@ class Painter:
         with drawn_with(settings):
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         self._scene = mujoco.MjvScene(model, MAX_GEOMS)
-        self._close = weakref.finalize(self, _free, self._context, self._gl)
+        self._close = Finalizer(self, _free, self._context, self._gl)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     @property

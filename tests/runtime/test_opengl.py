@@ -134,11 +134,33 @@ print(env.render().shape)
 
 @pytest.mark.parametrize(
     ("first", "then"),
-    [("", ""), ("import mujoco", ""), ("", "os.environ.pop('MUJOCO_GL', None)"), ("import mujoco, OpenGL", "")],
-    ids=["mimoc first", "MuJoCo first", "no wish after the import", "PyOpenGL first"],
+    [
+        ("", ""),
+        ("import mujoco", ""),
+        ("", "os.environ.pop('MUJOCO_GL', None)"),
+        ("import mujoco, OpenGL", ""),
+        ("import weakref; weakref.finalize(os, print).detach()", ""),
+    ],
+    ids=["mimoc first", "MuJoCo first", "no wish after the import", "PyOpenGL first", "another finalizer first"],
 )
 @pytest.mark.parametrize("last", ["env.close()", ""], ids=["closed", "left open"])
 def test_it_draws_whatever_was_imported_before_and_ends_quietly(first, then, last):
     code = DRAW.format(first=first, then=then, last=last)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "(24, 32, 3)\n", "")
+
+
+def test_what_is_drawn_with_is_freed_once_and_not_kept_for_the_exit(monkeypatch):
+    freed, registered = [], []
+    hooks = types.SimpleNamespace(register=registered.append, unregister=registered.remove)
+    monkeypatch.setattr(opengl, "atexit", hooks)
+    owners = [Library(None) for _ in range(3)]
+    called, detached, dropped = (opengl.Finalizer(owner, freed.append, None) for owner in owners)
+    assert registered == [called, detached, dropped]
+    called()
+    assert freed == [None]
+    assert detached.detach()[0] is owners[1]
+    owners.clear()
+    assert freed == [None, None]
+    assert registered == []
+    assert not dropped.alive

@@ -1,7 +1,6 @@
 """Cameras in an infant's head, and the OpenGL context they need."""
 
 import math
-import weakref
 from collections.abc import Collection, Sequence
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import RenderingError
-from mimoc.runtime.opengl import open_context
+from mimoc.runtime.opengl import Finalizer, open_context
 from mimoc.runtime.quality import Setting, drawn_with
 
 Drawn = npt.NDArray[np.uint8]
@@ -91,7 +90,7 @@ class Eyes:
         for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
             self._scene.flags[flag] = 0
         self._context = _make_context(model, self._whole, self._shape[1], self._gl)
-        self._close = weakref.finalize(self, _free, self._context, self._gl)
+        self._close = Finalizer(self, _free, self._context, self._gl)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
 
     def _aim(self, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
