@@ -8,7 +8,8 @@ from mimoc.scene.tree import Prop, PropGeom
 from mimoc.schema.goals import BallEntry
 
 NAME = "ball"
-BALL = BallEntry(body=NAME, joint="ball:free", geom="ball")
+BALL = BallEntry(body="target", joint="target_joint", geom=NAME)
+"""Names of its body and joint: MIMo's."""
 RADIUS_M = 0.025
 """Of MIMo's ball to reach for."""
 DENSITY_KG_M3 = 1000.0

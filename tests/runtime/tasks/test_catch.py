@@ -43,7 +43,7 @@ def rest(env):
 
 def ball(env):
     """Return where the ball stands in qpos."""
-    return env.model.joint("ball:free").qposadr[0] + np.arange(3)
+    return env.model.joint("target_joint").qposadr[0] + np.arange(3)
 
 
 def palm(env):
@@ -96,7 +96,7 @@ class Script:
         if self.touched:
             lever = np.zeros((3, model.nv))
             hand = model.body(self.env.manifest.task.palm).id
-            mujoco.mj_jac(model, data, lever, None, data.body("ball").xpos, hand)
+            mujoco.mj_jac(model, data, lever, None, data.body("target").xpos, hand)
             weight += 9.81 * size(self.env)[1] * lever[2, self.speeds]
         return weight + inertias * (spring - damper * data.qvel[self.speeds])
 
@@ -206,9 +206,9 @@ def test_every_episode_has_a_ball_of_its_own(catch, age_months):
     balls = []
     for seed in range(40):
         env.reset(seed=seed)
-        height_m = env.data.body("ball").xpos[2] - palm(env)[2] - size(env)[0]
+        height_m = env.data.body("target").xpos[2] - palm(env)[2] - size(env)[0]
         balls.append((*size(env), height_m / env.manifest.task.drop_m[0]))
-        assert (env.data.body("ball").xpos - palm(env))[:2] == pytest.approx((0, 0), abs=1e-9)
+        assert (env.data.body("target").xpos - palm(env))[:2] == pytest.approx((0, 0), abs=1e-9)
         assert not np.isin(env.data.contact.geom, env.model.geom("ball").id).any()
     for drawn, (low, high) in zip(np.transpose(balls), [(0.005, 0.025), (0.05, 0.5), (1, 2)], strict=True):
         assert low <= drawn.min() < low + 0.2 * (high - low)

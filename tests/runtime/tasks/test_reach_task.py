@@ -24,14 +24,14 @@ def env(request, built):
 
 def gaze_error(env, looker: str) -> float:
     forward = env.data.body(looker).xmat.reshape(3, 3)[:, 0]
-    towards = env.data.body("ball").xpos - env.data.body(looker).xpos
+    towards = env.data.body("target").xpos - env.data.body(looker).xpos
     return float(np.arctan2(np.linalg.norm(np.cross(forward, towards)), forward @ towards))
 
 
 def test_the_reward_is_the_distance_that_is_left(env):
     env.reset(seed=1)
     _, reward, terminated, _, info = env.step(env.action_space.sample())
-    distance_m = np.linalg.norm(env.data.body("ball").xpos - env.data.body(env.manifest.task.effector).xpos)
+    distance_m = np.linalg.norm(env.data.body("target").xpos - env.data.body(env.manifest.task.effector).xpos)
     assert reward == pytest.approx(-distance_m)
     assert info["reward_terms"] == {"distance": pytest.approx(-distance_m), "touch": 0.0}
     assert not terminated
@@ -40,7 +40,7 @@ def test_the_reward_is_the_distance_that_is_left(env):
 
 def test_a_ball_that_moves_ends_it_with_a_reward(env):
     env.reset(seed=1)
-    start = env.model.joint("ball:free").dofadr[0]
+    start = env.model.joint("target_joint").dofadr[0]
     env.data.qvel[start] = 4.0
     _, reward, terminated, _, info = env.step(np.zeros(env.action_space.shape, np.float32))
     assert terminated
@@ -51,11 +51,11 @@ def test_a_ball_that_moves_ends_it_with_a_reward(env):
 
 def test_an_untouched_ball_stays_where_it_hangs(env):
     env.reset(seed=2)
-    before = env.data.body("ball").xpos.copy()
+    before = env.data.body("target").xpos.copy()
     at_rest = np.array([env.data.ctrl[i] for i in env.actuation.actuators], np.float32)
     for _ in range(50):
         env.step(at_rest)
-    assert env.data.body("ball").xpos == pytest.approx(before, abs=1e-9)
+    assert env.data.body("target").xpos == pytest.approx(before, abs=1e-9)
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -68,7 +68,7 @@ def test_eyes_look_at_the_ball(env, seed):
 
 def test_eyes_follow_the_ball(env):
     env.reset(seed=3)
-    joint = env.model.joint("ball:free")
+    joint = env.model.joint("target_joint")
     env.data.qpos[joint.qposadr[0] + 1] += 0.009
     at_rest = np.array([env.data.ctrl[i] for i in env.actuation.actuators], np.float32)
     for _ in range(40):
@@ -85,7 +85,7 @@ def test_where_the_ball_is_can_be_felt(env):
 
 
 def test_the_places_follow_from_the_seed(env):
-    places = [env.reset(seed=seed)[0] is not None and env.data.body("ball").xpos.tolist() for seed in (1, 2, 1)]
+    places = [env.reset(seed=seed)[0] is not None and env.data.body("target").xpos.tolist() for seed in (1, 2, 1)]
     assert places[0] == places[2] != places[1]
 
 
