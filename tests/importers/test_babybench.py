@@ -63,6 +63,13 @@ def value_at(spec: InfantSpec, path: str):
         ("scene: crib", "scene.kind", "crib"),
         ("scene: cubes", "scene.kind", "flat"),
         ("scene: cubes", "scene.toys.source", "builtin"),
+        ("scene: cubes", "scene.pose", "sitting"),
+        ("scene: cubes", "scene.held", ("hip",)),
+        ("scene: crib", "scene.held", ("lower_body",)),
+        ("scene: base", "scene.held", ()),
+        ("behavior: hand_regard", "body.hands", "five_finger"),
+        ("behavior: self_touch", "body.hands", "mitten"),
+        ("behavior: hand_regard\nmimo_version: v1", "body.hands", "mitten"),
         ("position: sitting", "scene.pose", "sitting"),
         ("seed: 7", "scene.seed", 7),
         ("frame_skip: 1", "control.step_ms", 5),
@@ -85,6 +92,7 @@ def value_at(spec: InfantSpec, path: str):
         ("touch: true\ntouch_response: spread_linear", "senses.touch.response", "linear"),
         ("touch: true\ntouch_response: nearest", "senses.touch.response", "nearest"),
         ("touch: false\ntouch_scale: 2", "senses.touch", None),
+        ("touch: true\ntouch_scale: 0", "senses.touch", None),
         ("touch_scale: 2", "senses.touch.density", 0.25),
         ("vestibular: True", "senses.vestibular.include", ("accelerometer", "gyro")),
         ("vestibular: False", "senses.vestibular", None),
@@ -145,6 +153,8 @@ def test_regions_that_act_are_groups_that_take_commands(imported, text, regions)
         ("lock_eyes: true\nlock_left_hand: true", ("eyes", "left_hand")),
         ("lock_fingers: true", ()),
         ("lock_fingers: true\nlock_hands: true", ("hands",)),
+        ("scene: cubes", ("trunk", "legs")),
+        ("scene: cubes\nlock_eyes: true\nlock_legs: false", ("trunk", "eyes", "legs")),
     ],
 )
 def test_locked_regions_are_locked_groups(imported, text, locked):
@@ -212,7 +222,14 @@ def test_every_region_belongs_to_groups_of_the_spec_language():
         ("save_dir:", "save_dir: no counterpart; "),
         ("save_logs_every: 10", "save_logs_every: no counterpart; "),
         ("render_size: 480", "render_size: no counterpart; "),
-        ("scene: cubes", "scene: mimoc has no toy cubes"),
+        ("scene: crib", "scene: limbs start as in mimoc's 'supine'"),
+        ("actuation_model: spring_damper", "actuation_model: commands come limb by limb"),
+        ("actuation_model: muscle", "; and the two muscles of a joint side by side"),
+        (
+            "actuation_model: positional",
+            "; and from -1 to 1 over the range of each joint, where BabyBench takes angles",
+        ),
+        ("proprio_limits: false", "proprio_limits: left out here; BabyBench's code takes no notice of this key"),
         ("touch: true\ntouch_response: spread_exponential", "touch_response: no counterpart; taken as spread_linear"),
         ("frame_skipp: 3", "frame_skipp: no counterpart; unknown here; did you mean 'frame_skip'?"),
         ("warp: 9", "warp: no counterpart; unknown here"),
@@ -224,6 +241,13 @@ def test_what_has_no_counterpart_is_said_with_its_line(imported, text, said):
     (note,) = imported(f"# A comment.\n{text}\n")[1]
     assert said in note
     assert note.startswith(f"config.yml:{2 + text.count(chr(10))}:1: ")
+
+
+def test_a_reclined_infant_and_its_cubes_are_both_noted(imported):
+    notes = imported("scene: cubes")[1]
+    assert len(notes) == 2
+    for said in ("BabyBench's leans back by 55 degrees", "mimoc has no toy cubes"):
+        assert sum(said in note for note in notes) == 1
 
 
 def test_the_notes_stand_in_the_spec_as_well(imported):

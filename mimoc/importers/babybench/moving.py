@@ -3,6 +3,7 @@
 from typing import Any
 
 from mimoc.importers.babybench.regions import SINGLE_GROUPS, named, note_what_is_coarser, switched_on, switches
+from mimoc.importers.babybench.world import scene_locks
 from mimoc.importers.settings import Settings
 
 MODELS = {
@@ -16,11 +17,24 @@ MODELS = {
 """BabyBench's words, MIMo's and mimoc's own, with mimoc's."""
 
 
+ORDER = "commands come limb by limb here and region by region in BabyBench"
+COMMANDS = {
+    "torque": "",
+    "muscle": "; and the two muscles of a joint side by side, where BabyBench has all of one direction first",
+    "position": "; and from -1 to 1 over the range of each joint, where BabyBench takes angles in radians",
+}
+"""What else differs in the commands, by mimoc's actuation model."""
+
+
 def read_actuation(settings: Settings) -> dict[str, Any]:
     """Return the section `actuation` of a spec, empty where all of it is as mimoc has it anyway."""
-    model = settings.choice("actuation_model", "actuation", meanings=MODELS)
+    key = settings.find("actuation_model", "actuation")
+    model = settings.choice(key, meanings=MODELS) if key else None
+    if key and model:
+        settings.note(key, f"{ORDER}{COMMANDS[model]}")
     locking, acting = switches(settings, "lock_"), switches(settings, "act_")
-    locked = switched_on(locking, default=False, merge=all)
+    by_scene = scene_locks(settings)
+    locked = switched_on(locking, default=False, merge=all) | by_scene
     acts = switched_on(acting, default=True, merge=any)
     note_what_is_coarser(settings, locking, locked, {True: "which is locked", False: "which is not locked"})
     note_what_is_coarser(settings, acting, acts, {True: "which takes commands", False: "which takes none"})

@@ -50,6 +50,9 @@ def _proprioception(settings: Settings) -> dict[str, Any] | None:
         settings.pass_over("proprioception_", "proprio_")
         return None
     felt = {name: settings.flag(f"proprio_{name}", f"proprioception_{name}") for name in PROPRIOCEPTION}
+    for name, wanted in felt.items():
+        if wanted is False and (key := settings.find(f"proprio_{name}")):
+            settings.note(key, "left out here; BabyBench's code takes no notice of this key and keeps it in")
     include = [name for name, wanted in felt.items() if wanted is not False]
     return {} if len(include) == len(PROPRIOCEPTION) else {"include": include}
 
@@ -60,7 +63,8 @@ def _vestibular(settings: Settings) -> dict[str, Any] | None:
 
 def _touch(settings: Settings) -> dict[str, Any] | None:
     on = _switch(settings, "touch")
-    if on is False:
+    scale = settings.find("touch_scale")
+    if on is False or (scale and settings.value(scale) in (0, 0.0) and settings.value(scale) is not False):
         settings.pass_over("touch_")
         return None
     density = _density(settings)

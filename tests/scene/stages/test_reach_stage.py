@@ -73,5 +73,5 @@ def test_toys_and_a_room_go_with_it():
     env.reset(seed=0)
     assert [toy.category == "ball" for toy in env.manifest.toys].count(True) <= 2
     assert len(env.manifest.toys) == 2
-    distance_m = np.linalg.norm(env.data.body("ball").xpos - env.data.body("right_upper_arm").xpos)
+    distance_m = np.linalg.norm(env.data.body("target").xpos - env.data.body("right_upper_arm").xpos)
     assert env.manifest.task.distance_m[0] <= distance_m <= env.manifest.task.distance_m[1]

@@ -65,7 +65,7 @@ def test_the_point_of_the_palm_is_on_its_surface(age_months, hands, hand):
     made = staged(age_months, hands, hand)
     model, data = started(made)
     point, geom = palm(made, data), np.zeros(1, np.int32)
-    data.qpos[model.joint("ball:free").qposadr[0]] += 1.0
+    data.qpos[model.joint("target_joint").qposadr[0]] += 1.0
     mujoco.mj_forward(model, data)
     outwards = PALMAR[hand] * data.body(f"{hand}_hand").xmat.reshape(3, 3)[:, 1]
     distance_m = mujoco.mj_ray(model, data, point + 0.05 * outwards, -outwards, None, 1, -1, geom)
@@ -78,7 +78,7 @@ def test_the_ball_hangs_over_the_palm(age_months, hands, hand):
     made = staged(age_months, hands, hand)
     _, data = started(made)
     goal = made.manifest.task
-    over = data.body("ball").xpos - palm(made, data)
+    over = data.body("target").xpos - palm(made, data)
     assert over == pytest.approx((0, 0, sum(goal.drop_m) / 2 + RADIUS_M), abs=1e-6)
     assert goal.lost_m < goal.drop_m[0] < goal.drop_m[1]
 
@@ -114,7 +114,7 @@ def test_the_hand_is_all_of_its_parts(hand):
 def test_the_ball_goes_where_the_infant_is(kind):
     made = staged(9, scene={"kind": kind, "seed": 3})
     _, data = started(made)
-    assert (data.body("ball").xpos - palm(made, data))[:2] == pytest.approx((0, 0), abs=1e-6)
+    assert (data.body("target").xpos - palm(made, data))[:2] == pytest.approx((0, 0), abs=1e-6)
 
 
 def test_an_infant_without_the_hand_cannot_catch():
