@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mimoc.cli.arguments import BundlePath
+from mimoc.cli.arguments import InfantPath
+from mimoc.cli.infants import take_bundle
 
 if TYPE_CHECKING:
     from mimoc.runtime.rollout import PolicyMaker
@@ -14,7 +15,7 @@ EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --see
 
 
 def run(
-    out: BundlePath,
+    infant: InfantPath,
     policy: Annotated[
         str,
         typer.Option(
@@ -29,11 +30,11 @@ def run(
     window: Annotated[bool, typer.Option("--window", help="Show it in a window, in real time.")] = False,
 ) -> None:
     """Run the infant under a policy, with progress and a closing summary."""
-    from mimoc import bundle, console
+    from mimoc import console
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
-    with closing(InfantEnv(bundle.read_bundle(out), render_mode="human" if window else None)) as env:
+    with closing(InfantEnv(take_bundle(infant), render_mode="human" if window else None)) as env:
         running = Run(env, _read_policy(policy), seed)
         with console.progress("running") as show:
             for step in range(steps):
