@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -33,9 +34,14 @@ PIPE_WIDTH = 200
 """Columns where no terminal says how many there are: enough for lines to stay whole, as `grep` wants them."""
 
 
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave it to `mimoc.cli.entry` what becomes of a command whose output nobody reads."""
+        raise SystemExit(1)
+
+
 def _console() -> Console:
-    console = Console(markup=False, highlight=False)
-    return console if console.is_terminal else Console(markup=False, highlight=False, width=PIPE_WIDTH)
+    return _Console(markup=False, highlight=False, width=None if sys.stdout.isatty() else PIPE_WIDTH)
 
 
 @contextmanager
@@ -207,6 +213,22 @@ def print_check(checks: Iterable[PoseCheck]) -> bool:
 def print_explanation(explanation: Explanation) -> None:
     """Print where a number comes from, as a tree."""
     _console().print(_branch(explanation))
+
+
+def print_contents(contents: Mapping[str, Sequence[str]]) -> None:
+    """Print the names of numbers, a line for each thing that they are of, as `grep` wants them."""
+    for thing, names in contents.items():
+        print(f"{thing}: {' '.join(names)}")
+    if sys.stdout.isatty():
+        print("\nAdd one to see where it comes from, body.head.mass, or a part of its name to find it: weight")
+
+
+def print_numbers(numbers: Mapping[str, str]) -> None:
+    """Print numbers, a line each."""
+    for key, value in numbers.items():
+        print(f"{key} = {value}")
+    if sys.stdout.isatty():
+        print("\nGive the whole name of one to see where it comes from")
 
 
 def _branch(explanation: Explanation) -> Tree:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import Any, Literal, NoReturn, TypeAlias
+from typing import IO, Any, Literal, NoReturn, TypeAlias
 
 import yaml
 from yaml.events import (
@@ -154,6 +154,23 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
         is_one = f"a {kind.name} 1 MiB at most; check that it is a {kind.name}"
         _refuse(path, f"the file has {size_mib:.1f} MiB, and {is_one}")
     return parse(content, str(path), kind)
+
+
+def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
+    """Read YAML from a pipe, to its end; relative paths in it are seen from the current folder.
+
+    Args:
+        stream: What to read.
+        name: Of it, for messages.
+        kind: What it is to be, for messages.
+
+    Raises:
+        SpecError: If there is no data to be had from it.
+    """
+    content = stream.read(MAX_BYTES + 1)
+    if len(content) > MAX_BYTES:
+        _refuse(name, f"there is more than a MiB of it; check that it is a {kind.name}")
+    return parse(content, name, kind)
 
 
 def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:

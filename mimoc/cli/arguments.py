@@ -5,5 +5,16 @@ from typing import Annotated
 
 import typer
 
-SpecPath = Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant.")]
-BundlePath = Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle that `mimoc build` wrote.")]
+SpecPath = Annotated[
+    Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant; `-` reads it from a pipe.")
+]
+InfantPath = Annotated[
+    Path,
+    typer.Argument(
+        metavar="INFANT",
+        help="Folder of a bundle that `mimoc build` wrote, or a spec (.yaml), built in memory; `-` is one from a pipe.",
+    ),
+]
+PicturePath = Annotated[
+    Path, typer.Option("-o", "--out", metavar="FILE", help="Picture to write: .png, .jpg, .webp, .bmp or .tiff.")
+]

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import SpecPath
+from mimoc.cli.infants import take_spec
 
 EXAMPLE = "Example:  mimoc build configs/nine_months.yaml -o out/nine_months"
 
@@ -20,7 +21,7 @@ def build(
     """Compile SPEC into a bundle: MuJoCo XML, textures, and all that is known of them."""
     from mimoc import bundle, console, pipeline
 
-    infant = pipeline.load_spec(spec)
+    infant = take_spec(spec)
     with console.status("building"):
         built = pipeline.builder(infant, convention)(infant.scene.seed if seed is None else seed)
     folder = bundle.write_bundle(built, out, force=force)

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 BAD_INPUT, FAILED_CHECK = 2, 1
+READER_GONE = 128 + 13
+"""As of what SIGPIPE ends, the signal of a pipe that nobody reads any more."""
 
 
 @contextmanager

@@ -4,17 +4,33 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.arguments import BundlePath
+from mimoc.cli.arguments import InfantPath
+from mimoc.cli.infants import take_bundle
 
 EXAMPLE = "Example:  mimoc explain out/nine_months body.left_foot.mass"
 
 
 def explain(
-    out: BundlePath,
-    key: Annotated[str, typer.Argument(metavar="KEY", help="A number: `actuator.act:left_elbow.gear`, ...")],
+    infant: InfantPath,
+    key: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NUMBER]",
+            help="Its name, `actuator.act:left_elbow.gear`, or any part of that: `weight`, `left_foot`, `toy1`, "
+            "`*.mass`. Several matches are listed with their values; none given, all that can be asked is listed.",
+        ),
+    ] = None,
 ) -> None:
     """Say where a number comes from: table row, growth curve, rule, XML attribute."""
-    from mimoc import bundle, console
-    from mimoc.explain import explain
+    from mimoc import console
+    from mimoc.explain import contents, explain, find
 
-    console.print_explanation(explain(bundle.read_bundle(out), key))
+    bundle = take_bundle(infant)
+    if key is None:
+        console.print_contents(contents(bundle))
+        return
+    found = find(bundle, key)
+    if len(found) == 1:
+        console.print_explanation(explain(bundle, *found))
+    else:
+        console.print_numbers(found)

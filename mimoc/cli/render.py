@@ -5,29 +5,37 @@ from typing import Annotated
 
 import typer
 
+from mimoc.cli.arguments import PicturePath
+from mimoc.cli.infants import take_bundle
 from mimoc.errors import UnknownNameError
 
 EXAMPLE = "Example:  mimoc render out/nine_months -o nine_months.png --pose supine"
 
 
 def render(
-    outs: Annotated[list[Path], typer.Argument(metavar="OUT...", help="Bundles; several stand in a row, to scale.")],
-    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
+    infants: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="INFANT...",
+            help="Bundles or specs (.yaml, or `-` for one from a pipe); several stand in a row, to scale.",
+        ),
+    ],
+    file: PicturePath,
     pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; the spec's.")] = None,
     width: Annotated[int, typer.Option("--width", min=16, max=4096, help="In pixels.")] = 960,
     height: Annotated[int, typer.Option("--height", min=16, max=4096, help="In pixels.")] = 720,
     skin: Annotated[bool, typer.Option("--skin", help="Show its skin points, and what they feel.")] = False,
 ) -> None:
     """Draw a picture of the infant, or of several in a row."""
-    from mimoc import bundle, files
     from mimoc.runtime.portrait import lineup, portrait
-    from mimoc.scene.drawing import encode_png
+    from mimoc.scene.picture_files import check_picture_name, write_picture
 
-    if len(outs) > 1 and pose not in (None, "standing"):
+    check_picture_name(file)
+    if len(infants) > 1 and pose not in (None, "standing"):
         raise UnknownNameError("pose for several infants", str(pose), ["standing"])
-    infants = [bundle.read_bundle(out) for out in outs]
-    if len(infants) > 1:
-        picture = lineup(infants, width, height, skin=skin)
+    bundles = [take_bundle(infant) for infant in infants]
+    if len(bundles) > 1:
+        picture = lineup(bundles, width, height, skin=skin)
     else:
-        picture = portrait(infants[0], pose, width, height, skin=skin)
-    print(files.write_file(file, encode_png(picture)))
+        picture = portrait(bundles[0], pose, width, height, skin=skin)
+    print(write_picture(file, picture))

@@ -1,12 +1,17 @@
 """`mimoc rooms`."""
 
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mimoc.cli.arguments import SpecPath
-from mimoc.errors import MimocError
+from mimoc.cli.arguments import PicturePath
+from mimoc.cli.infants import take_bundles_spec
+from mimoc.errors import MimocError, SpecError
+
+if TYPE_CHECKING:
+    from mimoc.schema import InfantSpec
 
 MOST_ROOMS = 400
 """On one sheet."""
@@ -15,23 +20,46 @@ EXAMPLE = "Example:  mimoc rooms configs/playroom.yaml --seeds 0:12 -o rooms.png
 
 
 def rooms(
-    spec: SpecPath,
-    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
+    spec: Annotated[
+        Path,
+        typer.Argument(metavar="SPEC", help="YAML file with a room or toys, `-` for one from a pipe, or a bundle."),
+    ],
+    file: PicturePath,
     seeds: Annotated[str, typer.Option("--seeds", metavar="FIRST:END", help="Seeds of the scenes.")] = "0:12",
     size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each picture, pixels.")] = 320,
 ) -> None:
     """Draw the scenes that several seeds give, on one sheet."""
-    from mimoc import console, files, pipeline
+    from mimoc import console, pipeline
     from mimoc.runtime.overview import overview
-    from mimoc.scene.drawing import encode_png
+    from mimoc.scene.picture_files import check_picture_name, write_picture
     from mimoc.scene.sheet import draw_grid
 
-    wanted, builder, pictures = read_range(seeds), pipeline.builder(pipeline.load_spec(spec)), []
+    check_picture_name(file)
+    wanted, infant, pictures = read_range(seeds), take_bundles_spec(spec), []
+    _say_what_differs(infant)
+    builder = pipeline.builder(infant)
     with console.progress("drawing") as show:
         for number, seed in enumerate(wanted, start=1):
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
             show(number, len(wanted))
-    print(files.write_file(file, encode_png(draw_grid(pictures, [f"seed {seed}" for seed in wanted]))))
+    print(write_picture(file, draw_grid(pictures, [f"seed {seed}" for seed in wanted])))
+
+
+def _say_what_differs(spec: "InfantSpec") -> None:
+    """Say so where there is no room to draw, and refuse a scene in which a seed changes nothing.
+
+    Raises:
+        SpecError: If all pictures would be the same.
+    """
+    from mimoc.schema import as_written
+
+    kind = spec.scene.kind
+    if kind == "room":
+        return
+    if spec.scene.toys is None:
+        message = f"'{kind}' without toys is the same for every seed; write 'kind: room', or add toys"
+        raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
+    print(f"note: the scene is '{kind}', not a room: only its toys differ from seed to seed", file=sys.stderr)
 
 
 def read_range(text: str) -> range:

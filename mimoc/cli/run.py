@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mimoc.cli.arguments import BundlePath
+from mimoc.cli.arguments import InfantPath
+from mimoc.cli.infants import take_bundle
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --see
 
 
 def run(
-    out: BundlePath,
+    infant: InfantPath,
     policy: Annotated[
         str,
         typer.Option(
@@ -39,7 +40,7 @@ def run(
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the film, pixels.")] = 360,
 ) -> None:
     """Run the infant under a policy, with progress and a closing summary; film it in real time."""
-    from mimoc import bundle, console, recording
+    from mimoc import console, recording
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
@@ -47,7 +48,7 @@ def run(
         raise MimocError("--eyes shows what the infant sees beside its film; say where that goes, with --video FILE")
     if video:
         recording.check_video(video)
-    with closing(InfantEnv(bundle.read_bundle(out), render_mode="human" if window else None)) as env:
+    with closing(InfantEnv(take_bundle(infant), render_mode="human" if window else None)) as env:
         running = Run(env, _read_policy(policy), seed)
         film = recording.filming(running, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
         with _kept(video), console.progress("running") as show, film as look:

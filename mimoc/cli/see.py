@@ -1,18 +1,18 @@
 """`mimoc see`."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from mimoc.cli.arguments import BundlePath
+from mimoc.cli.arguments import InfantPath, PicturePath
+from mimoc.cli.infants import resolved_spec, take_bundle
 
 EXAMPLE = "Example:  mimoc see out/nine_months -o seen.png --pose sitting --ages 1,3,9"
 
 
 def see(
-    out: BundlePath,
-    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.png", help="Picture to write.")],
+    infant: InfantPath,
+    file: PicturePath,
     ages: Annotated[str, typer.Option("--ages", metavar="MONTHS,...", help="Whose acuity: 0 to 36.")] = "1,2,4,6,12",
     profile: Annotated[
         str | None, typer.Option("--profile", help="Acuity by age: tac2, mayer1995 or mimo_v2; the spec's.")
@@ -32,15 +32,15 @@ def see(
     size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Of each picture, pixels.")] = 256,
 ) -> None:
     """Draw what the infant looks at: as fine as several ages see it, foveated as well, and as it is drawn."""
-    from mimoc import bundle, files, schema, source
+    from mimoc import schema
     from mimoc.runtime.glimpse import glimpse
-    from mimoc.scene.drawing import encode_png
+    from mimoc.scene.picture_files import check_picture_name, write_picture
     from mimoc.scene.sheet import draw_sheet
     from mimoc.scene.sights import compare_ages, read_ages
 
-    infant = bundle.read_bundle(out)
-    spec = schema.read_spec(source.parse(infant.files["resolved.yaml"].decode(), "resolved.yaml"))
-    vision = spec.senses.vision or schema.VisionSpec()
+    check_picture_name(file)
+    built = take_bundle(infant)
+    vision = resolved_spec(built).senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
-    pictures = glimpse(infant, compared.sights, pose, down, fovy)
-    print(files.write_file(file, encode_png(draw_sheet(pictures, compared.columns, compared.rows))))
+    pictures = glimpse(built, compared.sights, pose, down, fovy)
+    print(write_picture(file, draw_sheet(pictures, compared.columns, compared.rows)))

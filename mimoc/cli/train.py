@@ -5,13 +5,15 @@ from typing import Annotated
 
 import typer
 
+from mimoc.cli.arguments import InfantPath
 from mimoc.cli.exits import can_go_on
+from mimoc.cli.infants import take_bundle
 
 EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
 
 
 def train(
-    source: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of a bundle, or a spec (.yaml) to build.")],
+    infant: InfantPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training.")],
     algo: Annotated[str, typer.Option("--algo", help="How it learns: ppo or sac.")] = "ppo",
     steps: Annotated[
@@ -41,10 +43,10 @@ def train(
     from mimoc import console, training
     from mimoc.training import hyper
 
-    chosen = hyper.read(algo, knobs or [])
+    chosen, bundle = hyper.read(algo, knobs or []), take_bundle(infant)
     with console.progress("training") as show, can_go_on():
         done = training.train(
-            source,
+            bundle,
             out,
             algo=algo,
             steps=steps,

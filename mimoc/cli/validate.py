@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.exits import FAILED_CHECK
+from mimoc.cli.infants import take_spec
 from mimoc.errors import UnknownNameError
 
 EXAMPLE = "Example:  mimoc validate --against who --plot growth.png"
@@ -14,23 +15,30 @@ EXAMPLE = "Example:  mimoc validate --against who --plot growth.png"
 
 def validate(
     spec: Annotated[
-        Path | None, typer.Argument(metavar="[SPEC]", help="Infant to grow from 0 to 24 months; the average child.")
+        Path | None,
+        typer.Argument(
+            metavar="[SPEC]", help="Infant to grow from 0 to 24 months, or `-` for one from a pipe; the average child."
+        ),
     ] = None,
     against: Annotated[str, typer.Option("--against", help="Growth standard: who.")] = "who",
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
-    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE.png", help="Draw growth against WHO.")] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="FILE", help="Draw growth against WHO: .png, .svg, .pdf, .jpg or .webp."),
+    ] = None,
 ) -> None:
     """Compare the compiled infant with WHO's growth standards, month by month; exit 1 if it is off by over one SD."""
-    from mimoc import console, pipeline, validation
+    from mimoc import console, validation
+    from mimoc.plot import check_plot_name, plot_growth
 
     if against != "who":
         raise UnknownNameError("growth standard", against, ["who"])
-    infant = pipeline.load_spec(spec) if spec else None
+    if plot:
+        check_plot_name(plot)
+    infant = take_spec(spec) if spec else None
     with console.progress("growing") as show:
         report = validation.grow_against_who(infant, progress=show)
     if plot:
-        from mimoc.plot import plot_growth
-
         plot_growth(report.series, plot)
     print(json.dumps(report.to_data(), indent=1)) if as_json else console.print_growth(report)
     if not report.within_one_sd:

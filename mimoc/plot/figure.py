@@ -1,6 +1,7 @@
 """Figures of matplotlib, and the PNGs of them."""
 
 import io
+from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DPI = 150
+FORMATS: Mapping[str, dict[str, None] | None] = {
+    ".png": None,
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+    ".jpg": None,
+    ".jpeg": None,
+    ".webp": None,
+}
+"""By the end of a file's name, what of the metadata has to go so that the same figure gives the same bytes."""
 
 
 def new_figure(width_px: int, height_px: int) -> "Figure":
@@ -43,6 +53,18 @@ def png(figure: "Figure") -> bytes:
 
     picture = io.BytesIO()
     FigureCanvasAgg(figure).print_png(picture, metadata={"Software": None})
+    return picture.getvalue()
+
+
+def encode(figure: "Figure", suffix: str) -> bytes:
+    """Return a figure in a format of `FORMATS`: the same figure, the same bytes."""
+    if suffix == ".png":
+        return png(figure)
+    from matplotlib import rc_context
+
+    picture = io.BytesIO()
+    with rc_context({"svg.hashsalt": "mimoc"}):
+        figure.savefig(picture, format=suffix[1:], dpi=DPI, metadata=FORMATS[suffix])
     return picture.getvalue()
 
 

@@ -11,7 +11,7 @@ from mimoc.errors import OutputError
 from mimoc.files import write_file
 from mimoc.fits import BIRTH, GrowthStandard, load_tables, measure
 from mimoc.fits.measurements import DataPoint
-from mimoc.plot.figure import new_figure, png, tidy
+from mimoc.plot.figure import FORMATS, encode, new_figure, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,17 +49,25 @@ Series = Mapping[str, Sequence[tuple[float, float]]]
 """Age in months and value of an infant, by indicator."""
 
 
+def check_plot_name(path: str | Path) -> None:
+    """Pass the name of a file that a plot can be written to, before anything is drawn.
+
+    Raises:
+        OutputError: If it ends in no format that is known.
+    """
+    if Path(path).suffix.lower() not in FORMATS:
+        raise OutputError(f"{path}: no plot is written to a file of this name; end it in {', '.join(FORMATS)}")
+
+
 def plot_growth(series: Series, path: str | Path) -> None:
-    """Write a PNG of an infant's growth over WHO's mean and 5th to 95th percentiles.
+    """Write a picture of an infant's growth over WHO's mean and 5th to 95th percentiles, as its name says.
 
     Raises:
         OutputError: If the file cannot be written there.
         MissingExtraError: If matplotlib is not installed.
     """
-    path = Path(path)
-    if path.suffix.lower() != ".png":
-        raise OutputError(f"{path}: the picture is a PNG; give a name that ends in .png")
-    write_file(path, png(draw_growth(series)))
+    check_plot_name(path)
+    write_file(path, encode(draw_growth(series), Path(path).suffix.lower()))
 
 
 def draw_growth(series: Series) -> "Figure":

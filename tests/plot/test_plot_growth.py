@@ -84,9 +84,20 @@ def test_an_indicator_without_the_infant_still_has_its_standard():
     assert labelled(panel).keys() == {"WHO, 5th to 95th percentile", "WHO, mean"}
 
 
-@pytest.mark.parametrize("name", ["growth.jpg", "growth", "growth.png.txt"])
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".svg", b"<?xml"), (".pdf", b"%PDF"), (".jpg", b"\xff\xd8"), (".WEBP", b"RIFF")]
+)
+def test_the_name_says_the_format(suffix, start, tmp_path):
+    for name in ("one", "two"):
+        plot_growth(SERIES, tmp_path / f"{name}{suffix}")
+    one, two = ((tmp_path / f"{name}{suffix}").read_bytes() for name in ("one", "two"))
+    assert one.startswith(start)
+    assert one == two
+
+
+@pytest.mark.parametrize("name", ["growth.doc", "growth", "growth.png.txt"])
 def test_a_name_of_another_format_is_refused(name, tmp_path):
-    with pytest.raises(OutputError, match=r"ends in \.png"):
+    with pytest.raises(OutputError, match=r"end it in \.png, "):
         plot_growth(SERIES, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
