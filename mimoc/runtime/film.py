@@ -7,12 +7,12 @@ import mujoco
 import numpy as np
 
 from mimoc.errors import RenderingError
+from mimoc.runtime.averaging import average_down
 from mimoc.runtime.camera import FROM_THE_SIDE, Balls, Shot, shows, towards
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.portrait import Painter, Picture
 from mimoc.runtime.senses.eyes import Eyes
 from mimoc.runtime.senses.sense import Observation
-from mimoc.runtime.senses.vision import average_down
 
 SHAPE = 4 / 3
 """Width over height of the picture from outside."""

@@ -91,7 +91,7 @@ def test_what_cannot_be_written_is_one_clear_error(env):
 
 
 def test_only_infants_are_filmed(tmp_path):
-    with pytest.raises(TypeError, match="record films an infant's environment, not CartPoleEnv"):
+    with pytest.raises(TypeError, match="films an infant's environment, not CartPoleEnv"):
         mimoc.record(gymnasium.make("CartPole-v1"), "zero", tmp_path / "film.gif")
 
 

@@ -73,7 +73,7 @@ def test_other_names_are_no_videos(name, tmp_path):
 
 def test_a_video_needs_a_folder_and_is_none(tmp_path):
     (tmp_path / "film.gif").mkdir()
-    with pytest.raises(OutputError, match="film.gif: this is a folder"):
+    with pytest.raises(OutputError, match=r"film\.gif: this is a folder"):
         check_video(tmp_path / "film.gif")
     with pytest.raises(OutputError, match="there is no folder"):
         check_video(tmp_path / "nowhere" / "film.gif")
@@ -88,5 +88,5 @@ def test_without_pyav_there_are_only_gifs(tmp_path, monkeypatch):
 
 def test_a_gif_does_not_grow_without_end(tmp_path, monkeypatch):
     monkeypatch.setattr(video, "MOST_OF_A_GIF", 3)
-    with pytest.raises(OutputError, match="a GIF has at most 3 pictures; film fewer steps, or an .mp4"):
+    with pytest.raises(OutputError, match=r"a GIF has at most 3 pictures; film fewer steps, or an \.mp4"):
         write(tmp_path / "film.gif", pictures(4))
