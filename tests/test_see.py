@@ -1,4 +1,5 @@
 import io
+import itertools
 import shlex
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ from PIL import Image
 
 import mimoc
 from mimoc import cli
+from mimoc.scene.acuity import acuity_at
 
 
 @pytest.fixture
@@ -46,36 +48,59 @@ def blind(built) -> Path:
     return built("blind")
 
 
+@pytest.fixture(scope="module")
+def playing(built) -> Path:
+    toys = {"subset": ["truck"], "count": [1, 1]}
+    return built("playing", scene={"kind": "room", "seed": 1, "pose": "sitting", "toys": toys})
+
+
 def pixels(path: str) -> np.ndarray:
     return np.asarray(Image.open(io.BytesIO(Path(path).read_bytes()))).astype(int)
 
 
 def rows_of(sheet: np.ndarray, columns: int, size_px: int) -> list[np.ndarray]:
-    """Return the three rows of pictures of a sheet, each shape (columns, size, size, 3)."""
-    edges = range(sheet.shape[0] - 3 * (size_px + 6), sheet.shape[0], size_px + 6)
+    """Return the two rows of pictures of a sheet, each shape (columns, size, size, 3)."""
+    edges = range(sheet.shape[0] - 2 * (size_px + 6), sheet.shape[0], size_px + 6)
     left = sheet.shape[1] - columns * (size_px + 6)
     starts = range(left, sheet.shape[1], size_px + 6)
     return [np.stack([sheet[top : top + size_px, at : at + size_px] for at in starts]) for top in edges]
 
 
-def test_it_draws_every_age_as_drawn_as_seen_and_foveated(see, blind):
-    code, out, err = see("-o seen.png --ages 1,4,12 --size 128", blind)
+def test_it_draws_every_age_as_seen_and_foveated_beside_what_is_drawn(see, playing):
+    code, out, err = see("-o seen.png --ages 1,4,12 --size 128", playing)
     assert (code, out, err) == (0, "seen.png\n", "")
-    drawn, blurred, foveated = rows_of(pixels("seen.png"), 3, 128)
-    assert np.array_equal(drawn[0], drawn[2])
-    lost = [np.abs(picture - drawn[0]).mean() for picture in blurred]
+    (*blurred, drawn), foveated = rows_of(pixels("seen.png"), 4, 128)
+    lost = [np.abs(picture - drawn).mean() for picture in blurred]
     assert lost == sorted(lost, reverse=True)
     assert lost[0] > 1
-    assert np.abs(foveated - blurred).mean(axis=(1, 2, 3)).min() > 2
+    assert np.abs(foveated - [*blurred, drawn]).mean(axis=(1, 2, 3)).min() > 2
+
+
+def test_ages_of_two_to_twelve_months_differ_visibly(see, playing):
+    """As the command draws it when it is told nothing else: by several levels of grey where there are edges."""
+    assert see("-o seen.png --ages 2,4,6,12", playing)[0] == 0
+    pictures = rows_of(pixels("seen.png"), 5, 256)[0]
+    for younger, older in itertools.pairwise(pictures):
+        assert np.percentile(np.abs(younger - older), 99) > 5
+    fine = acuity_at(12, "tac2")
+    assert 2 * fine * 18 <= 256  # Two pixels for each cycle of the finest grating.
 
 
 def test_profile_foveation_and_size_can_be_chosen(see, blind):
     sheets = []
-    for options in ("", "--profile mayer1995", "--foveation 30", "--eye right", "--pose prone", "--down 0"):
+    for options in (
+        "",
+        "--profile mayer1995",
+        "--foveation 30",
+        "--eye right",
+        "--pose prone",
+        "--down 0",
+        "--fovy 60",
+    ):
         assert see(f"-o seen.png --ages 2 --size 64 {options}", blind)[0] == 0
         sheets.append(pixels("seen.png"))
     for other in sheets[1:]:
-        assert not np.array_equal(rows_of(sheets[0], 1, 64)[2], rows_of(other, 1, 64)[2])
+        assert not np.array_equal(rows_of(sheets[0], 2, 64)[1], rows_of(other, 2, 64)[1])
 
 
 def test_profile_and_foveation_are_the_infants_own(see, blind, built):

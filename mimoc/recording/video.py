@@ -4,8 +4,9 @@ import io
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from fractions import Fraction
-from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -113,16 +114,18 @@ class Gif(Video):
 
     def _finish(self) -> None:
         palette = self._palette()
-        first, *others = (Image.open(io.BytesIO(png)).quantize(palette=palette, dither=Image.Dither.NONE) for png in self._kept)
+        first, *others = (
+            Image.open(io.BytesIO(png)).quantize(palette=palette, dither=Image.Dither.NONE) for png in self._kept
+        )
         ends = [round(GIF_TICKS_HZ * number / self.rate_hz) for number in range(self.pictures + 1)]
-        durations_ms = [1000 // GIF_TICKS_HZ * (end - start) for start, end in zip(ends, ends[1:], strict=False)]
+        durations_ms = [1000 // GIF_TICKS_HZ * (end - start) for start, end in pairwise(ends)]
         first.save(self._beside, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
 
     def _palette(self) -> Image.Image:
         """Return a picture with the colours of all."""
         samples = self._kept[:: -(-self.pictures // GIF_SAMPLES)]
         together = np.concatenate([np.asarray(Image.open(io.BytesIO(png))) for png in samples])
-        return Image.fromarray(together).quantize(GIF_COLOURS, dither=Image.Dither.NONE)
+        return Image.fromarray(together).quantize(GIF_COLOURS, Image.Quantize.FASTOCTREE)  # Keeps small bright things.
 
 
 FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}
@@ -166,8 +169,10 @@ def open_video(file: str | Path, rate_hz: Fraction) -> Video:
         raise files.cannot_be_written(path, error) from None
 
 
-def _require_av():  # noqa: ANN202 - The module itself.
+def _require_av() -> Any:
+    """Return PyAV."""
     try:
-        return import_module("av")
+        import av
     except ImportError:
         raise MissingExtraError("av", "record") from None
+    return av

@@ -1,4 +1,4 @@
-"""Frames of a film: an infant from outside, followed gently, and beside it what its eyes see."""
+"""Frames of a film: an infant from outside, kept in the picture, and beside it what its eyes see."""
 
 import math
 from collections.abc import Sequence
@@ -7,17 +7,19 @@ import mujoco
 import numpy as np
 
 from mimoc.errors import RenderingError
-from mimoc.runtime.camera import FROM_THE_SIDE, Shot, shows, towards
+from mimoc.runtime.averaging import average_down
+from mimoc.runtime.camera import FROM_THE_SIDE, Balls, Shot, shows, towards
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.portrait import Painter, Picture
 from mimoc.runtime.senses.eyes import Eyes
 from mimoc.runtime.senses.sense import Observation
-from mimoc.runtime.senses.vision import average_down
 
 SHAPE = 4 / 3
 """Width over height of the picture from outside."""
-SPACE = 1.2
+SPACE = 1.25
 """How much wider the lens is than what it has to show, so that limbs can move without the camera."""
+CLOSER = 0.7
+"""It goes nearer when it would be this much nearer then."""
 FOLLOWING_S = 1.0
 """Time in which the camera goes most of the way to where it should be."""
 HURRY = 0.1
@@ -46,12 +48,15 @@ class Film:
             RenderingError: If there is no OpenGL here, or the infant has no eyes to show.
         """
         self._env = env
-        self._eyes = _eyes_of(env, height_px // 2) if eyes else None
+        self._eyes = _eyes_of(env, _cell_px(height_px)) if eyes else None
         root = env.manifest.root_body
         view = towards(FROM_THE_SIDE, env.data, root)
         self._onlooker = Painter(env.model, [root], round(SHAPE * height_px), height_px, view, margin=SPACE)
         self._onlooker.turn(env.data)
-        self._shot: Shot | None = None
+        self.shot: Shot | None = None
+        """Of the last frame."""
+        self._goal = self._onlooker.shot(env.data)
+        """Where the camera is going."""
         self._time_s = 0.0
 
     def frame(self, observation: Observation) -> Picture:
@@ -60,10 +65,20 @@ class Film:
         Args:
             observation: What the infant observes now.
         """
-        self._shot = self._followed()
+        self.shot = self._followed()
         self._time_s = self._env.data.time
-        outside = self._onlooker.paint(self._env.data, shot=self._shot)
+        outside = self._onlooker.paint(self._env.data, shot=self.shot)
         return outside if self._eyes is None else _beside(outside, self._eyes.pictures(self._env.data, observation))
+
+    @property
+    def balls(self) -> Balls:
+        """What is to be in the picture now."""
+        return self._onlooker.balls(self._env.data)
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of the picture from outside."""
+        return self._onlooker.aspect
 
     def close(self) -> None:
         """Free the OpenGL contexts; closing twice is fine."""
@@ -72,13 +87,16 @@ class Film:
             self._eyes.close()
 
     def _followed(self) -> Shot:
-        """Return the shot that the camera has come to: some of the way to the one that is wanted, and all in it."""
-        data, wanted = self._env.data, self._onlooker.shot(self._env.data)
-        passed_s = data.time - self._time_s
-        if self._shot is None or passed_s < 0:  # Another episode: a cut.
+        """Return the next shot: the one before, unless the infant leaves it or gets small in it."""
+        data, aspect = self._env.data, self.aspect
+        balls, wanted, passed_s = self.balls, self._onlooker.shot(data), data.time - self._time_s
+        if self.shot is None or passed_s < 0:  # Another episode: a cut.
+            self._goal = wanted
             return wanted
-        balls, share = self._onlooker.balls(data), 1 - math.exp(-passed_s / FOLLOWING_S)
-        while not shows(shot := _between(self._shot, wanted, share), balls, self._onlooker.aspect) and share < 1:
+        if not shows(self._goal, balls, aspect) or wanted.depth_m < CLOSER * self._goal.depth_m:
+            self._goal = wanted
+        share = 1 - math.exp(-passed_s / FOLLOWING_S)
+        while not shows(shot := _between(self.shot, self._goal, share), balls, aspect) and share < 1:
             share = min(1.0, share + HURRY)
         return shot
 
@@ -135,7 +153,7 @@ def _between(one: Shot, other: Shot, share: float) -> Shot:
 def _beside(outside: Picture, seen: Sequence[Picture]) -> Picture:
     """Return a frame with a column of other pictures on the right, each as large as fits; their pixels stay square."""
     height = outside.shape[0]
-    cell_px = (height - GAP_PX) // 2
+    cell_px = _cell_px(height)
     fitted = [_fitted(picture, cell_px) for picture in seen]
     column = np.full((height, GAP_PX + max(picture.shape[1] for picture in fitted), 3), PAPER, np.uint8)
     for number, picture in enumerate(fitted):
@@ -144,8 +162,13 @@ def _beside(outside: Picture, seen: Sequence[Picture]) -> Picture:
     return np.concatenate([outside, column], axis=1)
 
 
+def _cell_px(height_px: int) -> int:
+    """Return the height of the picture of an eye in a frame of a height: there are two, above each other."""
+    return (height_px - GAP_PX) // 2
+
+
 def _fitted(picture: Picture, height_px: int) -> Picture:
-    """Return a picture of another height: averaged where it has more than twice the pixels, else by its nearest ones."""
+    """Return a picture of another height: averaged down if it is much higher, then by its nearest pixels."""
     times = max(1, min(picture.shape[0] // height_px, picture.shape[1]))
     rows, columns = (side // times * times for side in picture.shape[:2])
     smaller = np.rint(average_down(picture[:rows, :columns].astype(np.float32), times)).astype(np.uint8)

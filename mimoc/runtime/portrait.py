@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from mimoc.bundle import Bundle
 from mimoc.errors import UnknownNameError
+from mimoc.runtime.averaging import average_down
 from mimoc.runtime.beads import Beads, add_beads, join_beads, scene_for, skin_beads
 from mimoc.runtime.camera import (
     FROM_BEFORE,
@@ -29,7 +30,6 @@ from mimoc.runtime.camera import (
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import Finalizer, open_context
 from mimoc.runtime.quality import drawn_with
-from mimoc.runtime.senses.vision import average_down
 from mimoc.units import cm_to_m
 
 Picture = npt.NDArray[np.uint8]

@@ -4,6 +4,7 @@ import pytest
 import mimoc
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.glimpse import glimpse
+from mimoc.runtime.model import load_model
 from mimoc.runtime.senses.acuity import blur, contrast_gain
 from mimoc.schema.manifest import VisionEntry
 
@@ -37,7 +38,7 @@ def test_it_is_what_the_environment_observes(bundle):
     env = mimoc.InfantEnv(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
     observed = env.reset(seed=0)[0]["eye_left"]
     env.close()
-    assert np.array_equal(glimpse(bundle, [[BLURRED]])[0][0], observed)
+    assert np.array_equal(glimpse(bundle, [[BLURRED]], down_deg=0)[0][0], observed)
 
 
 def test_an_eye_that_looks_down_sees_things_higher_up(bundle):
@@ -64,3 +65,34 @@ def test_unknown_poses_and_eyes_are_refused(bundle):
     missing = DRAWN.model_copy(update={"cameras": ("eye_middle",)})
     with pytest.raises(UnknownNameError, match="'eye_middle' is not a camera of this infant"):
         glimpse(bundle, [[missing]])
+
+
+def share_of_colour(picture, colour):
+    """Return how much of the middle of a picture, an eighth of it each way, has the hue of a colour."""
+    middle = picture[21:27, 21:27].reshape(-1, 3) + 1e-9
+    hues = middle / middle.sum(axis=1, keepdims=True)
+    return (np.abs(hues - np.divide(colour, sum(colour))).max(axis=1) < 0.05).mean()
+
+
+def test_an_eye_looks_at_the_toy_that_it_sees_best(built):
+    """Its colours are in the middle, where straight ahead they are not."""
+    toys = {"subset": ["octopus"], "count": [1, 1], "size_cm": [12, 12]}
+    bundle = built(scene={"kind": "room", "seed": 2, "pose": "sitting", "toys": toys})
+    model = load_model(bundle)
+    geoms = model.geom_bodyid == model.body(bundle.manifest.toys[0].body).id
+    colours = np.unique(model.mat_rgba[np.unique(model.geom_matid[geoms]), :3], axis=0)
+    shares = []
+    for down_deg in (None, 0.0):
+        ((picture,),) = glimpse(bundle, [[DRAWN]], None, down_deg, 10.0)
+        shares.append(sum(share_of_colour(picture, colour) for colour in colours))
+    assert shares[0] > 0.5
+    assert shares[1] < 0.1
+
+
+def test_the_narrower_the_field_the_larger_what_is_in_its_middle(bundle):
+    wide, narrow = (glimpse(bundle, [[DRAWN]], "sitting", 40.0, fovy_deg)[0][0] for fovy_deg in (60.0, 30.0))
+    own = glimpse(bundle, [[DRAWN]], "sitting", 40.0)[0][0]
+    assert np.array_equal(wide, own)
+    half = np.tan(np.radians(15)) / np.tan(np.radians(30)) * 24
+    inner = wide[round(24 - half) : round(24 + half), round(24 - half) : round(24 + half)].astype(float)
+    assert narrow.mean(axis=(0, 1)) == pytest.approx(inner.mean(axis=(0, 1)), abs=4)

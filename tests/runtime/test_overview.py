@@ -1,8 +1,18 @@
-import mujoco
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from mimoc.runtime.overview import behind_walls_m, overview
+from mimoc import pipeline
+from mimoc.runtime.camera import OFF_THE_WALL_M, shows, walls_of
+from mimoc.runtime.overview import overview
+from mimoc.runtime.portrait import Painter
+
+
+@pytest.fixture(scope="module")
+def playroom():
+    """Return what builds the playroom of a seed."""
+    return pipeline.builder(pipeline.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
 
 
 @pytest.fixture(scope="module")
@@ -24,13 +34,16 @@ def test_the_same_room_is_the_same_picture(room):
     assert np.array_equal(overview(room, 80, 60), overview(room, 80, 60))
 
 
-@pytest.mark.parametrize(
-    ("place", "behind_m"), [((0, 0, 1), 0), ((1.9, 0, 1), 0), ((2.5, 0, 1), 0.5), ((0, 0, -0.3), 0.3)]
-)
-def test_a_place_is_as_far_behind_walls_as_behind_the_farthest(place, behind_m):
-    """Of a floor and a wall that looks backwards, two metres ahead."""
-    planes = '<geom type="plane" size="2 2 1"/><geom type="plane" size="2 2 1" pos="2 0 0" euler="0 -90 0"/>'
-    model = mujoco.MjModel.from_xml_string(f'<mujoco><worldbody>{planes}<geom size=".1"/></worldbody></mujoco>')
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    assert behind_walls_m(model, data, np.array(place)) == pytest.approx(behind_m)
+@pytest.mark.parametrize("seed", range(12))
+def test_no_room_is_seen_through_a_wall(seed, playroom, monkeypatch):
+    """Also seed 7, whose infant looks at a wall that is near; and everything is in the picture."""
+    seen = []
+
+    def look(painter, data):
+        seen.append((painter.shot(data), painter.balls(data), walls_of(data.model, data), painter.aspect))
+
+    monkeypatch.setattr(Painter, "paint", look)
+    overview(playroom(seed, check=False), 32, 24)
+    ((shot, balls, walls, aspect),) = seen
+    assert walls.before_m(shot.place_m) >= OFF_THE_WALL_M
+    assert shows(shot, balls, aspect)

@@ -7,9 +7,10 @@ import pytest
 import mimoc
 from mimoc.errors import RenderingError, UnknownNameError
 from mimoc.runtime.beads import MOST, RESTING, skin_beads
+from mimoc.runtime.camera import FROM_BEFORE, FROM_THE_SIDE, Balls, Walls, frame, towards
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import open_context
-from mimoc.runtime.portrait import Painter, lineup, portrait
+from mimoc.runtime.portrait import ROW_LENS_DEG, Painter, lineup, portrait
 from mimoc.runtime.senses import touch
 
 
@@ -25,8 +26,8 @@ def open_painter():
     """Return what opens the painter of a model."""
     painters = []
 
-    def open_one(model, width, height):
-        painters.append(Painter(model, ["hip"], width, height))
+    def open_one(model, width, height, *view):
+        painters.append(Painter(model, ["hip"], width, height, *view))
         return painters[-1]
 
     yield open_one
@@ -209,6 +210,39 @@ def test_infants_in_a_row_are_to_scale():
     heights_px = [np.ptp(np.flatnonzero(half.any(axis=1))) for half in (shown[:, :200], shown[:, 200:])]
     lengths_cm = [infant.manifest.child.length_cm for infant in infants]
     assert heights_px[1] / heights_px[0] == pytest.approx(lengths_cm[1] / lengths_cm[0], rel=0.2)
+
+
+def test_faces_at_the_ends_of_a_row_do_not_turn_away():
+    """The camera sees each from within 10 degrees of straight ahead."""
+    standing = Balls(np.array([[0.0, y, z] for y in np.arange(5) * 0.4 for z in (0.1, 0.4, 0.7)]), np.full(15, 0.1))
+    walls = Walls(np.empty((0, 3)), np.empty((0, 3)))
+    place_m = frame(standing, walls, FROM_BEFORE, 2.5, ROW_LENS_DEG).place_m
+    angles_deg = np.degrees(np.arctan2(np.abs(standing.centres_m[:, 1] - place_m[1]), place_m[0]))
+    assert angles_deg.max() < 10
+
+
+@pytest.mark.parametrize("months", [0, 9, 24])
+def test_an_infant_on_its_back_shows_its_face(months, bundle_at, open_painter):
+    """It looks at the camera from less than 60 degrees away."""
+    model, data = posed(bundle_at(months), "supine")
+    place_m = open_painter(model, 16, 16, towards(FROM_THE_SIDE, data, "hip")).shot(data).place_m
+    way = place_m - data.body("head").xpos
+    ahead = data.body("head").xmat.reshape(3, 3)[:, 0]
+    assert ahead @ way > 0.5 * np.linalg.norm(way)
+
+
+@pytest.mark.parametrize("pose", ["supine", "sitting", "standing"])
+def test_nothing_of_an_infant_is_burnt_out(bundle, pose):
+    """Its skin has its own colour wherever it is brightest: only red comes to the end of its range."""
+    model = load_model(bundle)
+    picture = portrait(bundle, pose, 320, 240)
+    hues = picture / (picture.sum(axis=2, keepdims=True) + 1e-9)
+    skin = np.abs(hues - model.material("skin").rgba[:3] / model.material("skin").rgba[:3].sum()).max(axis=2) < 0.02
+    assert skin.sum() > 300
+    brightest = picture[skin].max(axis=0)
+    assert brightest[0] > 220
+    assert brightest[1] < 240
+    assert brightest[2] < 215
 
 
 def test_infants_of_any_kind_stand_in_one_row(bundle):

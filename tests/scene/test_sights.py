@@ -7,16 +7,12 @@ from mimoc.scene.sights import TELLING_FOVEATION, compare_ages, read_ages
 from mimoc.schema import VisionSpec
 
 
-def test_each_age_is_shown_as_drawn_as_seen_and_foveated():
+def test_each_age_is_shown_as_seen_and_foveated_beside_what_is_drawn():
     compared = compare_ages(VisionSpec(), "right", (1, 9), 128)
-    acuities_cpd = [acuity_at(1, "tac2"), acuity_at(9, "tac2")]
-    assert [[sight.acuity_cpd for sight in row] for row in compared.sights] == [
-        [None, None],
-        acuities_cpd,
-        acuities_cpd,
-    ]
-    assert [[sight.foveation for sight in row] for row in compared.sights] == [[0, 0], [0, 0], [TELLING_FOVEATION] * 2]
-    assert (len(compared.rows), len(compared.columns)) == (3, 2)
+    acuities_cpd = [acuity_at(1, "tac2"), acuity_at(9, "tac2"), None]
+    assert [[sight.acuity_cpd for sight in row] for row in compared.sights] == [acuities_cpd, acuities_cpd]
+    assert [[sight.foveation for sight in row] for row in compared.sights] == [[0] * 3, [TELLING_FOVEATION] * 3]
+    assert (len(compared.rows), len(compared.columns)) == (2, 3)
     for sight in (sight for row in compared.sights for sight in row):
         assert (sight.cameras, sight.width_px, sight.height_px) == (("eye_right",), 128, 128)
         assert sight.unseen == UNSEEN
@@ -24,14 +20,14 @@ def test_each_age_is_shown_as_drawn_as_seen_and_foveated():
 
 def test_captions_say_age_and_acuity():
     columns = compare_ages(VisionSpec(), "left", (1, 4.5), 64, profile="mimo_v2").columns
-    assert columns == ("1 month: 0.85 cycles/degree", "4.5 months: 4.1 cycles/degree")
+    assert columns == ("1 month: 0.85 cycles/degree", "4.5 months: 4.1 cycles/degree", "not blurred")
 
 
 def test_profile_and_foveation_are_the_specs_unless_others_are_given():
-    vision = VisionSpec(acuity_profile="mayer1995", foveation=2, foveation_radius="corner")
-    usual = compare_ages(vision, "left", (6,), 64).sights[2][0]
-    assert (usual.acuity_cpd, usual.foveation, usual.foveation_radius) == (pytest.approx(5.65), 2, "corner")
-    other = compare_ages(vision, "left", (6,), 64, profile="mimo_v2", foveation=0).sights[2][0]
+    vision = VisionSpec(acuity_profile="mayer1995", foveation=2, foveation_radius="edge")
+    usual = compare_ages(vision, "left", (6,), 64).sights[1][0]
+    assert (usual.acuity_cpd, usual.foveation, usual.foveation_radius) == (pytest.approx(5.65), 2, "edge")
+    other = compare_ages(vision, "left", (6,), 64, profile="mimo_v2", foveation=0).sights[1][0]
     assert (other.acuity_cpd, other.foveation) == (pytest.approx(5.64), 0)
 
 

@@ -208,7 +208,7 @@ def test_blur_comes_before_foveation_and_rounding_last(open_sight):
     sight = open_sight(bundle, model)
     gain = contrast_gain(48, 32, 60.0, entry.acuity_cpd)
     blurred = blur(sight.eyes(data).astype(np.float32), gain)
-    seen = foveate(blurred, source_weights(48, 32, 5.0, "border"))
+    seen = foveate(blurred, source_weights(48, 32, 5.0, "corner"))
     assert np.array_equal(sight(data), np.rint(seen.clip(0, 255)))
     assert not np.array_equal(sight(data), sight.eyes(data))
 

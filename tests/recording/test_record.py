@@ -1,0 +1,103 @@
+import gymnasium
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.errors import OutputError, UnknownNameError
+from mimoc.runtime.rollout import Run, random_policy
+
+SIZE = {"height_px": 64}
+
+
+def stopping(error, after: int):
+    """Return a policy that fails after some steps."""
+
+    def make(env):
+        act, taken = random_policy(env), iter(range(after))
+
+        def policy(generator, observation):
+            if next(taken, None) is None:
+                raise error
+            return act(generator, observation)
+
+        return policy
+
+    return make
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "film.gif"])
+def test_a_film_lasts_as_long_as_what_it_shows(name, env, tmp_path, watch):
+    """A picture at the start, and one every 40 ms."""
+    told = []
+    summary = mimoc.record(env, "random", tmp_path / name, steps=40, **SIZE, progress=lambda *done: told.append(done))
+    seen, ends_s = watch(tmp_path / name)
+    assert seen.shape == (11, 64, 86 if name == "film.mp4" else 85, 3)
+    assert ends_s[-1] == pytest.approx(0.44)
+    assert (seen[1:] != seen[:-1]).any(axis=(1, 2, 3)).all()
+    assert told == [(step, 40) for step in range(1, 41)]
+    assert summary.steps == 40
+
+
+def test_there_is_at_most_a_picture_each_step(env, tmp_path, watch):
+    mimoc.record(env, "zero", tmp_path / "film.mp4", steps=5, rate_hz=1000, **SIZE)
+    seen, ends_s = watch(tmp_path / "film.mp4")
+    assert len(seen) == 6
+    assert ends_s[-1] == pytest.approx(0.06)
+
+
+def test_the_eyes_view_is_beside_it(env, tmp_path, watch):
+    mimoc.record(env, "zero", tmp_path / "film.gif", steps=4, eyes=True, **SIZE)
+    assert watch(tmp_path / "film.gif")[0].shape[1:] == (64, 85 + 4 + 30, 3)
+
+
+def test_filming_changes_nothing_of_what_happens(env, bundle, tmp_path):
+    filmed = mimoc.record(mimoc.make(bundle), "random", tmp_path / "film.gif", steps=8, seed=3, **SIZE)
+    run = Run(env, "random", 3)
+    for _ in range(8):
+        run.step()
+    alone = run.summary()
+    assert (filmed.hip_path_m, filmed.joint_speed_rad_s) == (alone.hip_path_m, alone.joint_speed_rad_s)
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "film.gif"])
+def test_control_c_keeps_what_was_filmed(name, env, tmp_path, watch):
+    with pytest.raises(KeyboardInterrupt):
+        mimoc.record(env, stopping(KeyboardInterrupt(), 12), tmp_path / name, steps=1000, **SIZE)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert len(watch(tmp_path / name)[0]) == 4
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "film.gif"])
+def test_an_error_leaves_nothing_and_what_was_there(name, env, tmp_path):
+    (tmp_path / name).write_bytes(b"older")
+    with pytest.raises(ZeroDivisionError):
+        mimoc.record(env, stopping(ZeroDivisionError(), 12), tmp_path / name, steps=1000, **SIZE)
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [(name, b"older")]
+
+
+def test_bad_names_are_refused_before_anything_runs(env, tmp_path):
+    with pytest.raises(OutputError, match=r"film\.webm: not a video"):
+        mimoc.record(env, stopping(AssertionError(), 0), tmp_path / "film.webm")
+    with pytest.raises(UnknownNameError, match="'rnadom' is not a policy"):
+        mimoc.record(env, "rnadom", tmp_path / "film.gif")
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_cannot_be_written_is_one_clear_error(env):
+    with pytest.raises(OutputError, match=r"^/proc/film\.(gif|mp4): cannot be written "):
+        mimoc.record(env, "zero", "/proc/film.gif", steps=1, **SIZE)
+    with pytest.raises(OutputError, match=r"^/proc/film\.(gif|mp4): cannot be written "):
+        mimoc.record(env, "zero", "/proc/film.mp4", steps=1, **SIZE)
+
+
+def test_only_infants_are_filmed(tmp_path):
+    with pytest.raises(TypeError, match="films an infant's environment, not CartPoleEnv"):
+        mimoc.record(gymnasium.make("CartPole-v1"), "zero", tmp_path / "film.gif")
+
+
+def test_pictures_follow_each_other_in_real_time(env, tmp_path, watch):
+    """At 30 pictures a second of an infant that acts 100 times a second."""
+    mimoc.record(env, "random", tmp_path / "film.mp4", steps=50, rate_hz=30, **SIZE)
+    seen, ends_s = watch(tmp_path / "film.mp4")
+    assert len(seen) == 16
+    assert np.diff(ends_s) == pytest.approx(np.full(15, 1 / 30), abs=1e-3)
