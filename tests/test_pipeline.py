@@ -34,7 +34,7 @@ SURROUNDINGS = {
     "a locale with commas": {"LANG": "de_DE.UTF-8", "LC_ALL": "tr_TR.UTF-8"},
 }
 
-NAMELESS = {"mujoco", "compiler", "option", "flag", "default", "include", "statistic", "visual"} | {
+NAMELESS = {"mujoco", "compiler", "option", "size", "flag", "default", "include", "statistic", "visual"} | {
     "asset", "worldbody", "contact", "tendon", "actuator", "sensor", "keyframe", "equality"
 }  # fmt: skip
 """Sections of MJCF, which are one of a kind."""
