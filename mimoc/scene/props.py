@@ -1,6 +1,8 @@
 """Toys as the MJCF lists them: scaled, coloured, weighed and put in their places."""
 
 import math
+import re
+import unicodedata
 from collections.abc import Iterator, Sequence
 
 from mimoc.scene.furniture import FIRM, SOLID, UNTOUCHED, WorldMaterial
@@ -21,6 +23,8 @@ BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
 It leans by a millionth: MuJoCo (3.17) finds no contact, now and then, between a plane and a cylinder that is upright
 but for rounding, and a bottle that stood still for seconds would fall all of a sudden.
 """
+LONGEST_NAME = 40
+"""Of what a toy is, in the names of its elements."""
 LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
 """MuJoCo draws this group only if it is asked to."""
@@ -34,9 +38,9 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         number: Which of the toys, from 1.
         place_m: x and y.
     """
-    name = f"toy{number}:{toy.model.name}"
+    name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
-    materials = {part.tint: WorldMaterial(f"{name}:{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
+    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
     looks = list(_looks(toy, name, number))
     solids = list(_solids(toy, name, number))
     return Prop(
@@ -44,15 +48,22 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         object=toy.model.name,
         category=toy.model.category,
         source=toy.model.source,
-        joint=f"{name}:free",
+        joint=f"{name}_free",
         pos_m=(x_m, y_m, 0.0),
         quat=(math.cos(toy.yaw_rad / 2), 0.0, 0.0, math.sin(toy.yaw_rad / 2)),
         size_m=toy.size_m,
         mass_kg=toy.mass_kg,
+        density_kg_m3=toy.model.density_kg_m3,
         geoms=tuple(geom for geom, _ in (*looks, *solids)),
         materials=tuple(materials.values()),
         meshes=tuple(mesh for _, mesh in (*looks, *solids) if mesh),
     )
+
+
+def mjcf_name(text: str) -> str:
+    """Return a name that is safe in MJCF and in what reads it, as near to a text as can be: `Würfel 3` is Wurfel_3."""
+    letters = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
 def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFile]]:
@@ -61,14 +72,14 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFil
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
         yield (
             PropGeom(
-                name=f"{name}:looks_{part.tint}",
+                name=f"{name}_looks_{part.tint}",
                 type="mesh",
                 names=(("mesh", mesh.name),),
                 sizes=(),
                 pos_m=(0.0, 0.0, 0.0),
                 quat=(1.0, 0.0, 0.0, 0.0),
                 mass_kg=0.0,
-                material=f"{name}:{part.tint}",
+                material=f"{name}_{part.tint}",
                 contype=UNTOUCHED,
                 conaffinity=UNTOUCHED,
                 condim=1,
@@ -89,14 +100,14 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
         x, y, z = (toy.size_m * offset for offset in solid.pos)
         yield (
             PropGeom(
-                name=f"{name}:solid{index}",
+                name=f"{name}_solid{index}",
                 type=solid.type,
                 names=(("mesh", mesh.name),) if mesh else (),
                 sizes=() if mesh else (("size", _scaled(solid, toy.size_m)),),
                 pos_m=(x, y, z),
                 quat=solid.quat,
                 mass_kg=(toy.mass_kg - ballast_kg) * volume / sum(volumes),
-                material=f"{name}:{toy.model.parts[0].tint}",
+                material=f"{name}_{toy.model.parts[0].tint}",
                 contype=SOLID,
                 conaffinity=SOLID,
                 condim=CONDIM[solid.type],
@@ -113,14 +124,14 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
 def _ballast(toy: Toy, name: str, mass_kg: float) -> PropGeom:
     """Return what moves the centre of mass of a toy a little to one side, and is neither seen nor felt."""
     return PropGeom(
-        name=f"{name}:ballast",
+        name=f"{name}_ballast",
         type="sphere",
         names=(),
         sizes=(("size", (BALLAST_RADIUS * toy.size_m,)),),
         pos_m=(BALLAST_AT * toy.size_m, 0.0, toy.model.solids[0].pos[2] * toy.size_m),
         quat=(1.0, 0.0, 0.0, 0.0),
         mass_kg=mass_kg,
-        material=f"{name}:{toy.model.parts[0].tint}",
+        material=f"{name}_{toy.model.parts[0].tint}",
         contype=UNTOUCHED,
         conaffinity=UNTOUCHED,
         condim=1,

@@ -21,7 +21,7 @@ def toy(request) -> Toy:
 
 def test_a_prop_says_what_it_is_and_where(toy):
     prop = make_prop(toy, 3, (0.4, -0.2))
-    assert prop.name == f"toy3:{toy.model.name}"
+    assert prop.name == f"toy3_{toy.model.name}"
     assert (prop.object, prop.category, prop.source) == (toy.model.name, toy.model.category, toy.model.source)
     assert (prop.pos_m, prop.size_m, prop.mass_kg) == ((0.4, -0.2, 0.0), 0.1, toy.mass_kg)
     assert prop.quat == pytest.approx((math.cos(0.25), 0, 0, math.sin(0.25)))
@@ -33,7 +33,7 @@ def test_the_mass_is_that_of_the_solids(toy):
 
 def test_what_is_seen_is_not_felt_and_what_is_felt_is_not_seen(toy):
     for geom in make_prop(toy, 1, (0, 0)).geoms:
-        seen, felt = ":looks_" in geom.name, ":solid" in geom.name
+        seen, felt = "_looks_" in geom.name, "_solid" in geom.name
         assert (geom.contype, geom.conaffinity, geom.group) == (felt, felt, 1 if seen else 3)
         assert (geom.mass_kg == 0) == seen
 
@@ -101,7 +101,7 @@ def corners(obj: bytes) -> np.ndarray:
 
 
 def solids(model: mujoco.MjModel) -> list[int]:
-    return [geom for geom in range(model.ngeom) if ":solid" in model.geom(geom).name]
+    return [geom for geom in range(model.ngeom) if "_solid" in model.geom(geom).name]
 
 
 def post(model: mujoco.MjModel, data: mujoco.MjData, place: np.ndarray) -> int:
