@@ -16,6 +16,7 @@ from rich.tree import Tree
 
 if TYPE_CHECKING:
     from mimoc.explain import Explanation
+    from mimoc.fits.who import Reference
     from mimoc.runtime.check import PoseCheck
     from mimoc.runtime.rollout import Summary
     from mimoc.schema.manifest import Manifest
@@ -98,13 +99,23 @@ def print_growth(report: GrowthReport) -> None:
     console = _console()
     for indicator, worst in report.worst.items():
         console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
-        console.print(f"furthest from WHO's mean at {worst.age_months:g} months: z = {worst.z['mean']:+.2f}\n")
+        rows = [row for row in report.rows if row.indicator == indicator]
+        alone = ", ".join(f"{who} {_furthest(rows, reference)}" for who, reference in ALONE.items())
+        console.print(f"furthest from WHO's mean {_furthest([worst], 'mean')}; from {alone}\n")
     verdict = "within one SD of the mean of WHO's boys and girls at every age"
     if report.within_one_sd:
         console.print(Text(f"ok: {verdict}", style="green"))
     else:
         outside = sorted({row.indicator for row in report.rows if row.outside})
         console.print(Text(f"failed: not {verdict}: {', '.join(outside)}", style="red"))
+
+
+ALONE: Mapping[str, Reference] = {"boys alone": "male", "girls alone": "female"}
+
+
+def _furthest(rows: Iterable[Row], reference: Reference) -> str:
+    row = max(rows, key=lambda row: abs(row.z[reference]))
+    return f"at {row.age_months:g} months: z = {row.z[reference]:+.2f}"
 
 
 def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:

@@ -17,11 +17,13 @@ from mimoc.body.provenance import trace_body
 from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError, UnplayableError
 from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
+from mimoc.scene.child_provenance import trace_child
 from mimoc.scene.conventions import find_convention
 from mimoc.scene.manifest import describe, describe_toys
 from mimoc.scene.provenance import trace_drive
 from mimoc.scene.sense_provenance import trace_senses
 from mimoc.scene.task_provenance import trace_task
+from mimoc.scene.world_provenance import trace_world
 from mimoc.schema import InfantSpec, as_written, read_spec, to_data, validated
 from mimoc.schema.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.supplies import gather, notes
@@ -128,13 +130,13 @@ class Builder:
         changes = {"seed": seed, "toys": toys, "notes": notes(spec, toys, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
         changed = render.json_members(manifest.model_dump(include=set(changes)))
-        spec_origins = _trace_spec(spec, written)
+        own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
         files = {
             **self.files,
             **render.render_world(furnished),
             SPEC_FILE: written.text.encode(),
             "resolved.yaml": source.dump(render.rounded(to_data(spec))).encode(),
-            "provenance.json": render.join_json({**render.json_members(spec_origins), **self.origin_members}),
+            "provenance.json": render.join_json({**render.json_members(own_origins), **self.origin_members}),
             "manifest.json": render.join_json({**self.manifest_members, **changed}),
             "README.md": render.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
@@ -142,7 +144,7 @@ class Builder:
             if check:
                 compile_model(files)
         except ModelError as error:
-            raise _blame(error, written, {**spec_origins, **self.origins}) from None
+            raise _blame(error, written, {**own_origins, **self.origins}) from None
         return bundle.seal(files, {"mimoc": __version__}, data_files(), manifest)
 
 
@@ -179,6 +181,7 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         **trace_drive(spec.actuation.model, anatomy, tree, infant.actuators),
         **trace_senses(spec, manifest),
         **trace_task(manifest.task),
+        **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
     }
     return Builder(
         spec=spec,

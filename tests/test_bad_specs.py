@@ -101,8 +101,10 @@ SPECS = {
     "ranges": HEAD + "scene: {room: {size_m: [[5, 2.5], [2.5, 5]]}, toys: {count: [3], size_cm: [12, 4]}}\n",
     "ranges of rooms": HEAD + "scene: {room: {size_m: [2.5, 2.5, 2.2]}}\n",
     "names twice": HEAD + "body: {remove: [left_hand, left_hand]}\nscene: {toys: {subset: [ball, cup, ball]}}\n",
-    "a toy in capitals": HEAD + "scene: {toys: {subset: [Ball]}}\n",
+    "a toy without a name": HEAD + "scene: {toys: {subset: ['']}}\n",
     # Keys against each other.
+    "a girl and percentiles in words": HEAD
+    + "body: {individual: {sex: girl, length_percentile: P10, weight_percentile: 25th, head_percentile: 50 %}}\n",
     "two lengths": HEAD + "body: {individual: {sex: male, length_percentile: 50, length_cm: 70}}\n",
     "a percentile of no sex": HEAD + "body:\n  individual:\n    length_percentile: 50\n",
     "an individual of whom nothing is known": HEAD + "body: {individual: {sex: male}}\n",

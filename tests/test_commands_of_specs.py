@@ -133,6 +133,14 @@ def test_explain_lists_finds_and_explains(run):
     assert run("explain out LEFT_FOOT.MASS")[1] == run("explain out body.left_foot.mass")[1]
 
 
+def test_lines_in_a_pipe_are_whole_whatever_the_environment_says_of_terminals(run, monkeypatch):
+    Path("piped.yaml").write_text(SPEC)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "40")
+    lines = run("explain piped.yaml body.left_foot.mass")[1].splitlines()
+    assert max(map(len, lines)) > 120
+
+
 def test_an_infant_in_a_file_of_another_name_is_refused_with_what_would_do(run):
     Path("notes.txt").write_text(SPEC)
     assert run("check notes.txt") == (

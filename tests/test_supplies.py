@@ -1,12 +1,14 @@
 """Toys and pictures that a spec names: those that are there are built in, and those that are not are pointed at."""
 
 import io
+import re
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 import trimesh
+from lxml import etree
 from PIL import Image
 
 import mimoc
@@ -37,6 +39,10 @@ def toys4k() -> Path:
     (root / "cup" / "cup_001").mkdir(parents=True)
     (root / "cup" / "cup_001" / "mesh.obj").write_text("this is no mesh")
     return root
+
+
+def box_stl() -> bytes:
+    return trimesh.creation.box((2, 1, 1)).export(file_type="stl")
 
 
 def built(scene: str) -> mimoc.Bundle:
@@ -95,6 +101,43 @@ def test_the_root_is_seen_from_the_spec_and_knows_variables(toys4k, tmp_path, mo
 )
 def test_what_is_wrong_with_an_object_is_said_by_name(toys4k, subset, said):
     assert said in refusal(f"{{toys: {{source: toys4k, root: {toys4k}, subset: [{subset}], count: [1, 1]}}}}")
+
+
+HOSTILE = ("a b", "Würfel", "3d_cube", "<\"&'>", "赤い玉", "two\nlines", "\udcff", "--", "]]>", "toy1_main", "x" * 200)
+"""Names of mesh files."""
+
+
+def test_toys_from_files_of_any_name_have_safe_names_of_their_own_and_the_manifest_has_the_true_ones(tmp_path):
+    folder = tmp_path / "my toys"
+    folder.mkdir()
+    for name in HOSTILE:
+        (folder / f"{name}.stl").write_bytes(box_stl())
+    bundle = built(f"{{toys: {{source: toys4k, root: '{folder}', count: [50, 50], size_cm: [1, 1]}}}}")
+    assert {toy.object for toy in bundle.manifest.toys} == {
+        *("a b", "Würfel", "3d_cube", "<\"&'>", "赤い玉", "two?lines", "?", "--", "]]>", "toy1_main", "x" * 200)
+    }
+    scene = etree.fromstring(bundle.files["scene.xml"])
+    for kind in ("body", "geom", "mesh", "material", "joint", "freejoint"):
+        names = [name for name in scene.xpath(f"//{kind}/@name") if name.startswith("toy")]
+        assert len(set(names)) == len(names)
+        assert all(re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", name) for name in names)
+    folder = mimoc.write_bundle(bundle, tmp_path / "out")
+    assert mimoc.read_bundle(folder).manifest == bundle.manifest
+    model = mimoc.make(folder).unwrapped.model
+    assert all(model.body(toy.body).id > 0 and model.joint(toy.joint).id > 0 for toy in bundle.manifest.toys)
+
+
+def test_a_toy_of_ones_own_is_named_as_its_file_is(tmp_path):
+    (tmp_path / "Mein Würfel.stl").write_bytes(box_stl())
+    (toy,) = built(
+        f"{{toys: {{source: toys4k, root: {tmp_path}, subset: [Mein Würfel], count: [1, 1]}}}}"
+    ).manifest.toys
+    assert (toy.object, toy.category, toy.body) == ("Mein Würfel", "Mein Würfel", "toy1_Mein_Wurfel")
+    assert "Toys4K" not in toy.source
+
+
+def test_a_toy_in_capitals_gets_a_hint():
+    assert "'Ball' is not among mimoc's toys; did you mean 'ball'?" in refusal("{toys: {subset: [Ball]}}")
 
 
 def test_a_root_that_is_not_there_is_pointed_at():

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import mujoco
 import pytest
@@ -206,3 +207,11 @@ def test_a_model_is_measured_without_its_world(hip, reach_m):
     assert measures["weight_kg"] == pytest.approx(4)
     assert measures["head_circumference_cm"] == pytest.approx(31.4159, abs=1e-3)
     assert measures["arm_circumference_cm"] == pytest.approx(12.5664, abs=1e-3)
+
+
+def test_readme_says_how_short_the_average_infant_is_among_boys_alone(report):
+    """Four months is where it is shortest; against the mean of boys and girls it is well within one SD."""
+    (row,) = (row for row in report.rows if (row.indicator, row.age_months) == ("length_cm", 4.0))
+    assert "at z = -1.15" in (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    assert row.z["male"] == pytest.approx(-1.15, abs=0.01)
+    assert abs(row.z["mean"]) < 0.75

@@ -48,5 +48,8 @@ def _reader_has_gone(out: TextIO, code: object) -> bool:
     if code != FAILED_CHECK:  # What click and rich make of a broken pipe, too.
         return False
     pipe = select.poll()
-    pipe.register(out.fileno(), 0)
+    try:
+        pipe.register(out.fileno(), 0)
+    except OSError:  # It is no file.
+        return False
     return any(events & (select.POLLERR | select.POLLHUP) for _, events in pipe.poll(0))

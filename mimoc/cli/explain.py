@@ -15,7 +15,7 @@ def explain(
     key: Annotated[
         str | None,
         typer.Argument(
-            metavar="[NUMBER]",
+            metavar="NUMBER",
             help="Its name, `actuator.act:left_elbow.gear`, or any part of that: `weight`, `left_foot`, `toy1`, "
             "`*.mass`. Several matches are listed with their values; none given, all that can be asked is listed.",
         ),

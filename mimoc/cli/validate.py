@@ -17,7 +17,7 @@ def validate(
     spec: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[SPEC]", help="Infant to grow from 0 to 24 months, or `-` for one from a pipe; the average child."
+            metavar="SPEC", help="Infant to grow from 0 to 24 months, or `-` for one from a pipe; the average child."
         ),
     ] = None,
     against: Annotated[str, typer.Option("--against", help="Growth standard: who.")] = "who",

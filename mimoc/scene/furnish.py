@@ -95,6 +95,7 @@ def furnish(
     toys = _toys(spec.scene, setting, tree, start, moved(taken, setting.start), supplies.toybox)
     world = replace(
         setting.world,
+        infant_at=(setting.start.x_m, setting.start.y_m, setting.start.yaw_rad),
         toys=toys,
         apparatus=tuple(put_prop(prop, setting.start) for prop in stage.props),
         furniture=setting.world.furniture + stage.furniture,

@@ -2,6 +2,7 @@
 
 import math
 import re
+import unicodedata
 from collections.abc import Iterator, Sequence
 
 from mimoc.scene.furniture import FIRM, SOLID, UNTOUCHED, WorldMaterial
@@ -22,6 +23,8 @@ BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
 It leans by a millionth: MuJoCo (3.17) finds no contact, now and then, between a plane and a cylinder that is upright
 but for rounding, and a bottle that stood still for seconds would fall all of a sudden.
 """
+LONGEST_NAME = 40
+"""Of what a toy is, in the names of its elements."""
 LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
 """MuJoCo draws this group only if it is asked to."""
@@ -35,7 +38,7 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         number: Which of the toys, from 1.
         place_m: x and y.
     """
-    name = f"toy{number}_" + re.sub(r"\W", "_", toy.model.name, flags=re.ASCII)
+    name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
     materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
     looks = list(_looks(toy, name, number))
@@ -50,10 +53,17 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         quat=(math.cos(toy.yaw_rad / 2), 0.0, 0.0, math.sin(toy.yaw_rad / 2)),
         size_m=toy.size_m,
         mass_kg=toy.mass_kg,
+        density_kg_m3=toy.model.density_kg_m3,
         geoms=tuple(geom for geom, _ in (*looks, *solids)),
         materials=tuple(materials.values()),
         meshes=tuple(mesh for _, mesh in (*looks, *solids) if mesh),
     )
+
+
+def mjcf_name(text: str) -> str:
+    """Return a name that is safe in MJCF and in what reads it, as near to a text as can be: `Würfel 3` is Wurfel_3."""
+    letters = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
 def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFile]]:

@@ -257,6 +257,8 @@ class Prop:
     size_m: float
     """Its longest side."""
     mass_kg: float
+    density_kg_m3: float
+    """Of its material, with whatever hollows it has."""
     geoms: tuple[PropGeom, ...]
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]
@@ -270,6 +272,8 @@ OUTDOORS = Headlight((0.43, 0.43, 0.43), (0.24, 0.24, 0.24))
 class World:
     """What is around the infant."""
 
+    infant_at: Vec3 = (0.0, 0.0, 0.0)
+    """Where the infant is put: x and y, [m], and how far it is turned about the vertical, [rad]."""
     gravity_m_s2: Vec3 = (0.0, 0.0, -9.81)
     grounds: tuple[Ground, ...] = ()
     """Floors without end."""

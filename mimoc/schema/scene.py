@@ -12,7 +12,7 @@ RoomSide = Annotated[Metres, Field(ge=1, le=20)]
 RoomSideRange = Annotated[tuple[RoomSide, RoomSide], Rising]
 ToyCount = Annotated[Whole, Field(ge=0, le=50)]
 ToySize = Annotated[Centimetres, Field(ge=0.5, le=100)]
-ToyName = Annotated[str, StringConstraints(strict=True, pattern="^[a-z0-9_]+$", max_length=64)]
+ToyName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=255)]
 
 
 class RoomSpec(Model):
@@ -44,7 +44,8 @@ class ToysSpec(Model):
     root: PathText | None = None
     """Folder that Toys4K was unpacked to; `~` and environment variables count, and it is seen from the spec's."""
     subset: Annotated[tuple[ToyName, ...], Distinct] = ()
-    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all."""
+    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all. Of a folder
+    of meshes of one's own, names of files without their ends."""
     count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
     """Range of how many."""
     size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)

@@ -1,6 +1,7 @@
 """What pydantic finds wrong with a spec, in words a user can act on."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, Literal
@@ -19,6 +20,10 @@ _UNIT_SUFFIX = re.compile(
 _WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
 _MISSPELT = 0.85
 """How alike (`difflib`) an unknown key and a key of its section are where it was meant for that."""
+_SYNONYMS = {"girl": "female", "f": "female", "woman": "female", "boy": "male", "m": "male", "man": "male"}
+"""What users write in place of a choice that is spelt quite differently."""
+_PERCENTILE = re.compile(r"\s*p?\s*([0-9]+(?:\.[0-9]+)?)\s*(?:%|st|nd|rd|th)?(?:\s*percentile)?\s*", re.IGNORECASE)
+"""P10, 10th or 10 %."""
 _TYPES = {
     "number": "a number",
     "integer": "a whole number",
@@ -117,7 +122,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
     kind, value = details["type"], _got(details["input"])
     match kind:
         case "literal_error":
-            return f"{value} is not a choice; {suggestion(str(details['input'])[:80], known.choices)}"
+            return f"{value} is not a choice; {_nearest(str(details['input'])[:80], known.choices)}"
         case "greater_than" | "greater_than_equal":
             return f"{value} is too small; give {_range(known)}"
         case "less_than" | "less_than_equal":
@@ -140,6 +145,8 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
 def _wrong_type(value: Any, known: Outline) -> str:
     wanted = _TYPES[known.type]
     if known.type in ("number", "integer"):
+        if known.unit == "percentile" and isinstance(value, str) and (meant := _PERCENTILE.fullmatch(value)):
+            return f"{_got(value)} is text, not a number; write {meant[1]}"
         written = _WRITTEN_NUMBER.fullmatch(value) if isinstance(value, str) else None
         if written and not written[2]:
             return f"{_got(value)} is text, not a number; write {written[1].replace(',', '.')}, without quotes"
@@ -153,6 +160,12 @@ def _wrong_type(value: Any, known: Outline) -> str:
         "array": "write [lowest, highest]" if "prefixItems" in known.schema else "write [a, b], or [] for none",
     }
     return f"{_got(value)} is not {wanted}; {advice[known.type]}"
+
+
+def _nearest(word: str, choices: Sequence[str]) -> str:
+    """Return advice on which choice a word means."""
+    meant = _SYNONYMS.get(word.strip().lower())
+    return f"did you mean '{meant}'?" if meant in choices else suggestion(word, choices)
 
 
 def _better_name(name: str) -> str:

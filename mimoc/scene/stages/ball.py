@@ -45,6 +45,7 @@ def ball(pos_m: Vec3, radius_m: float = RADIUS_M) -> Prop:
         quat=(1.0, 0.0, 0.0, 0.0),
         size_m=2 * radius_m,
         mass_kg=mass_kg,
+        density_kg_m3=DENSITY_KG_M3,
         geoms=(geom,),
         materials=(RED,),
         meshes=(),

@@ -7,11 +7,12 @@ from mimoc.errors import ToyError
 from mimoc.scene.toys.cache import MeshCache, key_of
 from mimoc.scene.toys.model import Part, ToyModel
 from mimoc.scene.toys.processing import Shape, process
-from mimoc.scene.toys.toys4k import Toys4K, category_of, lies_in, unknown
+from mimoc.scene.toys.toys4k import Toys4K, category_of, is_named_as_toys4k, legible, lies_in, unknown
 
 DENSITY_KG_M3 = 300.0
 """Of toys of hollow plastic: between those of foam (30 kg/m³) and of solid plastic or wood (500 to 1100 kg/m³)."""
 MOST_BYTES = 500 * 10**6
+OWN_SOURCE = "the folder of toys"
 SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
 
 
@@ -29,7 +30,7 @@ def load_toy(found: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMod
     if name not in found.objects:
         raise ToyError(unknown(found, [name]).get(name, f"'{name}' is a category; name one of its objects"), name)
     path = found.objects[name]
-    file = path.relative_to(found.root).as_posix()
+    file = legible(path.relative_to(found.root).as_posix())
     try:
         shape = _shape(_content(path, found.root), path.suffix[1:].lower(), cache)
     except ToyError as error:
@@ -41,7 +42,7 @@ def load_toy(found: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMod
         solids=shape.solids,
         volume=shape.volume,
         density_kg_m3=DENSITY_KG_M3,
-        source=f"{file} of {SOURCE}",
+        source=f"{file} of {SOURCE if is_named_as_toys4k(name) else OWN_SOURCE}",
     )
 
 

@@ -2,6 +2,7 @@
 
 import os
 import re
+import unicodedata
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
@@ -11,11 +12,10 @@ from mimoc.errors import ToyError, suggestion
 
 FORMATS = ("obj", "ply", "glb", "stl")
 """What is read, the best first."""
-LAYOUT = (
-    "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or <category>_<NNN>.stl (or the others) in one folder"
-)
+LAYOUT = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
 
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
+_NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
 _VARIABLE = re.compile(r"\$(\w+|\{[^}]*\})", re.ASCII)
 
 
@@ -92,8 +92,20 @@ def unknown(found: Toys4K, subset: Collection[str]) -> dict[str, str]:
 
 
 def category_of(name: str) -> str:
-    """Return the category of an object."""
-    return name.rpartition("_")[0]
+    """Return the category of an object: its name without a number, of which it may have none."""
+    match = _NUMBERED.fullmatch(name)
+    return match["category"] if match else name
+
+
+def is_named_as_toys4k(name: str) -> bool:
+    """Tell whether an object has a name as those of Toys4K do."""
+    return _OBJECT.fullmatch(name) is not None
+
+
+def legible(name: str) -> str:
+    """Return the name of a file as it can be written down: question marks for what is no printable text."""
+    text = name.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\ufffd", "?")
+    return "".join(letter if letter.isprintable() else "?" for letter in unicodedata.normalize("NFC", text))
 
 
 def lies_in(path: Path, root: Path) -> bool:
@@ -103,8 +115,9 @@ def lies_in(path: Path, root: Path) -> bool:
 
 def _objects_in(root: Path) -> Iterator[tuple[str, Path]]:
     for entry in _shown(root):
-        if entry.is_file() and entry.suffix[1:].lower() in FORMATS and _OBJECT.fullmatch(entry.stem.lower()):
-            yield entry.stem.lower(), entry
+        if entry.is_file() and entry.suffix[1:].lower() in FORMATS:
+            lower = entry.stem.lower()
+            yield lower if _OBJECT.fullmatch(lower) else legible(entry.stem), entry
         elif entry.is_dir():
             for folder in _shown(entry):
                 match = _OBJECT.fullmatch(folder.name.lower())

@@ -54,6 +54,29 @@ def test_of_several_meshes_the_best_is_taken(files, chosen, tmp_path):
     assert find_toys(tmp_path).objects["ball_000"].name == chosen
 
 
+HOSTILE = {
+    "a b": "a b",
+    "Würfel": "Würfel",
+    "Wu\u0308rfel 2": "Würfel 2",
+    "3d_cube": "3d_cube",
+    "<\"&'>": "<\"&'>",
+    "赤い玉_001": "赤い玉_001",
+    "two\nlines": "two?lines",
+    "\udcff": "?",
+    "MIXED_Case": "MIXED_Case",
+}
+"""Names of files, and how they are written down."""
+
+
+def test_meshes_of_any_name_in_one_folder_are_objects(tmp_path):
+    for name in HOSTILE:
+        (tmp_path / f"{name}.obj").write_bytes(MESH)
+    found = find_toys(tmp_path)
+    assert set(found.objects) == set(HOSTILE.values())
+    assert choose(found, ["赤い玉", "a b"]) == ("a b", "赤い玉_001")
+    assert found.categories["3d_cube"] == ("3d_cube",)
+
+
 def test_what_is_no_object_is_passed_over(root):
     (root / "README.txt").write_text("hello")
     (root / "ball" / "notes.obj").write_bytes(MESH)
@@ -61,7 +84,7 @@ def test_what_is_no_object_is_passed_over(root):
     (root / "ball" / "cup_000" / "mesh.obj").write_bytes(MESH)
     (root / "ball" / "ball_007").mkdir()
     (root / "ball" / "ball_008" / "mesh.obj").mkdir(parents=True)
-    (root / "some <name>_001.obj").write_bytes(MESH)
+    (root / "ball" / "some <name>_001.obj").write_bytes(MESH)
     os.mkfifo(root / "whistle_001.obj")
     (root / "ball" / "ball_009").symlink_to(root / "ball" / "ball_009")
     assert len(find_toys(root).objects) == 5
