@@ -85,7 +85,7 @@ def test_an_eye_looks_at_the_toy_that_it_sees_best(built):
     for down_deg in (None, 0.0):
         ((picture,),) = glimpse(bundle, [[DRAWN]], None, down_deg, 10.0)
         shares.append(sum(share_of_colour(picture, colour) for colour in colours))
-    assert shares[0] > 0.5
+    assert shares[0] > 0.3
     assert shares[1] < 0.1
 
 
