@@ -34,9 +34,9 @@ HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
 ABOUT = """\
 A child of ten months sits in a room, drawn from seed {seed}, and looks at toys on the floor with its {side} eye.
-The same view is shown as it is drawn; with the acuity of {ages} months; foveated as well, by s = {foveation:g}, so
-that the centre is {magnification:.1f} times as large and nothing at the border is lost; and, in the last row, with
-the acuity again, drawn larger and cut out of the middle.
+The same view is shown with the acuity of {ages} months and, on the right, as it is drawn; foveated as well, by
+s = {foveation:g}, so that the centre is {magnification:.1f} times as large and the middles of the edges are cut off;
+and, in the last row, with the acuity again, drawn larger and cut out of the middle.
 
 ![One scene through eyes of several ages](acuity.png)
 
@@ -52,8 +52,8 @@ profiles; the pictures go by `{profile}`, the default.
 COMPARED = """\
 ## Next to the paper
 
-The paper shows the first three rows, and states the same law. Its acuities come from Neijzen et al. 2025; `mimo_v2`
-are those in its code, and `tac2` is fitted to the two studies that Neijzen et al. pool.
+The paper shows what is drawn and the first two rows, and states the same law. Its acuities come from Neijzen et al.
+2025; `mimo_v2` are those in its code, and `tac2` is fitted to the two studies that Neijzen et al. pool.
 
 {table}
 
@@ -61,8 +61,8 @@ Over {count} gratings, from coarse ones to some too fine to be seen, the contras
 by at most {error:.4f} of the full contrast.
 
 A picture of H pixels over {fovy:g} degrees shows an acuity of a only if H is at least 2 a x {fovy:g}: with {size}
-pixels that is up to {shown:.1f} cycles per degree, so from four months on the first rows look alike, and only the
-last one, up to {shown_middle:.1f}, still tells ages apart."""
+pixels that is up to {shown:.1f} cycles per degree, so from four months on the first two rows look alike, and only
+the last one, up to {shown_middle:.1f}, still tells ages apart."""
 
 
 def run(notebook: Notebook) -> Path:

@@ -60,7 +60,7 @@ TOY_HEADINGS = ("seed", "object", "category", "size_m", "mass_kg", "ahead_m", "l
 
 ABOUT = """\
 The child of ten months in `configs/playroom.yaml` sits in {count} rooms, those of seeds {first} to {last}. Nothing
-but the seed differs between them. Where a room leaves no place for the camera, it looks in through a wall.
+but the seed differs between them. Where a room leaves little space for the camera, its lens is wider.
 
 ![Rooms by seed](rooms.png)
 

@@ -1,0 +1,82 @@
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import mimoc
+from mimoc import cli
+from mimoc.runtime.rollout import POLICIES, random_policy
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> Path:
+    """Return the folder of a bundle, which is only to be read."""
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}}
+    compiled = mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    return mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "infant")
+
+
+@pytest.fixture
+def run(monkeypatch, capfd, tmp_path, built):
+    """Return what runs `mimoc run` in an empty folder: exit code, output, errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def invoke(arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["mimoc", "run", str(built), *shlex.split(arguments)])
+        capfd.readouterr()
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as exit_:
+            code = exit_.code or 0
+        return code, *capfd.readouterr()
+
+    return invoke
+
+
+def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
+    code, out, err = run("--steps 9 --video film.gif --eyes --fps 50 --size 64")
+    assert (code, err) == (0, "")
+    assert "9 control steps" in out
+    assert out.endswith("film.gif\n")
+    film = Image.open("film.gif")
+    assert (film.size, film.n_frames) == ((85 + 4 + 30, 64), 5)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--video film.avi", "film.avi: not a video that mimoc writes; end its name with .mp4 or .gif"),
+        ("--video film", "film: not a video that mimoc writes"),
+        ("--video nowhere/film.gif", "nowhere/film.gif: there is no folder nowhere"),
+        ("--eyes", "--eyes shows what the infant sees beside its film; say where that goes, with --video FILE"),
+        ("--video film.gif --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
+    ],
+)
+def test_bad_input_ends_in_exit_code_2_with_one_line_and_nothing_written(options, message, run, tmp_path):
+    code, out, err = run(f"--steps 1000000000 {options}")
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert err.startswith(message)
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_pyav_an_mp4_is_one_clear_line(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "av", None)
+    found = run("--steps 1000000000 --video film.mp4")
+    assert found == (2, "", "av is not installed; run: pip install 'mimoc[record]'\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, monkeypatch):
+    def stopping(env):
+        act, taken = random_policy(env), iter(range(12))
+        return lambda *seen: act(*seen) if next(taken, None) is not None else (_ for _ in ()).throw(KeyboardInterrupt)
+
+    monkeypatch.setitem(POLICIES, "random", stopping)
+    code, out, err = run("--steps 1000000000 --video film.gif --size 64")
+    assert (code, out) == (130, "")
+    assert err.startswith("stopped; film.gif shows what happened until then\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
+    assert Image.open("film.gif").n_frames == 4
