@@ -103,13 +103,12 @@ def main() -> None:
 def row(name: str) -> Iterator[tuple[str, str]]:
     """Yield what comes of each MuJoCo with a Python: the newest first, which builds the bundles for the oldest."""
     python = shutil.which(name if os.sep in name else f"python{name}")
-    label = Path(name).name if os.sep in name else f"python{name}"
     for mujoco in reversed(MUJOCOS):
         needs = (f"mujoco=={_release(mujoco)}", "--editable", ".[test]")
         yield mujoco, cell(python, name, mujoco, needs, _test)
     yield f"{OPENING}, opens", cell(python, name, OPENING, (f"mujoco=={OPENING}",), _open)
     if python is None:
-        print(f"{label} is not on the PATH: not run")
+        print(f"Python {name}: not run: there is none here")
 
 
 def cell(
