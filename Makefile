@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out/demo
+ROOMS ?= 0:12
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
 # What is in $(VENV) already: what the demo needs, and what tests and training need besides.
@@ -14,7 +15,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test golden bench container apptainer opengl clean
+.PHONY: help demo test golden matrix bench container apptainer opengl clean
 
 help: ## Say what there is to make.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -26,7 +27,7 @@ demo: $(DEMO) opengl ## Build, validate, check, run and draw an infant of nine m
 	$(BIN)/mimoc run $(INFANT) --policy random
 	$(BIN)/mimoc run $(INFANT) --policy reach --steps 600
 	$(BIN)/mimoc render $(INFANT) -o $(OUT)/nine_months.png
-	$(BIN)/mimoc rooms configs/playroom.yaml --seeds 0:12 -o $(OUT)/rooms.png
+	$(BIN)/mimoc rooms configs/playroom.yaml --seeds $(ROOMS) -o $(OUT)/rooms.png
 	$(BIN)/mimoc build configs/playroom.yaml --seed 1 -o $(OUT)/playroom --force
 	$(BIN)/mimoc see $(OUT)/playroom -o $(OUT)/seen.png
 	@echo
@@ -44,6 +45,9 @@ test: $(TEST) opengl ## Lint, check types and run every test.
 
 golden: $(TEST) ## Renew the golden files; read the difference before you commit it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
+
+matrix: ## Try several MuJoCos and Pythons, each pair in an environment of its own under .matrix (7 GB, half an hour).
+	@$(PYTHON) .ci/matrix.py
 
 bench: $(TEST) ## Measure speed and the solver (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
@@ -64,7 +68,7 @@ clean: ## Remove what was built here: .venv, .matrix, out, caches.
 $(DEMO): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "mimoc needs Python 3.11 or later; name one with: make PYTHON=/path/to/python3.12"; exit 1; }
-	@echo "Installing mimoc and what it needs into $(VENV): some 450 MB (MuJoCo, SciPy, Matplotlib), in a minute or two."
+	@echo "Installing mimoc and what it needs into $(VENV): some 500 MB (MuJoCo, SciPy, Matplotlib), in a minute or two."
 	@$(PYTHON) -m venv $(VENV) || { echo "python's venv is missing (Debian: apt-get install python3-venv)"; exit 1; }
 	$(BIN)/pip install --editable '.[report]'
 	@touch $@

@@ -8,6 +8,7 @@ from mimoc.body.mass import volume
 sizes_m = st.floats(0.001, 0.2)
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize(("kind", "count"), [("sphere", 1), ("capsule", 2), ("cylinder", 2), ("box", 3)])
 @given(data=st.data())
 def test_volumes_are_mujocos(kind, count, data):

@@ -14,6 +14,7 @@ def changed(bundle, pattern, replacement):
     return dataclasses.replace(bundle, files={**bundle.files, "infant.xml": body.encode()})
 
 
+@pytest.mark.matrix
 def test_every_config_stays_calm_in_every_pose(config):
     for check in check_stability(config):
         assert check.passed

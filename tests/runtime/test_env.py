@@ -28,7 +28,7 @@ def same(first, second):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("render_mode", [None, "rgb_array"])
+@pytest.mark.parametrize("render_mode", [pytest.param(None, marks=pytest.mark.matrix), "rgb_array"])
 def test_every_config_passes_gymnasiums_checker_without_a_warning(config, render_mode):
     check_env(mimoc.make(config, render_mode=render_mode).unwrapped)
 
@@ -127,6 +127,7 @@ def test_a_step_lasts_as_long_as_the_spec_says(open_env):
         assert env.model.opt.timestep == pytest.approx(timestep_ms / 1000)
 
 
+@pytest.mark.matrix
 def test_the_same_seed_and_actions_give_the_same_numbers(open_env):
     first, second = open_env(), open_env()
     commands = actions(first, 100)
@@ -205,6 +206,7 @@ def test_what_is_no_action_is_refused_and_changes_nothing(env, wrong):
     assert env.data.time == 0
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1e20])
 @pytest.mark.parametrize("state", ["qpos", "qvel"])
 def test_a_simulation_that_breaks_down_ends_the_episode_quietly(open_env, state, value, capfd, tmp_path, monkeypatch):

@@ -19,6 +19,7 @@ def numbers(model):
     return {name: value for name, value in values.items() if isinstance(value, np.ndarray) and name != "_sizes"}
 
 
+@pytest.mark.matrix
 def test_the_model_is_the_one_that_mujoco_reads_from_the_folder(bundle, tmp_path):
     scene = mimoc.write_bundle(bundle, tmp_path / "out") / "scene.xml"
     on_disk, in_memory = numbers(mujoco.MjModel.from_xml_path(str(scene))), numbers(load_model(bundle))
@@ -44,6 +45,7 @@ def test_the_faulty_release_of_mujoco_uses_the_dense_solver_and_says_so_once(bun
     assert "pip install 'mujoco!=4.0.0'" in str(said[0].message)
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize("content", [b"", b"<mujoco>", b"<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>"])
 def test_what_mujoco_refuses_is_one_clear_line(bundle, content):
     broken = dataclasses.replace(bundle, files={**bundle.files, "infant.xml": content})
@@ -52,6 +54,7 @@ def test_what_mujoco_refuses_is_one_clear_line(bundle, content):
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.matrix
 def test_a_calm_simulation_has_no_warnings(bundle):
     model = load_model(bundle)
     data = mujoco.MjData(model)
@@ -60,6 +63,7 @@ def test_a_calm_simulation_has_no_warnings(bundle):
     assert not broke_down(data)
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize(
     ("array", "kind", "broken"), [("qpos", "BADQPOS", True), ("qvel", "BADQVEL", True), ("ctrl", "BADCTRL", False)]
 )

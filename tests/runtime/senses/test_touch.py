@@ -284,6 +284,7 @@ def test_it_feels_what_a_loop_over_all_points_feels(age_months, hands, pose, qua
     assert touched > 30
 
 
+@pytest.mark.matrix
 def test_the_points_of_a_body_feel_together_what_touches_it(child):
     """In every direction, to the last digits."""
     touch, data = child
@@ -324,6 +325,7 @@ def test_reading_changes_nothing(child):
         assert all((array == copy).all() for array, copy in zip(mujoco_s, before, strict=True))
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize("pose", ["supine", "prone"])
 def test_an_infant_at_rest_feels_its_weight(pose):
     touch, data, _ = infant(pose=pose)

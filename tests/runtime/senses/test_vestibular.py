@@ -59,6 +59,7 @@ def test_it_feels_the_rate_at_which_the_head_turns(quaternion, rate_head_rad_s):
     assert sense(data) == pytest.approx([0, 0, 0, *rate_head_rad_s], abs=1e-9)
 
 
+@pytest.mark.matrix
 def test_free_fall_feels_like_nothing():
     model, data, sense = bound(held=False)
     mujoco.mj_forward(model, data)
@@ -83,6 +84,7 @@ def test_each_half_can_be_felt_alone(open_env, include, felt):
     assert np.array_equal(readings[1], readings[0][felt])
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize("pose", ["supine", "prone"])
 def test_an_infant_that_lies_still_feels_gravity(open_env, pose):
     env = open_env(scene={"kind": "flat", "pose": pose})

@@ -96,6 +96,7 @@ def test_what_follows_a_state_follows_it_in_another_environment(kind):
         assert np.array_equal(env.reset()[0]["proprioception"], other.reset()[0]["proprioception"])
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_starts_at_rest_and_stays_together(kind):
     """At the start nothing flies off: constraints and contacts are where they should be."""
