@@ -26,6 +26,9 @@ BALANCING = Gains(100.0, viscosity_per_s=20.0)
 """For the chest, which stays as it is while the arms swing."""
 LYING = 0.5
 """Cosine of the tilt of the chest beyond which an infant lies, 60°."""
+GENTLE = "low"
+"""Key of `GAIN_SETS` for an infant that sits freely: arms (10 % of its weight) that start at the 80 m/s² of the strong
+gains push back with its whole weight and throw it over; at 5 m/s² they do not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +73,13 @@ class Reaching:
 
         Args:
             env: The infant, with motors or muscles.
-            gains: For hands and eyes.
+            gains: For hands and eyes; None is gentle for an infant that sits freely, and strong for all others.
             next_targets_s: When others are drawn.
 
         Raises:
             ControlError: If the infant has servos, or no hand.
         """
-        gains = gains or ReachGains()
+        gains = gains or (GAIN_SETS[GENTLE] if _sits_freely(env) else ReachGains())
         task = env.manifest.task
         self._env, self._ball = env, task.ball.body if task.kind == "reach" else None
         self._places = Reachable(env)
@@ -183,10 +186,19 @@ def _steady(env: InfantEnv) -> list[Posture | Align]:
     One that lies only keeps its spine as it is: the ground holds its chest.
     """
     legs, spine = _joints_of(env, LEGS), _joints_of(env, TRUNK, with_limbs=False)
-    chest = env.data.body(TRUNK[-1]).xmat.reshape(3, 3)
-    if chest[2, 2] < LYING:
+    if _lies(env):
         return [Posture(joints=[*legs, *spine])]
+    chest = env.data.body(TRUNK[-1]).xmat.reshape(3, 3)
     return [Posture(joints=legs), Align(TRUNK[-1], chest, gains=BALANCING)]
+
+
+def _lies(env: InfantEnv) -> bool:
+    return bool(env.data.body(TRUNK[-1]).xmat.reshape(3, 3)[2, 2] < LYING)
+
+
+def _sits_freely(env: InfantEnv) -> bool:
+    """Return whether nothing but the ground holds an upright infant."""
+    return not env.manifest.fastenings.welds and not _lies(env)
 
 
 def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) -> list[str]:
