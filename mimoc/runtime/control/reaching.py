@@ -89,6 +89,8 @@ class Reaching:
         self._control = InverseDynamics(env, [*steady, self._reaches, self._looks])
         self._first = sum(isinstance(task, Align) for task in steady)
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
+        self._sits = _sits_freely(env)
+        self._fell_after_s: float | None = None
         self._taken = 0
         self._came_m: list[float] = []
 
@@ -105,6 +107,8 @@ class Reaching:
             if turn:
                 self._came_m += self.errors()[0]
             self.aim(generator, turn)
+        if self._sits and self._fell_after_s is None and _lies(self._env):
+            self._fell_after_s = ms_to_s(self._taken * self._env.manifest.step_ms)
         self._taken += 1
         return self._control()
 
@@ -112,6 +116,11 @@ class Reaching:
     def hand_error_m(self) -> float | None:
         """How near hands came to their targets before the next ones were drawn, at the median; None before that."""
         return float(np.median(self._came_m)) if self._came_m else None
+
+    @property
+    def fell_after_s(self) -> float | None:
+        """When an infant that sat freely fell over, in simulated time; None if it did not."""
+        return self._fell_after_s
 
     def aim(self, generator: np.random.Generator, watched: int = 0) -> None:
         """Draw a target for each hand; the eyes look at that of hand number *watched*, counted round and round.
