@@ -157,6 +157,10 @@ def print_run(summary: Summary) -> None:
     }
     if summary.hand_error_m is not None:
         rows["distance of hands from their targets after 1.5 s, median [m]"] = f"{summary.hand_error_m:.6f}"
+    if summary.fell_after_s is not None:
+        rows["keeps its seat"] = (
+            f"no: it fell over after {summary.fell_after_s:.2f} s, too weak or too unsteady to sit freely"
+        )
     for what, value in rows.items():
         table.add_row(what, value)
     console = _console()

@@ -94,7 +94,7 @@ def notes(spec: InfantSpec, toys: Sequence[ToyEntry], convention: str | None = N
 
 def _task_notes(spec: InfantSpec) -> Iterator[str]:
     if spec.task and spec.task.kind not in STARTS_FROM_SCENE and spec.scene.pose != SceneSpec().pose:
-        yield f"'{spec.task.kind}' starts from a pose of its own; for '{spec.scene.pose}', reset with options"
+        yield f"'{spec.task.kind}' starts from a pose of its own; 'scene.pose: {spec.scene.pose}' has no effect"
 
 
 def _toy_notes(spec: InfantSpec, toys: Sequence[ToyEntry]) -> Iterator[str]:

@@ -179,7 +179,7 @@ def test_nothing_is_noted_of_mimocs_own_toys():
 def test_a_pose_that_a_task_makes_no_use_of_is_noted():
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"pose": "sitting"}, "task": {"kind": "reach"}}
     (note,) = mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes
-    assert note == "'reach' starts from a pose of its own; for 'sitting', reset with options"
+    assert note == "'reach' starts from a pose of its own; 'scene.pose: sitting' has no effect"
     spec["scene"] = {"pose": "prone"}
     spec["task"] = {"kind": "rollover"}
     assert not mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes

@@ -20,6 +20,7 @@ from mimoc.runtime.model import broke_down, load_model
 from mimoc.runtime.nerves import Nerves
 from mimoc.runtime.opengl import has_screen
 from mimoc.runtime.portrait import Painter
+from mimoc.runtime.poses import pose_of
 from mimoc.runtime.senses import Sense, bind_senses
 from mimoc.runtime.senses.sense import Observation
 from mimoc.runtime.tasks import bind_task
@@ -153,9 +154,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         known = ["pose", *(["scene_seed"] if self._next_bundle else [])]
         for key in options.keys() - known:
             raise UnknownNameError("reset option", str(key), known)
-        pose = options.get("pose", self.manifest.pose)
-        if pose not in self.manifest.poses:
-            raise UnknownNameError("pose", str(pose), self.manifest.poses)
+        pose = pose_of(self.manifest, options.get("pose", self.manifest.pose))
         if "scene_seed" in options:
             self._change_scene(options["scene_seed"])
         observation = self._start(pose)

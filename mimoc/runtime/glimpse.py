@@ -10,6 +10,7 @@ import numpy.typing as npt
 from mimoc.bundle import Bundle
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.model import load_model
+from mimoc.runtime.poses import pose_of
 from mimoc.runtime.senses.eyes import Drawn, Eyes
 from mimoc.runtime.senses.vision import filters, perceive
 from mimoc.schema.manifest import VisionEntry
@@ -46,8 +47,7 @@ def glimpse(
         RenderingError: If there is no OpenGL here.
     """
     model = load_model(bundle)
-    first, pose = sights[0][0], pose or bundle.manifest.pose
-    _require("pose", pose, bundle.manifest.poses)
+    first, pose = sights[0][0], pose_of(bundle.manifest, pose)
     (name,) = first.cameras
     _require("camera of this infant", name, [model.camera(index).name for index in range(model.ncam)])
     data = mujoco.MjData(model)

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle import Bundle
-from mimoc.errors import UnknownNameError
 from mimoc.runtime.averaging import average_down
 from mimoc.runtime.beads import Beads, add_beads, join_beads, scene_for, skin_beads
 from mimoc.runtime.camera import (
@@ -29,6 +28,7 @@ from mimoc.runtime.camera import (
 )
 from mimoc.runtime.model import load_model
 from mimoc.runtime.opengl import Finalizer, open_context
+from mimoc.runtime.poses import pose_of
 from mimoc.runtime.quality import drawn_with
 from mimoc.units import cm_to_m
 
@@ -164,9 +164,7 @@ def portrait(
         RenderingError: If there is no OpenGL here, or no skin to show.
     """
     manifest = bundle.manifest
-    pose = pose or manifest.pose
-    if pose not in manifest.poses:
-        raise UnknownNameError("pose", pose, manifest.poses)
+    pose = pose_of(manifest, pose)
     model = load_model(bundle)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)

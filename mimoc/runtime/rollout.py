@@ -51,6 +51,8 @@ class Summary:
     """Mean of the episodes that reached their goal, in simulated time; None if none did."""
     hand_error_m: float | None = None
     """How near hands came to their targets, at the median; None where they had none."""
+    fell_after_s: float | None = None
+    """When an infant that was to keep its seat fell over, in simulated time; None if it did not."""
 
 
 def random_policy(env: InfantEnv) -> Policy:
@@ -151,4 +153,5 @@ class Run:
             joint_speed_rad_s=float(np.mean(self._speeds)),
             unstable=self._unstable,
             hand_error_m=getattr(self._act, "hand_error_m", None),
+            fell_after_s=getattr(self._act, "fell_after_s", None),
         )

@@ -2,6 +2,8 @@
 
 from collections.abc import Collection, Sequence
 
+import numpy as np
+
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world, quaternion
 from mimoc.body.strengthen import muscle_groups
@@ -12,6 +14,8 @@ from mimoc.scene.tree import Lock, Weld
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import single_groups
 
+SAME = 1e-6
+"""How far apart, in [m] or [rad], what is kept may be in two poses that both keep it."""
 FIRM, LOOSE = 1.0, 0.0
 """`torquescale` of a part that keeps how it is turned, and of one that turns about a point."""
 
@@ -79,6 +83,20 @@ def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tupl
     """Return constraints that keep some parts where they are in a state (qpos)."""
     placed = frames_in_world(tree, state) if held else {}
     return tuple(_weld(hold, *placed[hold.body]) for hold in held)
+
+
+def keeps(
+    joints: Collection[str], held: Collection[Hold], tree: BodyTree, start: Sequence[float], state: Sequence[float]
+) -> bool:
+    """Return whether a state (qpos) has locked hinges and held parts where they are at the start."""
+    here, there = lock(joints, tree, state), lock(joints, tree, start)
+    if any(abs(mine.angle_rad - theirs.angle_rad) > SAME for mine, theirs in zip(here, there, strict=True)):
+        return False
+    places = [
+        np.array([[*each.pos_m, *(each.torquescale * np.array(each.quat))] for each in weld(held, tree, at)])
+        for at in (start, state)
+    ]
+    return bool(np.allclose(*places, rtol=0.0, atol=SAME))
 
 
 def _weld(hold: Hold, origin: FloatArray, rotation: FloatArray) -> Weld:

@@ -8,7 +8,7 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.errors import NoRoomError
 from mimoc.scene.chance import stream
-from mimoc.scene.fastening import holds, lock, locked_joints, weld
+from mimoc.scene.fastening import holds, keeps, lock, locked_joints, weld
 from mimoc.scene.footprint import floor_reach, footprint, reach_of
 from mimoc.scene.motors import DRIVES
 from mimoc.scene.pairs import barrier_pairs
@@ -40,16 +40,20 @@ class Supplies:
 def set_stage(scene: SceneTree, spec: InfantSpec, tree: BodyTree) -> tuple[SceneTree, Stage]:
     """Return the scene with one more pose, if the task of its spec starts from its own, and what the task needs.
 
+    Poses in which what is held or locked would be elsewhere are left out: MuJoCo would tear the infant out of them.
+
     Raises:
-        UnplayableError: If the infant lacks what the task is about.
+        UnplayableError: If the infant lacks what the task is about, or a part that the spec holds.
     """
-    if spec.task is None:
-        return scene, FREE
-    stage = STAGES[spec.task.kind](spec.task, tree)
-    if stage.start is None:
-        return scene, stage
-    start = DRIVES[spec.actuation.model].keyframe(tree, Keyframe(spec.task.kind, stage.start))
-    return replace(scene, keyframes=(*scene.keyframes, start)), stage
+    stage = STAGES[spec.task.kind](spec.task, tree) if spec.task else FREE
+    poses = scene.keyframes
+    if spec.task and stage.start is not None:
+        own = Keyframe(spec.task.kind, stage.start)
+        poses = (*poses, DRIVES[spec.actuation.model].keyframe(tree, own))
+    (start,) = (pose for pose in poses if pose.name == start_pose(spec, stage))
+    joints, held = locked_joints(spec, tree, stage), holds(spec, tree, stage)
+    kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))
+    return replace(scene, keyframes=kept), stage
 
 
 def start_pose(spec: InfantSpec, stage: Stage) -> str:

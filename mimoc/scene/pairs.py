@@ -1,8 +1,8 @@
 """Pairs: contacts of walls and ceiling with all that moves, listed one by one.
 
-MuJoCo looks for contacts between two bodies in a tree of boxes as soon as one of them has several geoms. The world is one
-body, the boxes of planes have no end, and so the tree of a whole room costs 5 to 8 % of a physics step and finds nothing.
-A listed pair goes past the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out of it.
+MuJoCo looks for contacts between two bodies in a tree of boxes as soon as one of them has several geoms. The world is
+one body, the boxes of planes have no end, and so the tree of a whole room costs 5 to 8 % of a physics step and finds
+nothing. A listed pair goes past the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
 """
 
 from collections.abc import Iterable, Iterator, Sequence

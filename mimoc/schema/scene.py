@@ -66,7 +66,10 @@ class SceneSpec(Model):
     seed: Annotated[Whole, Field(ge=0, le=2**53)] = 0
     """Of everything drawn by chance."""
     pose: Literal["supine", "prone", "sitting", "standing"] = "supine"
-    """How the infant starts; of the tasks, only `rollover` and `free` start from here."""
+    """How the infant starts; of the tasks, only `rollover` and `free` start from here.
+
+    A bundle has the other poses too, but for those in which what is held or locked would be elsewhere.
+    """
     held: Annotated[tuple[PartName, ...], Distinct] = ()
     """Parts of the infant that stay where they are in the world, such as `chest`, as if in a seat."""
     room: RoomSpec = Field(default_factory=RoomSpec)

@@ -30,8 +30,8 @@ def flail(env: mimoc.InfantEnv, steps: int = 100, seed: int = 0) -> None:
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("pose", ["supine", "prone", "sitting", "standing"])
 def test_locked_joints_stay_at_the_angles_of_the_pose(open_env, model, pose):
-    env = open_env(actuation={"model": model, "locked": ["legs", "neck"]})
-    env.reset(seed=0, options={"pose": pose})
+    env = open_env(actuation={"model": model, "locked": ["legs", "neck"]}, scene={"kind": "flat", "pose": pose})
+    env.reset(seed=0)
     locked = [lock.joint for lock in env.manifest.fastenings.locks]
     at = [env.model.joint(joint).qposadr[0] for joint in locked]
     before = env.data.qpos[at].copy()
@@ -43,8 +43,9 @@ def test_locked_joints_stay_at_the_angles_of_the_pose(open_env, model, pose):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 @pytest.mark.parametrize("pose", ["supine", "sitting", "standing"])
 def test_what_is_held_stays_where_the_pose_has_it(open_env, hands, pose):
-    env = open_env(body={"hands": hands}, scene={"kind": "flat", "held": ["chest", "right_foot"]})
-    env.reset(seed=0, options={"pose": pose})
+    scene = {"kind": "flat", "pose": pose, "held": ["chest", "right_foot"]}
+    env = open_env(body={"hands": hands}, scene=scene)
+    env.reset(seed=0)
     held = [env.model.body(name).id for name in ("chest", "right_foot")]
     before, turned = env.data.xpos[held].copy(), env.data.xmat[held].copy()
     flail(env)
@@ -70,10 +71,10 @@ def test_the_model_alone_holds_the_spec_pose(built):
 def test_a_state_brings_along_what_is_held(open_env):
     keys = {"actuation": {"locked": ["legs"]}, "scene": {"kind": "flat", "held": ["chest"]}}
     env, other = open_env(**keys), open_env(**keys)
-    env.reset(seed=0, options={"pose": "prone"})
+    env.reset(seed=0)
     flail(env, 10)
     state = env.get_state()
-    other.reset(seed=1, options={"pose": "sitting"})
+    other.reset(seed=1)
     other.set_state(state)
     flail(env, 10, seed=2)
     flail(other, 10, seed=2)

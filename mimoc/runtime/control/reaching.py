@@ -26,6 +26,9 @@ BALANCING = Gains(100.0, viscosity_per_s=20.0)
 """For the chest, which stays as it is while the arms swing."""
 LYING = 0.5
 """Cosine of the tilt of the chest beyond which an infant lies, 60°."""
+GENTLE = "low"
+"""Key of `GAIN_SETS` for an infant that sits freely: arms (10 % of its weight) that start at the 80 m/s² of the strong
+gains push back with its whole weight and throw it over; at 5 m/s² they do not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +73,13 @@ class Reaching:
 
         Args:
             env: The infant, with motors or muscles.
-            gains: For hands and eyes.
+            gains: For hands and eyes; None is gentle for an infant that sits freely, and strong for all others.
             next_targets_s: When others are drawn.
 
         Raises:
             ControlError: If the infant has servos, or no hand.
         """
-        gains = gains or ReachGains()
+        gains = gains or (GAIN_SETS[GENTLE] if _sits_freely(env) else ReachGains())
         task = env.manifest.task
         self._env, self._ball = env, task.ball.body if task.kind == "reach" else None
         self._places = Reachable(env)
@@ -86,6 +89,8 @@ class Reaching:
         self._control = InverseDynamics(env, [*steady, self._reaches, self._looks])
         self._first = sum(isinstance(task, Align) for task in steady)
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
+        self._sits = _sits_freely(env)
+        self._fell_after_s: float | None = None
         self._taken = 0
         self._came_m: list[float] = []
 
@@ -102,6 +107,8 @@ class Reaching:
             if turn:
                 self._came_m += self.errors()[0]
             self.aim(generator, turn)
+        if self._sits and self._fell_after_s is None and _lies(self._env):
+            self._fell_after_s = ms_to_s(self._taken * self._env.manifest.step_ms)
         self._taken += 1
         return self._control()
 
@@ -109,6 +116,11 @@ class Reaching:
     def hand_error_m(self) -> float | None:
         """How near hands came to their targets before the next ones were drawn, at the median; None before that."""
         return float(np.median(self._came_m)) if self._came_m else None
+
+    @property
+    def fell_after_s(self) -> float | None:
+        """When an infant that sat freely fell over, in simulated time; None if it did not."""
+        return self._fell_after_s
 
     def aim(self, generator: np.random.Generator, watched: int = 0) -> None:
         """Draw a target for each hand; the eyes look at that of hand number *watched*, counted round and round.
@@ -183,11 +195,19 @@ def _steady(env: InfantEnv) -> list[Posture | Align]:
     One that lies only keeps its spine as it is: the ground holds its chest.
     """
     legs, spine = _joints_of(env, LEGS), _joints_of(env, TRUNK, with_limbs=False)
-    chest = env.data.body(chest_of(env.model))
-    turned = chest.xmat.reshape(3, 3)
-    if turned[2, 2] < LYING:
+    if _lies(env):
         return [Posture(joints=[*legs, *spine])]
-    return [Posture(joints=legs), Align(chest.name, turned, gains=BALANCING)]
+    chest = env.data.body(chest_of(env.model))
+    return [Posture(joints=legs), Align(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
+
+
+def _lies(env: InfantEnv) -> bool:
+    return bool(env.data.body(chest_of(env.model)).xmat.reshape(3, 3)[2, 2] < LYING)
+
+
+def _sits_freely(env: InfantEnv) -> bool:
+    """Return whether nothing but the ground holds an upright infant."""
+    return not env.manifest.fastenings.welds and not _lies(env)
 
 
 def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) -> list[str]:

@@ -48,15 +48,27 @@ def test_servos_cannot_reach_by_torques(open_env):
         Run(open_env(actuation={"model": "position"}), "reach", seed=0)
 
 
-def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env):
-    """Nine months old: its chest stays upright while the arms swing."""
-    run = Run(open_env(scene=SITTING), "reach", seed=1)
-    for _ in range(500):
+@pytest.mark.parametrize(("age_months", "hands"), [(6, "five_finger"), (9, "mitten"), (24, "mitten")])
+def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, age_months, hands):
+    """In 4 s its head sinks by no more than 6 cm, to look, and its hands come within 2 cm of their targets."""
+    env = open_env(age_months=age_months, body={"hands": hands}, scene=SITTING)
+    run = Run(env, "reach", seed=0)
+    head_m = float(env.data.geom("head").xpos[2])
+    for _ in range(400):
         run.step()
     told = run.summary()
     assert not told.unstable
-    assert told.head_height_m[0] > 0.25
-    assert told.hand_error_m < 0.005
+    assert told.fell_after_s is None
+    assert told.head_height_m[0] > head_m - 0.06
+    assert told.hand_error_m < 0.02
+
+
+def test_a_fall_is_told(open_env):
+    """An infant that has hardly any strength cannot keep its seat."""
+    run = Run(open_env(scene=SITTING, actuation={"strength": {"trunk": 0.02, "neck": 0.02}}), "reach", seed=0)
+    for _ in range(200):
+        run.step()
+    assert 0.0 < (run.summary().fell_after_s or 0.0) < 2.0
 
 
 def test_what_comes_of_reaching_is_summed_up_only_where_something_reaches(open_env):
