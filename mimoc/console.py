@@ -221,8 +221,16 @@ def print_check(checks: Iterable[PoseCheck]) -> bool:
         passed &= check.passed
         verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
         warnings = ", ".join(check.warnings) or "no warnings"
-        console.print(verdict, f"{check.pose}: {warnings}, at most {check.energy_j_per_kg:.2f} J/kg of motion")
+        console.print(verdict, f"{check.pose}: {warnings}, {_calm(check)}")
     return passed
+
+
+def _calm(check: PoseCheck) -> str:
+    """Return how calm an infant stayed."""
+    energy = f"at most {check.energy_j_per_kg:.2f} J/kg of motion"
+    if not check.joint:
+        return f"{energy}, no joint beyond its limits"
+    return f"{energy}, joints at most {check.beyond_deg:.0f} degrees beyond a limit ({check.joint})"
 
 
 def print_explanation(explanation: Explanation) -> None:

@@ -23,6 +23,11 @@ def deg_to_rad(angle_deg: float) -> float:
     return math.radians(angle_deg)
 
 
+def rad_to_deg(angle_rad: float) -> float:
+    """Return an angle in degrees."""
+    return math.degrees(angle_rad)
+
+
 def ms_to_s(time_ms: float) -> float:
     """Return a time in seconds."""
     return time_ms / 1000.0

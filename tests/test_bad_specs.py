@@ -112,8 +112,6 @@ SPECS = {
     "a measurement of no table": HEAD + "body: {measurements: {nose_length_cm: 2, foot_lenght_cm: 11}}\n",
     "one side of the trunk": HEAD + "body: {measurements: {left_head_circumference_cm: 40}}\n",
     "a group of no muscles": HEAD + "actuation: {strength: {left_arms: 0.5}}\n",
-    "servos of another strength": HEAD + "actuation: {model: position, strength: {arms: 2}}\n",
-    "servos of another age": HEAD + "actuation: {model: position, strength_age_months: 3}\n",
     "groups that take commands and are locked": HEAD + "actuation: {regions: [arms, neck], locked: [left_arm, legs]}\n",
     "groups of no muscles": HEAD
     + "actuation: {regions: [arm], locked: [head]}\nsenses: {touch: {regions: [skin, legs, legs]}}\n",

@@ -8,7 +8,7 @@ Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 from mimoc.body.figures import ALONG_Y, LEG_LENGTH, LEG_SHARE, TRUNK_HEIGHT, GeomFigures, JointFigures, Part
 
 REFERENCE_AGE_MONTHS = 18.0
-"""Age at which masses and gears are MIMo's own."""
+"""Age at which gears are MIMo's own."""
 
 _AXIAL = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
 

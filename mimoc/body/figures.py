@@ -23,7 +23,7 @@ class GeomFigures:
     name: str
     type: GeomType
     mass_kg: float
-    """At 18 months."""
+    """In MIMo, at the size that it has there."""
     follows: tuple[str, ...]
     """The measurements its size comes from."""
     rule: str

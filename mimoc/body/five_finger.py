@@ -204,6 +204,7 @@ MASSES_KG: Mapping[str, float] = {
     "cb": 1.3359,
     "ub1": 1.0976,
     "ub2": 0.9531,
+    "ub3": 0.7279,
     "{side}_uarm1": 0.2708,
     "{side}_larm": 0.1869,
     "head": 1.7901,

@@ -6,11 +6,12 @@ from types import MappingProxyType
 
 from mimoc.body.anatomy import FRICTIONLESS, REFERENCE_AGE_MONTHS, TENDONS
 from mimoc.body.assembly import Anatomy, assemble
+from mimoc.body.density import density
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.geometry import Layout, lay_out
 from mimoc.body.mass import volume
 from mimoc.body.proportions import proportions
-from mimoc.body.scaling import check_limbs, scale_part
+from mimoc.body.scaling import check_limbs, check_trunk, scale_part
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 
@@ -39,7 +40,7 @@ def grow(
     return BodyTree(
         age_months=measurements.age_months,
         hands=anatomy.hands,
-        bodies=tuple(_body(part, side, layouts[side], growth[side]) for side, part in anatomy.parts),
+        bodies=tuple(_body(part, side, layouts[side], anatomy.hands) for side, part in anatomy.parts),
         motors=tuple(_motor(figures, side, growth[side][figures.mover]) for side, figures in anatomy.motors),
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=anatomy.excluded,
@@ -63,6 +64,8 @@ def _lay_out_side(measurements: Measurements, anatomy: Anatomy, scales: Mapping[
             layout = scale_part(layout, part.name, parts, *scales[part.name.format(side=side)])
     if side:
         check_limbs(layout)
+    else:
+        check_trunk(layout)
     return layout
 
 
@@ -74,7 +77,7 @@ def _growth(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
 
 @cache
 def _reference_volumes(hands: str) -> Mapping[str, float]:
-    """Return the volumes of the average child of 18 months, whose masses and gears are the reference."""
+    """Return the volumes of the average child of 18 months, whose gears are the reference."""
     average = measure(REFERENCE_AGE_MONTHS)
     return _volumes(assemble(hands, False), lay_out(proportions(average, average), hands))
 
@@ -96,7 +99,7 @@ def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
     )
 
 
-def _body(part: Part, side: str, layout: Layout, growth: Mapping[str, float]) -> Body:
+def _body(part: Part, side: str, layout: Layout, hands: str) -> Body:
     left = side == "left"
     return Body(
         name=part.name.format(side=side),
@@ -104,11 +107,11 @@ def _body(part: Part, side: str, layout: Layout, growth: Mapping[str, float]) ->
         pos_m=_mirror(layout.origins[part.name], left),
         euler_deg=_mirror_turn(part.euler_deg, left),
         joints=tuple(_joint(figures, side, layout.anchors) for figures in part.joints),
-        geoms=tuple(_geom(figures, side, layout, growth[figures.name]) for figures in part.geoms),
+        geoms=tuple(_geom(figures, side, layout, hands) for figures in part.geoms),
     )
 
 
-def _geom(figures: GeomFigures, side: str, layout: Layout, growth: float) -> Geom:
+def _geom(figures: GeomFigures, side: str, layout: Layout, hands: str) -> Geom:
     left = side == "left"
     solid = layout.solids[figures.name]
     return Geom(
@@ -117,7 +120,7 @@ def _geom(figures: GeomFigures, side: str, layout: Layout, growth: float) -> Geo
         size_m=solid.size_m,
         pos_m=_mirror(solid.pos_m, left),
         euler_deg=_mirror_turn(figures.euler_deg, left),
-        mass_kg=figures.mass_kg * growth,
+        mass_kg=density(figures, hands) * volume(figures.type, solid.size_m),
         friction=figures.friction,
         contype=figures.contype,
         conaffinity=figures.conaffinity,

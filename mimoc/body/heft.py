@@ -1,55 +1,66 @@
-"""How hard it is to turn each joint, in whatever pose."""
+"""How light and how heavy each joint can be to turn."""
 
-from collections.abc import Iterator, Mapping
-from itertools import pairwise
-from math import dist, hypot, sqrt
+from collections.abc import Mapping
 
-from mimoc.body.tree import Body, BodyTree, Geom, Vec3
+import numpy as np
 
-ORIGIN = (0.0, 0.0, 0.0)
+from mimoc.body.kinematics import FloatArray, Posed, hinges, pose
+from mimoc.body.tree import BodyTree, Geom
+from mimoc.units import deg_to_rad
 
-Children = Mapping[str | None, list[Body]]
+POSES = 4
+"""How many poses are looked at, spread evenly over the ranges of all joints."""
 
 
-def heaviest_inertias(tree: BodyTree) -> Mapping[str, float]:
-    """Return an upper bound of the inertia about each joint over all poses, armature included, in [kg m²].
+def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
+    """Return the least and the largest inertia about each joint over some poses, armature included, in [kg m²].
 
-    All that hangs on a joint counts as if the limb were stretched out straight across its axis.
+    Over all poses, the least is no less than half of that, and mostly a fifth less at most.
     """
-    children: dict[str | None, list[Body]] = {}
+    moved, joints, found = _moved(tree), tree.joints, []
+    for angles_rad in _spread_poses(tree):
+        anchors, axes = (np.array(column) for column in zip(*hinges(tree, angles_rad).values(), strict=True))
+        found.append(_inertias(pose(tree, angles_rad), moved, anchors, axes))
+    armatures = np.array([joint.armature_kgm2 for joint in joints.values()])
+    least, largest = np.min(found, axis=0) + armatures, np.max(found, axis=0) + armatures
+    return dict(zip(joints, zip(least.tolist(), largest.tolist(), strict=True), strict=True))
+
+
+def _spread_poses(tree: BodyTree) -> list[dict[str, float]]:
+    """Return angles of all joints, in [rad], within their ranges: points of an additive recurrence (Kronecker)."""
+    steps = np.sqrt(np.arange(2, 2 + len(tree.joints)) + 0.5) % 1
+    shares = (0.5 + np.outer(np.arange(POSES), steps)) % 1
+    low, high = np.array([joint.range_deg for joint in tree.joints.values()]).T
+    return [dict(zip(tree.joints, map(deg_to_rad, low + row * (high - low)), strict=True)) for row in shares]
+
+
+def _moved(tree: BodyTree) -> FloatArray:
+    """Return 1 where a joint moves a geom, 0 elsewhere, shape (joints, geoms)."""
+    above: dict[str, list[str]] = {}
     for body in tree.bodies:
-        children.setdefault(body.parent, []).append(body)
-    inertias: dict[str, float] = {}
-    for body in tree.bodies:
-        anchors = [joint.anchor_m for joint in body.joints]
-        for index, joint in enumerate(body.joints):
-            lumps = _lumps(body, anchors[index:], 0.0, children)
-            inertias[joint.name] = joint.armature_kgm2 + sum(mass_kg * arm_m**2 for mass_kg, arm_m in lumps)
-    return inertias
+        inherited = above[body.parent] if body.parent else []
+        above[body.name] = [*inherited, *(joint.name for joint in body.joints)]
+    columns = [[joint in above[body.name] for joint in tree.joints] for body in tree.bodies for _ in body.geoms]
+    return np.array(columns, float).T
 
 
-def _lumps(body: Body, way: list[Vec3], before_m: float, children: Children) -> Iterator[tuple[float, float]]:
-    """Yield the masses of a body and of all that hangs on it, in [kg], and how far from a joint each can get, in [m].
-
-    Args:
-        body: Where to go on.
-        way: Points of its frame that everything on it turns about, one after another.
-        before_m: How far the first of them can be from the joint.
-        children: Of each body.
-    """
-    before_m += sum(dist(here, there) for here, there in pairwise(way))
-    for geom in body.geoms:
-        yield geom.mass_kg, hypot(before_m + dist(way[-1], geom.pos_m), _gyration_m(geom))
-    for child in children.get(body.name, ()):
-        anchors = [ORIGIN, *(joint.anchor_m for joint in child.joints)]
-        yield from _lumps(child, anchors, before_m + dist(way[-1], child.pos_m), children)
+def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatArray) -> FloatArray:
+    """Return the inertia of all that each joint moves about its axis, shape (joints,)."""
+    masses = np.array([geom.mass_kg for geom in posed.geoms])
+    arms = np.cross(posed.centres - anchors[:, None], axes[:, None])
+    own = np.array([_gyration_squares(geom) for geom in posed.geoms])
+    local = np.einsum("gij,ki->kgj", posed.turns, axes)
+    squares = (arms**2).sum(axis=2) + (local**2 * own).sum(axis=2)
+    return (moved * masses * squares).sum(axis=1)
 
 
-def _gyration_m(geom: Geom) -> float:
-    """Return at least the radius of gyration about any axis through a geom's centre, from how far it reaches at most.
-
-    A cube reaches x to each side and has x² 2/3; a disc has x² / 2, and all rounder or longer geoms have less.
-    """
+def _gyration_squares(geom: Geom) -> tuple[float, float, float]:
+    """Return the squared radii of gyration about a geom's own axes, in [m²]; a capsule counts as its cylinder."""
     if geom.type == "box":
-        return max(geom.size_m) * sqrt(2 / 3)
-    return sum(geom.size_m) * sqrt(1 / 2)
+        x, y, z = (half_m**2 / 3 for half_m in geom.size_m)
+        return y + z, x + z, x + y
+    if geom.type == "sphere":
+        return (0.4 * geom.size_m[0] ** 2,) * 3
+    radius_m, half_m = geom.size_m
+    across = radius_m**2 / 4 + half_m**2 / 3
+    return across, across, radius_m**2 / 2

@@ -1,14 +1,14 @@
 """Where the parts of a body are in a given pose, and where it touches the ground."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.body.tree import Body, BodyTree, Geom, Vec3
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Vec3
 from mimoc.units import deg_to_rad
 
 FloatArray = npt.NDArray[np.float64]
@@ -66,6 +66,19 @@ def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
     for body in tree.bodies:
         parent = found[body.parent] if body.parent else (np.zeros(3), np.eye(3))
         found[body.name] = _frame(body, angles_rad, *parent)
+    return found
+
+
+def hinges(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
+    """Return the anchor and the axis of every joint in the frame of the hip, shapes (3,) each; the axis a unit vector.
+
+    Joints that are not named stay at zero.
+    """
+    placed, found = frames(tree, angles_rad), {}
+    for body in tree.bodies:
+        if body.parent:
+            for joint, anchor, turn in _turns(body, angles_rad, *placed[body.parent]):
+                found[joint.name] = anchor, turn @ joint.axis / np.linalg.norm(joint.axis)
     return found
 
 
@@ -161,3 +174,13 @@ def _frame(
             turn = turn @ axis_matrix(joint.axis, angle_rad)
             origin = anchor - turn @ joint.anchor_m
     return origin, turn
+
+
+def _turns(
+    body: Body, angles_rad: Mapping[str, float], parent_origin: FloatArray, parent_turn: FloatArray
+) -> Iterator[tuple[Joint, FloatArray, FloatArray]]:
+    """Yield each joint of a body, where its anchor is, and how the body is turned before it turns."""
+    for count, joint in enumerate(body.joints):
+        before = replace(body, joints=body.joints[:count])
+        origin, turn = _frame(before, angles_rad, parent_origin, parent_turn)
+        yield joint, origin + turn @ joint.anchor_m, turn

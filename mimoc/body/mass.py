@@ -1,4 +1,4 @@
-"""The volume of a part, which its mass and strength grow with."""
+"""The volume of a part, which its mass and strength grow with; its mass is that times its `density`."""
 
 import math
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mimoc.body.assembly import Anatomy
-from mimoc.body.figures import GeomFigures, Part
+from mimoc.body.density import density
+from mimoc.body.figures import GeomFigures, JointFigures, Part
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
 from mimoc.schema.names import SIDES
@@ -15,6 +16,8 @@ Entry = dict[str, Any]
 
 REFERENCE = "MIMo's reference body, 18 months"
 CONSTANT = f"{REFERENCE}; the same at every age"
+EXTRAORDINARY = "its motor is stronger than the average child's, of this age and of 18 months"
+"""Why a joint is harder to swing than the reference body's (`steady`)."""
 
 
 def trace_body(
@@ -31,6 +34,8 @@ def trace_body(
     figures = {geom.name.format(side=side): geom for side, part in anatomy.parts for geom in part.geoms}
     sides = {part.name.format(side=side): side for side, part in anatomy.parts}
     parts = {part.name.format(side=side): part for side, part in anatomy.parts}
+    hinges = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
+    motors = {motor.joint: motor.name for motor in tree.motors}
     entries = dict(_trace_measurements(measurements))
     for body in tree.bodies:
         side, here = sides[body.name], scaled.get(body.name, ())
@@ -39,9 +44,9 @@ def trace_body(
         for geom in body.geoms:
             sized, placed = figures[geom.name].follows, figures[geom.name].placed_by
             sources = [_keys(names, side, measurements, here) for names in (sized, (*sized, *placed))]
-            entries.update(_trace_geom(geom, figures[geom.name], *sources))
+            entries.update(_trace_geom(geom, figures[geom.name], anatomy.hands, *sources))
         for joint in body.joints:
-            entries.update(_trace_joint(joint))
+            entries.update(_trace_joint(joint, hinges[joint.name], motors.get(joint.name)))
     return entries
 
 
@@ -81,7 +86,9 @@ def _trace_body(body: Body, part: Part, sources: list[str]) -> Iterator[tuple[st
         yield f"body.{body.name}.pos", entry
 
 
-def _trace_geom(geom: Geom, figures: GeomFigures, sources: list[str], place: list[str]) -> Iterator[tuple[str, Entry]]:
+def _trace_geom(
+    geom: Geom, figures: GeomFigures, hands: str, sources: list[str], place: list[str]
+) -> Iterator[tuple[str, Entry]]:
     key, at = f"geom.{geom.name}", _xml("geom", geom.name)
     yield (
         f"{key}.size",
@@ -93,14 +100,15 @@ def _trace_geom(geom: Geom, figures: GeomFigures, sources: list[str], place: lis
         {
             "value": geom.mass_kg,
             "unit": "kg",
-            "rule": f"{figures.mass_kg:g} kg ({REFERENCE}) x volume / volume of the average child of 18 months",
+            "rule": f"{density(figures, hands):.6g} kg/m3 x volume; the density of {REFERENCE}",
             "from": [f"{key}.size"],
             "xml": at + "/@mass",
         },
     )
 
 
-def _trace_joint(joint: Joint) -> Iterator[tuple[str, Entry]]:
+def _trace_joint(joint: Joint, figures: JointFigures, motor: str | None) -> Iterator[tuple[str, Entry]]:
+    """Yield a joint's constants; *motor* is what moves it."""
     low, high = joint.range_deg
     constants = {
         "range": ((deg_to_rad(low), deg_to_rad(high)), "rad"),
@@ -110,9 +118,15 @@ def _trace_joint(joint: Joint) -> Iterator[tuple[str, Entry]]:
         "armature": (joint.armature_kgm2, "kg m2"),
         "springref": (deg_to_rad(joint.springref_deg), "rad"),
     }
+    usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
     for attribute, (value, unit) in constants.items():
-        xml = f"{_xml('joint', joint.name)}/@{attribute}"
-        yield f"joint.{joint.name}.{attribute}", {"value": value, "unit": unit, "rule": CONSTANT, "xml": xml}
+        entry: Entry = {"value": value, "unit": unit, "rule": CONSTANT}
+        if value != usual.get(attribute, value):
+            entry["rule"] = (
+                f"{usual[attribute]:g} ({REFERENCE}) x {value / usual[attribute]:.6g}, by which {EXTRAORDINARY}"
+            )
+            entry["from"] = [f"actuator.{motor}.gear"]
+        yield f"joint.{joint.name}.{attribute}", {**entry, "xml": f"{_xml('joint', joint.name)}/@{attribute}"}
 
 
 def _keys(names: tuple[str, ...], side: str, measurements: Measurements, scaled: tuple[str, ...]) -> list[str]:

@@ -33,6 +33,29 @@ def check_limbs(layout: Layout) -> None:
             raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
 
 
+DEEPEST = 0.5
+"""How far the belly may reach into the pelvis when the body stands, in radii of the pelvis: deeper than that, the two
+push each other apart with a force that no joint withstands."""
+
+
+def check_trunk(layout: Layout) -> None:
+    """Pass a layout whose belly and pelvis, which meet two joints apart, do not stand in one another.
+
+    Raises:
+        GeometryError: If they do.
+    """
+    pelvis, belly = layout.solids["lb"], layout.solids["ub1"]
+    on_belly = [
+        sum(axis) for axis in zip(*(layout.origins[body] for body in ("lower_body", "upper_body")), strict=True)
+    ]
+    x, _, z = (a + b - c for a, b, c in zip(on_belly, belly.pos_m, pelvis.pos_m, strict=True))
+    depth_m = pelvis.size_m[0] + belly.size_m[0] - math.hypot(x, z)
+    if depth_m > DEEPEST * pelvis.size_m[0]:
+        raise GeometryError(
+            f"the upper body would reach {depth_m:.3f} m into a pelvis {2 * pelvis.size_m[0]:.3f} m thick"
+        )
+
+
 def scale_part(layout: Layout, name: str, parts: Iterable[Part], length: float, girth: float) -> Layout:
     """Return a layout in which one part is scaled.
 

@@ -10,7 +10,11 @@ EXAMPLE = "Example:  mimoc check out/nine_months"
 
 
 def check(infant: InfantPath) -> None:
-    """Check that a bundle is whole, compiles, and stays calm under a second of random control from each pose."""
+    """Check that a bundle is whole, compiles, and stays calm under random and under alternating commands.
+
+    From each pose, a second of each: commands drawn anew for every control step, then all joints to and fro as hard as
+    they can, switched every 50 to 100 ms.
+    """
     from mimoc import console
     from mimoc.runtime.check import check_stability
 

@@ -11,7 +11,7 @@ from mimoc.schema.manifest import ActuationEntry
 def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:
     """Return the peak torque about each hinge that is driven, towards negative and positive angles, in [N m].
 
-    The first is negative. Of muscles it is what they hold at their optimal length; a servo's has no end.
+    The first is negative. Of muscles it is what they hold at their optimal length; of servos, that of torque motors.
 
     Args:
         bundle: A bundle, or the folder of one.

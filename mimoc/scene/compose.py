@@ -46,7 +46,7 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
         frictionless=tree.frictionless,
         excluded=tree.excluded,
         actuator_defaults=drive.defaults,
-        actuators=drive.actuators(tree),
+        actuators=drive.actuators(tree, ms_to_s(spec.control.timestep_ms)),
         sensors=(*instruments.VESTIBULAR_SENSORS, *instruments.torque_sensors(tree)),
         world=World(),
         keyframes=tuple(drive.keyframe(tree, keyframe) for keyframe in keyframes(tree)),

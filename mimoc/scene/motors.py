@@ -13,7 +13,8 @@ from mimoc.scene.tree import Actuator, Keyframe
 class Drive:
     """What an actuation model makes of a body."""
 
-    actuators: Callable[[BodyTree], tuple[Actuator, ...]]
+    actuators: Callable[[BodyTree, float], tuple[Actuator, ...]]
+    """From the body and the physics step, in [s]."""
     defaults: tuple[tuple[str, str], ...]
     """The attributes that all its actuators have in common."""
     integrator: str
@@ -24,7 +25,7 @@ class Drive:
     """A state with the actuators at rest."""
 
 
-def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
+def torque_motors(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
     """Return one motor for each of MIMo's actuators: torque = gear x command, within the force range.
 
     Each has the parameters of its muscles with it, for MIMo's code, which makes muscles of torque motors.

@@ -33,7 +33,7 @@ DAMPING = 1 / 20
 """What muscles leave of the damping of joints, by the reference body's; of their springs they leave nothing (MIMo)."""
 
 
-def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
+def muscles(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
     """Return both muscles of each of MIMo's actuators, the one towards negative angles first."""
     joints = tree.joints
     return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint]))

@@ -6,10 +6,10 @@ from mimoc.body import Anatomy, BodyTree, Motor
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
 from mimoc.scene.motors import DRIVES
 from mimoc.scene.muscles import DAMPING, LONGEST, PEAK, SHORTEST
-from mimoc.scene.servos import FOLLOWING, FREQUENCY_RAD_S, LAG_S
+from mimoc.scene.servos import FINEST_STEP_S, LAG_S, STEPS_OF_LAG
 from mimoc.scene.tree import Actuator
 
-MODEL_KEY = "spec.actuation.model"
+MODEL_KEY, STEP_KEY = "spec.actuation.model", "spec.control.timestep_ms"
 STROKE = LONGEST - SHORTEST
 """By how much a muscle's length changes over the range of its joint, in optimal lengths."""
 
@@ -28,23 +28,26 @@ def trace_drive(model: str, anatomy: Anatomy, tree: BodyTree, actuators: tuple[A
     for name, joint in DRIVES[model].joints(tree).items():
         was = tree.joints[name]
         if joint.stiffness_nm_per_rad != was.stiffness_nm_per_rad:
-            entries.update(_trace_joint(name, "stiffness", joint.stiffness_nm_per_rad, "N m/rad", model))
+            entries.update(_trace_joint(name, "stiffness", joint.stiffness_nm_per_rad, "N m/rad", model, ()))
         if joint.damping_nms_per_rad != was.damping_nms_per_rad:
-            entries.update(_trace_joint(name, "damping", joint.damping_nms_per_rad, "N m s/rad", model))
+            sources = _speed_keys(tree, name) if model == "position" else ()
+            entries.update(_trace_joint(name, "damping", joint.damping_nms_per_rad, "N m s/rad", model, sources))
     for motor in tree.motors:
         mine = [actuator for actuator in actuators if actuator.mimo_actuator == motor.name]
         entries.update(TRACES[model](tree, motor, gears_nm[motor.name], mine))
     return entries
 
 
-def _trace_joint(name: str, attribute: str, value: float, unit: str, model: str) -> Iterator[tuple[str, Entry]]:
+def _trace_joint(
+    name: str, attribute: str, value: float, unit: str, model: str, sources: tuple[str, ...]
+) -> Iterator[tuple[str, Entry]]:
     rules = {
         ("muscle", "stiffness"): f"{REFERENCE}, but none with muscles",
         ("muscle", "damping"): f"{REFERENCE}, x {DAMPING:g} with muscles",
-        ("position", "damping"): f"{FOLLOWING:g} x {_DAMPING_RULE}, for a joint that follows others without a servo",
+        ("position", "damping"): _DAMPING_RULE,
     }
     xml = f"infant.xml: joint[@name='{name}']/@{attribute}"
-    entry = {"value": value, "unit": unit, "rule": rules[model, attribute], "from": [MODEL_KEY], "xml": xml}
+    entry = {"value": value, "unit": unit, "rule": rules[model, attribute], "from": [MODEL_KEY, *sources], "xml": xml}
     yield f"joint.{name}.{attribute}", entry
 
 
@@ -94,24 +97,41 @@ def _trace_muscles(
         yield f"{at}.lengthrange", {**length, "from": [f"joint.{motor.joint}.range"], "xml": xml}
 
 
-_STIFFNESS_RULE = f"({FREQUENCY_RAD_S:g} rad/s)^2 x inertia of all that hangs on the joint, stretched out"
-_DAMPING_RULE = f"{LAG_S:g} s x {_STIFFNESS_RULE}"
+_DAMPING_RULE = (
+    f"peak torque / speed at which its muscles do not pull (vmax ({REFERENCE}) x range / {LONGEST - SHORTEST:.2f}), "
+    "where that is more than the reference body's"
+)
+_STOP_RULE = f"least inertia about the joint / physics step (of {1000 * FINEST_STEP_S:g} ms at least)"
+_STIFFNESS_RULE = (
+    f"({_STOP_RULE} + damping of the joint) / lag ({LAG_S:g} s, and {STEPS_OF_LAG} physics steps at least)"
+)
 
 
 def _trace_servos(
     tree: BodyTree, motor: Motor, reference_nm: float, actuators: list[Actuator]
 ) -> Iterator[tuple[str, Entry]]:
+    yield from _trace_strength(tree, motor, reference_nm, actuators)
     rules = {
+        "forcerange": "gear x part of it that is reached towards negative and positive angles: "
+        f"{motor.force_range[0]:g} and {motor.force_range[1]:g} ({REFERENCE})",
         "gainprm": f"{_STIFFNESS_RULE} x half of the joint's range",
-        "biasprm": f"torque at angle 0, then by angle: -{_STIFFNESS_RULE}, and by speed: -{_DAMPING_RULE}; "
-        "less the joint's own spring and damper",
+        "biasprm": f"torque at angle 0, then by angle: -{_STIFFNESS_RULE}, less the joint's own spring, and by speed: "
+        f"-{_STOP_RULE}",
     }
     joint = [f"joint.{motor.joint}.{constant}" for constant in ("range", "stiffness", "springref", "damping")]
-    sources = [*joint, f"joint.{motor.joint}.armature", *_masses_on(tree, motor.joint)]
+    gains = [*joint, f"joint.{motor.joint}.armature", STEP_KEY, *_masses_on(tree, motor.joint)]
     for actuator in actuators:
         for attribute, value in actuator.settings:
-            entry = {"value": value, "rule": rules[attribute], "from": sources, "xml": _xml(actuator.name, attribute)}
-            yield f"actuator.{actuator.name}.{attribute}", entry
+            key, strong = f"actuator.{actuator.name}.{attribute}", attribute == "forcerange"
+            entry = {"value": value, "rule": rules[attribute], "xml": _xml(actuator.name, attribute)}
+            sources = [f"actuator.{motor.name}.gear"] if strong else gains
+            yield key, {**entry, **({"unit": "N m"} if strong else {}), "from": sources}
+
+
+def _speed_keys(tree: BodyTree, joint: str) -> tuple[str, ...]:
+    """Return the keys of what a servo's speed follows."""
+    gears = tuple(f"actuator.{motor.name}.gear" for motor in tree.motors if motor.joint == joint)
+    return (*gears, f"joint.{joint}.range")
 
 
 def _masses_on(tree: BodyTree, joint: str) -> list[str]:

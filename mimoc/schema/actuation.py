@@ -48,13 +48,3 @@ class ActuationSpec(Model):
                 message = f"{' and '.join(sorted(both))} cannot be moved and locked; leave it out here or in 'locked'"
                 raise KeyedError(("regions", index), message, against=("locked",))
         return self
-
-    @model_validator(mode="after")
-    def _servos_have_no_strength(self) -> Self:
-        for key in ("strength_age_months", "strength"):
-            if self.model == "position" and getattr(self, key) not in (None, {}):
-                message = (
-                    "servos ('model: position') have no strength of their own; leave it out, or choose another model"
-                )
-                raise KeyedError((key,), message, against=("model",))
-        return self

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from mimoc.body import assemble, grow
+from mimoc.body.density import density
+from mimoc.body.mass import volume
 from mimoc.fits import measure
 
 ACTUATORS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
@@ -71,21 +73,35 @@ def test_geoms_are_mimos(model, published):
         assert model.mat(geom.matid[0]).name == (row["material"] or "skin")
 
 
-def test_parts_weigh_what_they_do_in_mimo(model, published):
-    """A geom is compiled away into its body, so parts are compared; geom by geom below."""
-    masses = dict.fromkeys((row["name"] for row in published("bodies")), 0.0)
-    for row in published("geoms"):
-        masses[row["body"]] += float(row["mass_kg"])
-    assert [model.body(name).mass[0] for name in masses] == pytest.approx(list(masses.values()), rel=1e-8)
-    assert model.body("hip").subtreemass[0] == pytest.approx(10.9, abs=0.007)
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+def test_every_geom_that_is_as_large_as_mimos_weighs_what_it_does_there(hands, reference):
+    """Density is the reference body's, volume the child's."""
+    wanted = {row["name"]: row for row in reference("geoms", hands)}
+    for side, part in assemble(hands, False).parts:
+        for figures in part.geoms:
+            row = wanted[figures.name.format(side=side)]
+            found_kg = density(figures, hands) * volume(row["type"], tuple(floats(row["size_m"])))
+            assert found_kg == pytest.approx(float(row["mass_kg"]), rel=1e-12), row["name"]
+    assert sum(float(row["mass_kg"]) for row in wanted.values()) == pytest.approx(10.9, abs=0.007)
 
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
-def test_every_geom_weighs_what_it_does_in_mimo(hands, reference):
-    geoms = grow(measure(18), assemble(hands, False)).geoms
-    wanted = {row["name"]: float(row["mass_kg"]) for row in reference("geoms", hands)}
-    assert {name: geom.mass_kg for name, geom in geoms.items()} == pytest.approx(wanted, rel=1e-12)
-    assert sum(wanted.values()) == pytest.approx(10.9, abs=0.007)
+def test_the_body_of_18_months_weighs_what_mimos_does_within_three_percent(hands):
+    """Its parts have the size of AnthroKids' children, and MIMo's density."""
+    assert grow(measure(18), assemble(hands, False)).mass_kg == pytest.approx(10.9, rel=0.03)
+
+
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+@pytest.mark.parametrize("age_months", [0, 1.5, 4.5, 9, 14, 18, 24])
+def test_every_part_has_the_density_of_the_reference_body(age_months, hands, reference):
+    """At every age, however its size differs from the reference body's; no part is of lead."""
+    rows = {row["name"]: row for row in reference("geoms", hands)}
+    for geom in grow(measure(age_months), assemble(hands, True)).geoms.values():
+        row = rows[geom.name]
+        wanted_kg_m3 = float(row["mass_kg"]) / volume(row["type"], tuple(floats(row["size_m"])))
+        found_kg_m3 = geom.mass_kg / volume(geom.type, geom.size_m)
+        assert found_kg_m3 == pytest.approx(wanted_kg_m3, rel=1e-9), geom.name
+        assert found_kg_m3 < 1100, geom.name
 
 
 FILLERS = {"neck"}

@@ -107,8 +107,8 @@ def test_the_strength_of_the_bodys_own_age_changes_nothing(body):
     assert set(factors({"strength_age_months": 9}, **body).values()) == {1}
 
 
-def test_strength_changes_nothing_but_gears(body):
-    plain, strong = child({}, **body), child({"strength_age_months": 24, "strength": {"arms": 2}}, **body)
+def test_strength_changes_nothing_but_gears_up_to_that_of_18_months(body):
+    plain, strong = child({}, **body), child({"strength_age_months": 18, "strength": {"legs": 0.5}}, **body)
     assert (strong.bodies, strong.tendons) == (plain.bodies, plain.tendons)
     assert [motor.force_range for motor in strong.motors] == [motor.force_range for motor in plain.motors]
 

@@ -33,11 +33,14 @@ def test_muscles_have_the_limits_of_motors_within_a_tenth(limits_of):
         assert muscles[joint][0] < 0 < muscles[joint][1]
 
 
-def test_servos_have_no_limits(limits_of):
-    assert set(limits_of(model="position").values()) == {(-np.inf, np.inf)}
+def test_servos_have_the_limits_of_motors(limits_of):
+    motors, servos = limits_of(), limits_of(model="position")
+    assert motors.keys() == servos.keys()
+    for joint in motors:
+        assert servos[joint] == pytest.approx(motors[joint])
 
 
-@pytest.mark.parametrize("model", ["torque", "muscle"])
+@pytest.mark.parametrize("model", ["torque", "muscle", "position"])
 def test_limits_follow_the_strength_of_the_spec(limits_of, model):
     plain, strong = limits_of(model=model), limits_of(model=model, strength={"legs": 2, "left_leg": 3, "neck": 0})
     assert strong["robot:right_knee"] == pytest.approx(np.multiply(2, plain["robot:right_knee"]))

@@ -12,6 +12,8 @@ from mimoc.scene.motors import DRIVES
 from mimoc.scene.provenance import TRACES
 from mimoc.schema.actuation import ActuationSpec
 
+TIMESTEP_S = 0.005
+
 
 @pytest.fixture(scope="module", params=["mitten", "five_finger"])
 def tree(request):
@@ -24,7 +26,7 @@ def test_every_model_of_the_language_drives_and_is_traced():
 
 @pytest.mark.parametrize("model", DRIVES)
 def test_every_actuator_moves_the_joint_of_mimos(model, tree):
-    actuators = DRIVES[model].actuators(tree)
+    actuators = DRIVES[model].actuators(tree, TIMESTEP_S)
     joints = {motor.name: motor.joint for motor in tree.motors}
     assert {actuator.mimo_actuator for actuator in actuators} == joints.keys()
     assert all(actuator.joint == joints[actuator.mimo_actuator] for actuator in actuators)
@@ -33,7 +35,7 @@ def test_every_actuator_moves_the_joint_of_mimos(model, tree):
 
 @pytest.mark.parametrize("model", DRIVES)
 def test_a_body_has_an_actuator_a_joint_or_two_muscles(model, tree):
-    count = len(DRIVES[model].actuators(tree)) // (2 if model == "muscle" else 1)
+    count = len(DRIVES[model].actuators(tree, TIMESTEP_S)) // (2 if model == "muscle" else 1)
     assert count == (46 if len(tree.motors) < 50 else 90)
 
 

@@ -16,8 +16,13 @@ PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")
 
 @pytest.fixture(scope="module", params=DRIVES)
 def bundle(request):
-    actuation = {"model": request.param} | ({} if request.param == "position" else STRENGTH)
-    spec = {"mimoc": 1, "name": "x", "age_months": 9, "actuation": actuation, "body": {"remove": ["right_hand"]}}
+    spec = {
+        "mimoc": 1,
+        "name": "x",
+        "age_months": 9,
+        "actuation": {"model": request.param, **STRENGTH},
+        "body": {"remove": ["right_hand"]},
+    }
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 
@@ -64,14 +69,29 @@ def test_sources_exist_and_never_lead_in_a_circle(entries):
 
 
 def test_a_gear_names_what_made_it_stronger(bundle, entries):
-    if bundle.manifest.actuation.model == "position":
-        assert "actuator.act:left_elbow.gear" not in entries
-        return
     keys = {"left": "spec.actuation.strength.left_arm", "right": "spec.actuation.strength.arms"}
     for side, factor in (("left", 3), ("right", 2)):
         gear = entries[f"actuator.act:{side}_elbow.gear"]
         assert gear["from"][1:] == [keys[side], "spec.actuation.strength_age_months"]
         assert f"x {factor} ({keys[side]})" in gear["rule"]
+
+
+def test_a_servo_leads_back_to_the_gear(bundle, entries):
+    if bundle.manifest.actuation.model == "position":
+        limits = entries["actuator.act:left_elbow.forcerange"]
+        gear_nm = entries["actuator.act:left_elbow.gear"]["value"]
+        assert limits["value"] == pytest.approx([-gear_nm, 0.83 * gear_nm])
+        assert limits["from"] == ["actuator.act:left_elbow.gear"]
+        assert "actuator.act:left_elbow.gear" in entries["joint.robot:left_elbow.damping"]["from"]
+
+
+def test_a_joint_says_why_it_is_harder_to_swing(bundle, entries):
+    """Its arm is made two or three times as strong as that of 18 months."""
+    for side, factor in (("left", 3), ("right", 2)):
+        armature = entries[f"joint.robot:{side}_elbow.armature"]
+        assert armature["value"] == pytest.approx(factor * 0.002)
+        assert f"x {factor}, by which its motor is stronger" in armature["rule"]
+        assert armature["from"] == [f"actuator.act:{side}_elbow.gear"]
 
 
 def test_a_muscle_leads_back_to_the_gear(bundle, entries):

@@ -1,4 +1,4 @@
-"""Servos on the compiled model: any pose is reached in time and held against gravity, at any age."""
+"""Servos on the compiled model: what muscles could hold they hold, at any age, and no more than muscles could."""
 
 import mujoco
 import numpy as np
@@ -6,26 +6,23 @@ import pytest
 
 import mimoc
 from mimoc.body import assemble, grow
-from mimoc.body.heft import heaviest_inertias
+from mimoc.body.heft import inertias
 from mimoc.fits import measure
+from mimoc.runtime.check import COMMANDS, flail
 
-AGES_MONTHS = (0, 3, 9, 18, 24)
 HANDS = ("mitten", "five_finger")
-STEPS_IN_300_MS, STEPS_IN_500_MS = 60, 100
-DOWN, FORWARD, SIDEWAYS = (0, 0, -9.81), (9.81, 0, 0), (0, 9.81, 0)
+CHILDREN = ((0, "mitten"), (9, "five_finger"), (24, "mitten"))
+SETTLED_S, END_S = 1.5, 2.0
 HEAD_SHARE = 0.6
 """Tendons let the head turn about one axis less far while it is turned about another."""
+WITHIN_DEG = {5: 2.5, 10: 3.5, 20: 6.0}
+"""How far from its command a joint is held whose torque is not used up, by physics step in milliseconds."""
 
 
-@pytest.fixture(scope="module", params=HANDS)
-def hands(request):
-    return request.param
-
-
-@pytest.fixture(scope="module", params=AGES_MONTHS)
-def held(request, hands):
+def fixed(age_months, hands, timestep_ms):
     """Return an infant whose hip is fixed, and which collides with nothing."""
-    spec = {"mimoc": 1, "name": "x", "age_months": request.param, "actuation": {"model": "position"}}
+    control = {"timestep_ms": timestep_ms, "step_ms": 2 * timestep_ms}
+    spec = {"mimoc": 1, "name": "x", "age_months": age_months, "actuation": {"model": "position"}, "control": control}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "body": {"hands": hands}}))
     infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=dict(bundle.files))
     infant.delete(infant.joint("mimo_location"))
@@ -46,55 +43,67 @@ def upright(model):
     return np.clip(-(high + low) / (high - low), -1, 1)
 
 
-def errors_deg(model, start, goal, steps):
-    """Return how far each joint is from its goal after each step, shape (steps, n)."""
-    data, driven = mujoco.MjData(model), model.jnt_qposadr[model.actuator_trnid[:, 0]]
-    data.qpos[driven] = angles_of(model, start)
-    for motion, ratio in (("lean", 2), ("rot", 1), ("bend", 1)):
-        data.joint(f"robot:hip_{motion}2").qpos = ratio * data.joint(f"robot:hip_{motion}1").qpos
-    data.act[:], data.ctrl[:] = start, goal
-    errors = []
-    for _ in range(steps):
-        mujoco.mj_step(model, data)
-        errors.append(np.degrees(data.qpos[driven] - angles_of(model, goal)))
-    assert not data.warning.number.any()
-    return np.array(errors)
-
-
 def names(model):
     return [model.actuator(index).name for index in range(model.nu)]
 
 
-@pytest.mark.parametrize("gravity", [DOWN, FORWARD, SIDEWAYS], ids=["down", "forward", "sideways"])
-def test_a_pose_is_reached_in_300_ms_and_held_against_gravity(held, gravity):
-    held.opt.gravity[:] = gravity
+@pytest.mark.parametrize("timestep_ms", WITHIN_DEG)
+@pytest.mark.parametrize(("age_months", "hands"), CHILDREN)
+def test_a_pose_is_held_against_gravity_wherever_muscles_are_strong_enough(age_months, hands, timestep_ms):
+    """Most joints are within half a degree; those that are not have all of their torque in use."""
+    model, generator = fixed(age_months, hands, timestep_ms), np.random.default_rng(0)
+    driven, (low, high) = model.jnt_qposadr[model.actuator_trnid[:, 0]], model.actuator_forcerange.T
+    for _ in range(2):
+        goal = generator.uniform(-0.9, 0.9, model.nu)
+        goal[["head" in name for name in names(model)]] *= HEAD_SHARE
+        data = mujoco.MjData(model)
+        data.act[:], data.ctrl[:] = upright(model), goal
+        mujoco.mj_step(model, data, round(SETTLED_S / model.opt.timestep))
+        errors, used_up = [], np.zeros(model.nu, bool)
+        while data.time < END_S:
+            mujoco.mj_step(model, data)
+            errors.append(np.degrees(np.abs(data.qpos[driven] - angles_of(model, goal))))
+            used_up |= (data.actuator_force <= 0.95 * low) | (data.actuator_force >= 0.95 * high)
+        assert not data.warning.number.any()
+        worst = np.max(errors, axis=0)[~used_up]
+        assert worst.max() < WITHIN_DEG[timestep_ms], np.array(names(model))[~used_up][worst.argmax()]
+        assert np.median(worst) < 0.5 * WITHIN_DEG[timestep_ms]
+        assert used_up.mean() < 0.45  # A newborn's muscles cannot hold what the springs of 18 months pull at.
+
+
+@pytest.mark.parametrize("pose", ["supine", "sitting"])
+@pytest.mark.parametrize("timestep_ms", [5, 10, 20])
+def test_no_physics_step_that_the_spec_allows_breaks_down(timestep_ms, pose):
+    """Nor flings a joint out, under random and under alternating commands."""
+    control = {"timestep_ms": timestep_ms, "step_ms": 20}
+    spec = {"mimoc": 1, "name": "x", "age_months": 6, "actuation": {"model": "position"}, "control": control}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate({**spec, "body": {"hands": "five_finger"}}))
+    model = mujoco.MjModel.from_xml_string(bundle.files["scene.xml"].decode(), dict(bundle.files))
     generator = np.random.default_rng(0)
-    for _ in range(3):
-        goal = generator.uniform(-0.9, 0.9, held.nu)
-        goal[["head" in name for name in names(held)]] *= HEAD_SHARE
-        errors = errors_deg(held, upright(held), goal, 2 * STEPS_IN_500_MS)
-        late = errors[STEPS_IN_300_MS:]
-        assert np.abs(late).max() < 1, names(held)[np.abs(late).max(axis=0).argmax()]
-        assert np.ptp(errors[STEPS_IN_500_MS:], axis=0).max() < 0.2
+    for commands in COMMANDS.values():
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+        found = flail(data, commands(model, generator, 0.02), 0.02, "hip")
+        assert found.warnings == ()
+        assert found.beyond_deg < 60, found
 
 
-def test_a_joint_goes_from_end_to_end_without_overshoot(held):
-    held.opt.gravity[:] = DOWN
-    for index, name in enumerate(names(held)):
-        if name.startswith("act:right"):
-            continue
-        reach = HEAD_SHARE if "head" in name else 0.98
-        start, goal = upright(held), upright(held)
-        start[index], goal[index] = -reach, reach
-        error = errors_deg(held, start, goal, STEPS_IN_500_MS)[:, index]
-        assert error.max() < 0.5, name
-        assert np.abs(error[STEPS_IN_300_MS:]).max() < 1, name
+def test_no_joint_goes_faster_than_its_muscles_could(driven):
+    """Than VMAX, but for what other joints do to it: alone in space, from end to end."""
+    model, motors = driven("position", 9, "mitten"), grow(measure(9), assemble("mitten", False)).motors
+    dofs = model.jnt_dofadr[model.actuator_trnid[:, 0]]
+    for index, motor in enumerate(motors):
+        low, high = model.jnt_range[model.actuator_trnid[index, 0]]
+        fastest_rad_s = motor.vmax_lengths_per_s * (high - low) / 0.3
+        stall_nm = np.abs(model.actuator_forcerange[index]).max()
+        assert stall_nm / model.dof_damping[dofs[index]] <= fastest_rad_s * (1 + 1e-6), motor.name
 
 
 def test_commands_span_the_range_of_a_joint(driven):
-    """And without them a servo does what the joint's own spring and damper leave to do."""
+    """And without them a servo does what the joint's own spring leaves to do."""
     model = driven("position", 9, "five_finger")
     plain = driven("torque", 9, "five_finger")
+    model.actuator_forcelimited[:] = 0
     ids = model.actuator_trnid[:, 0]
     dofs, at = model.jnt_dofadr[ids], model.jnt_qposadr[ids]
     data = mujoco.MjData(model)
@@ -104,43 +113,35 @@ def test_commands_span_the_range_of_a_joint(driven):
         mujoco.mj_forward(model, data)
         forces = data.qfrc_actuator[dofs] + data.qfrc_spring[dofs]
         assert forces == pytest.approx(0, abs=1e-6 * model.actuator_gainprm[:, 0].max())
+    model.actuator_forcelimited[:] = 1
     assert np.array_equal(model.jnt_stiffness, plain.jnt_stiffness)
 
 
-@pytest.mark.parametrize("pose", ["supine", "prone", "sitting", "standing"])
-@pytest.mark.parametrize("age_months", [0, 9, 24])
-def test_every_keyframe_holds_its_pose(driven, age_months, pose):
-    """From the first step on, lying or standing on the ground."""
+@pytest.mark.parametrize("pose", ["supine", "prone", "sitting"])
+@pytest.mark.parametrize("age_months", [9, 24])
+def test_a_keyframe_on_the_ground_holds_its_pose(driven, age_months, pose):
     model = driven("position", age_months, "mitten")
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
     driven_at = model.jnt_qposadr[model.actuator_trnid[:, 0]]
     start = data.qpos[driven_at].copy()
-    for _ in range(STEPS_IN_300_MS):
-        mujoco.mj_step(model, data)
-        assert np.degrees(np.abs(data.qpos[driven_at] - start)).max() < 2
-    assert np.degrees(np.abs(data.qpos[driven_at] - start)).max() < 1
+    mujoco.mj_step(model, data, 60)
+    assert np.degrees(np.abs(data.qpos[driven_at] - start)).max() < 4
 
 
-def inertias(model, data):
-    """Return the diagonal of the mass matrix, which `mj_fullM` gives with other arguments in each MuJoCo."""
-    columns = np.zeros((model.nv, model.nv))
-    for column, unit in zip(columns, np.eye(model.nv), strict=True):
-        mujoco.mj_mulM(model, data, column, unit)
-    return np.diag(columns)
-
-
-@pytest.mark.parametrize("age_months", [0, 24])
-def test_no_pose_is_heavier_than_the_heaviest(driven, age_months, hands):
-    """The bound that servos are sized by holds in random poses, and is no idle one."""
-    bounds = heaviest_inertias(grow(measure(age_months), assemble(hands, hands == "five_finger")))
-    model, generator = driven("torque", age_months, hands), np.random.default_rng(0)
-    data, largest = mujoco.MjData(model), np.zeros(model.nv)
-    low, high = model.jnt_range[1:].T
-    for _ in range(50):
+@pytest.mark.parametrize("hands", HANDS)
+def test_inertias_are_those_of_the_compiled_model(driven, hands):
+    """In random poses none is less than half of the least, and few are more than twice the largest."""
+    bounds = inertias(grow(measure(9), assemble(hands, hands == "five_finger")))
+    model, generator = driven("torque", 9, hands), np.random.default_rng(0)
+    data, (low, high) = mujoco.MjData(model), model.jnt_range[1:].T
+    for _ in range(10):
         data.qpos[7:] = generator.uniform(low, high)
         mujoco.mj_forward(model, data)
-        largest = np.maximum(largest, inertias(model, data))
-    bound = np.array([bounds[model.joint(index).name] for index in range(1, model.njnt)])
-    assert (largest[6:] <= bound).all()
-    assert np.median(bound / largest[6:]) < 2
+        matrix = np.zeros((model.nv, model.nv))
+        for column, unit in zip(matrix, np.eye(model.nv), strict=True):
+            mujoco.mj_mulM(model, data, column, unit)
+        found = np.diag(matrix)[6:]
+        least, largest = np.array([bounds[model.joint(index).name] for index in range(1, model.njnt)]).T
+        assert (found > 0.45 * least).all()
+        assert (found < 2.2 * largest).all()

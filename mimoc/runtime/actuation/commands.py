@@ -50,6 +50,11 @@ def command_range(entry: ActuationEntry) -> tuple[FloatArray, FloatArray]:
     return low, np.array([actuator.action_high for actuator in commanded(entry)])
 
 
+def limits_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    """Return the largest torque of n motors towards negative and positive angles, shape (n, 2), in [N m]."""
+    return model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
+
+
 def mean_effort(shares: FloatArray, torques_nm: FloatArray) -> float:
     """Return the sum of u² T over n times the sum of T (MIMo), between 0 and 1 / n; 0 where nothing has strength.
 

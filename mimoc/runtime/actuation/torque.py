@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.runtime.actuation.commands import Commands, command_range, find_actuators, mean_effort
+from mimoc.runtime.actuation.commands import Commands, command_range, find_actuators, limits_of_motors, mean_effort
 from mimoc.schema.manifest import ActuationEntry
 
 
@@ -21,5 +21,4 @@ class Torque(Commands):
 def bind_torque(entry: ActuationEntry, model: mujoco.MjModel) -> Torque:
     """Find the actuators of *entry* in *model*."""
     ids = find_actuators(entry, model)
-    limits_nm = model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
-    return Torque(ids, *command_range(entry), limits_nm)
+    return Torque(ids, *command_range(entry), limits_of_motors(model, ids))

@@ -142,8 +142,8 @@ def _largest_of_muscles(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
 
 
 def _largest_of_servos(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
-    """Return what a servo makes of a command from one end of its joint's range while the joint is at the other."""
-    return 2 * model.actuator_gainprm[ids, 0]
+    limits_nm = model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
+    return np.maximum(np.abs(limits_nm).max(axis=1), LEAST_BOUND_NM)
 
 
 LARGEST_TORQUES: Mapping[str, Callable[[mujoco.MjModel, IntArray], FloatArray]] = {

@@ -35,7 +35,7 @@ def test_gymnasium_has_nothing_against_it(model, hands):
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("model", ["torque", "muscle"])
+@pytest.mark.parametrize("model", ACTUATIONS)
 def test_an_infant_without_any_strength_is_an_environment_too(model, hands):
     env = mimoc.make(infant(model, hands, **NO_STRENGTH))
     check_env(env.unwrapped)

@@ -46,6 +46,27 @@ def test_commands_and_torques_are_felt(env):
         assert felt[f"{actuator.name} torque [N m]"] == pytest.approx(env.data.actuator_force[index], rel=1e-6)
 
 
-def test_servos_cost_nothing(env):
-    env.step(env.action_space.high)
-    assert env.effort() == 0
+def test_servos_cost_what_they_use_of_their_strength(env):
+    """At rest next to nothing; all pushed as far as they can, most of the largest share, which is 1 / n."""
+    env.step(env.data.ctrl.copy())
+    resting = env.effort()
+    env.step(-np.sign(env.data.ctrl))
+    assert 0 <= resting < 0.1 / env.model.nu < env.effort() <= 1 / env.model.nu
+
+
+def test_no_servo_is_stronger_than_its_motor(env, open_env):
+    """Whatever is commanded, at an age and strength that the spec gives."""
+    actuation = {"strength": {"arms": 0.5}, "strength_age_months": 3}
+    scene = {"kind": "flat", "pose": "supine"}
+    servos = open_env(actuation={**actuation, "model": "position"}, scene=scene)
+    motors = open_env(actuation=actuation, scene=scene)
+    assert servos.actuation.limits_nm == pytest.approx(motors.actuation.limits_nm, rel=1e-8)
+    low, high = servos.actuation.limits_nm.T
+    servos.reset(seed=0)
+    largest = np.zeros(len(high))
+    for _ in range(50):
+        servos.step(servos.np_random.choice((-1.0, 1.0), len(high)))
+        torques_nm = servos.data.actuator_force
+        assert ((low - 1e-9 <= torques_nm) & (torques_nm <= high + 1e-9)).all()
+        largest = np.maximum(largest, np.abs(torques_nm))
+    assert (largest > 0.5 * high).all()

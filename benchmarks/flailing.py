@@ -1,0 +1,105 @@
+"""Does any infant break down or fling a joint out, however it is made and whatever it is commanded?
+
+    python benchmarks/flailing.py [--infants 300]
+
+Draws infants of any age: each with mittens or five fingers, torques, muscles or servos; average ones and individuals
+between WHO's percentiles 1 and 99; some with parts scaled within what the language allows (half of the factors at the
+ends of their range), some with muscle groups up to ten times as strong. Each goes through a second of random and a
+second of alternating commands, as `mimoc check` gives them. Wanted: no NaN, no warning of MuJoCo; joints at most 15
+degrees beyond a limit at the median over infants, and never more than 60.
+"""
+
+import argparse
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import islice
+from typing import Any
+
+import mujoco
+import numpy as np
+
+import mimoc
+from mimoc.errors import SpecError
+from mimoc.runtime.check import COMMANDS, Flailing, flail
+from mimoc.runtime.model import load_model
+from mimoc.schema.names import LIMB_BODIES, TRUNK_BODIES
+
+STEP_S = 0.01
+MODELS, HANDS = ("torque", "muscle", "position"), ("mitten", "five_finger")
+MEASURES = ("length_percentile", "weight_percentile", "head_percentile")
+GROUPS = ("arms", "hands", "legs", "trunk", "neck", "eyes")
+POSES = ("supine", "prone", "sitting", "standing")
+
+
+def draw(generator: np.random.Generator, number: int) -> dict[str, Any]:
+    """Return a spec: every stratum of models, hands and what is unusual comes once in 48 numbers."""
+    model, hands, unusual = MODELS[number % 3], HANDS[number // 3 % 2], number // 6 % 8
+    body: dict[str, Any] = {"hands": hands, "chest_joint": bool(generator.random() < 0.5)}
+    strength = {}
+    if unusual & 1:
+        percentiles = {key: float(generator.choice([1, 99, generator.uniform(1, 99)])) for key in MEASURES}
+        body["individual"] = {"sex": str(generator.choice(["male", "female"])), **percentiles}
+    if unusual & 2:
+        names = generator.choice([*TRUNK_BODIES, *LIMB_BODIES[hands]], generator.integers(1, 5), replace=False)
+        body["parts"] = {str(name): {key: _factor(generator) for key in ("length", "girth")} for name in names}
+    if unusual & 4:
+        groups = generator.choice(GROUPS, 2, replace=False)
+        strength = {str(group): float(10 ** generator.uniform(-0.5, 1)) for group in groups}
+    return {
+        "mimoc": 1,
+        "name": "drawn",
+        "age_months": float(generator.choice([0, 24, *generator.uniform(0, 24, 4)])),
+        "body": body,
+        "actuation": {"model": model, "strength": strength},
+        "scene": {"kind": "flat", "pose": str(generator.choice(POSES))},
+    }
+
+
+def _factor(generator: np.random.Generator) -> float:
+    return float(generator.choice([0.5, 2.0, *(2 ** generator.uniform(-1, 1, 2))]))
+
+
+def infants(generator: np.random.Generator, first: int = 0) -> Iterator[tuple[dict[str, Any], mimoc.Bundle]]:
+    """Yield infants without end, and what they were drawn as: of each number the first draw that makes a child."""
+    number = first
+    while True:
+        drawn = draw(generator, number)
+        try:
+            yield drawn, mimoc.build(mimoc.InfantSpec.model_validate(drawn))
+        except SpecError:
+            continue
+        number += 1
+
+
+def flailed(drawn: dict[str, Any], bundle: mimoc.Bundle, generator: np.random.Generator) -> list[Flailing]:
+    """Return what each kind of commands does to an infant in the pose it starts in."""
+    model, found = load_model(bundle), []
+    for commands in COMMANDS.values():
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(drawn["scene"]["pose"]).id)
+        found.append(flail(data, commands(model, generator, STEP_S), STEP_S, bundle.manifest.root_body))
+    return found
+
+
+def main() -> None:
+    """Print a row for each kind of infant, and the infant whose joints go furthest."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--infants", type=int, default=300)
+    generator = np.random.default_rng(0)
+    furthest: defaultdict[str, list[float]] = defaultdict(list)
+    everything, warned = [], 0
+    for drawn, bundle in islice(infants(generator), parser.parse_args().infants):
+        found = flailed(drawn, bundle, generator)
+        warned += any(flailing.warnings for flailing in found)
+        beyond_deg = max(flailing.beyond_deg for flailing in found)
+        everything.append((beyond_deg, str(drawn)))
+        furthest[f"{drawn['actuation']['model']}, {drawn['body']['hands']}"].append(beyond_deg)
+    furthest["all"] = [beyond_deg for beyond_deg, _ in everything]
+    print(f"{'infants':24} {'number':>6} {'median [deg]':>13} {'largest [deg]':>13}")
+    for kind, values in furthest.items():
+        print(f"{kind:24} {len(values):6} {np.median(values):13.1f} {max(values):13.1f}")
+    print(f"with warnings of MuJoCo: {warned}\nfurthest: {max(everything)[1]}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""Joints whose motors are extraordinarily strong are harder to swing, all others are MIMo's."""
+
+import pytest
+
+from mimoc.body import assemble, grow, grow_child, measure_child
+from mimoc.fits import measure
+from mimoc.schema import InfantSpec
+
+AGES_MONTHS = (0, 4.5, 9, 18, 24)
+LARGE_HAND = {"left_hand": {"length": 1.87, "girth": 1.99}}
+
+
+@pytest.fixture(params=["mitten", "five_finger"])
+def hands(request):
+    return request.param
+
+
+def child(age_months, hands, actuation=None, **body):
+    keys = {"actuation": actuation or {}, "body": {"hands": hands, **body}}
+    spec = InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months, **keys})
+    anatomy = assemble(hands, False)
+    return grow_child(spec, measure_child(spec, anatomy), anatomy)
+
+
+def passive(tree):
+    """Return damping and armature by joint."""
+    return {name: (joint.damping_nms_per_rad, joint.armature_kgm2) for name, joint in tree.joints.items()}
+
+
+@pytest.mark.parametrize("age_months", AGES_MONTHS)
+def test_the_average_child_has_mimos_joints(age_months, hands):
+    assert passive(child(age_months, hands)) == passive(grow(measure(18), assemble(hands, False)))
+
+
+@pytest.mark.parametrize("age_months", AGES_MONTHS)
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"parts": LARGE_HAND},
+        {"parts": {"head": {"girth": 1.5}, "right_foot": {"length": 2.0, "girth": 2.0}}},
+        {"individual": {"sex": "male", "length_percentile": 99, "weight_percentile": 99}},
+        {"actuation": {"strength": {"arms": 10, "legs": 0.1}}},
+        {"actuation": {"strength_age_months": 24}},
+    ],
+    ids=str,
+)
+def test_no_torque_is_larger_for_damping_and_armature_than_an_average_childs(age_months, hands, keys):
+    """Than of its age or of 18 months; and no joint is easier to swing than MIMo's."""
+    tree, anatomy = child(age_months, hands, **keys), assemble(hands, False)
+    mimos = grow(measure(18), anatomy)
+    usual = passive(mimos)
+    ordinary = zip(mimos.motors, grow(measure(age_months), anatomy).motors, strict=True)
+    ordinary_nm = {one.joint: max(one.gear_nm, other.gear_nm) for one, other in ordinary}
+    gears_nm = {motor.joint: motor.gear_nm for motor in tree.motors}
+    for joint, values in passive(tree).items():
+        factor = max(1.0, gears_nm.get(joint, 0.0) / ordinary_nm.get(joint, 1.0))
+        assert values == pytest.approx([factor * value for value in usual[joint]], rel=1e-12), joint
+
+
+def test_fingers_of_a_large_palm_are_harder_to_swing(hands):
+    """The palm's volume moves a mitten's fingers, and a wrist."""
+    mimos, large = passive(child(18, hands)), passive(child(18, hands, parts=LARGE_HAND))
+    joint = "robot:left_fingers" if hands == "mitten" else "robot:left_hand1"
+    ratio = 1.87 * 1.99**2
+    assert large[joint] == pytest.approx([ratio * value for value in mimos[joint]])
+    assert large["robot:right_hand1"] == mimos["robot:right_hand1"]
