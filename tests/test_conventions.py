@@ -11,6 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from gymnasium.spaces import Box
 from typer.testing import CliRunner
 
 import mimoc
@@ -216,9 +217,11 @@ def test_servos_for_mimo_go_where_mimocs_go():
     for env in envs:
         env.reset(seed=0)
         space = env.action_space
+        assert isinstance(space, Box)
         for _ in range(30):
             env.step((space.low + share * (space.high - space.low)).astype(np.float32))
     plain, other = envs
+    assert isinstance(other.action_space, Box)
     limits = other.model.jnt_range[other.model.actuator_trnid[:, 0]]
     assert np.column_stack([other.action_space.low, other.action_space.high]) == pytest.approx(limits, abs=1e-6)
     for name in names(plain.model, "actuator"):
