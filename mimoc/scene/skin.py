@@ -1,7 +1,7 @@
 """The skin: where an infant feels touch."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
@@ -82,7 +82,8 @@ def grow_skin(tree: BodyTree, density: float, regions: Collection[str] | None = 
     for body in tree.bodies:
         if groups[body.name] in bare:
             continue
-        patch = patches[body.name.removeprefix("left_").removeprefix("right_")]
+        parts = (body.name, *(part for part, home in tree.merged if home == body.name))
+        patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
         points_m[body.name] = _points(body, patch.layout)
         spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)
     return Skin(points_m, spacing_m)
@@ -101,6 +102,12 @@ def _patch(body: Body, density: float) -> _Patch:
         return _Patch((PUPIL,), math.sqrt(area_m2), area_m2)
     spacing_m = SPACING_M[body.name.removeprefix("right_")] / math.sqrt(density)
     return _Patch(lay_out(body.geoms, spacing_m), spacing_m, area_m2)
+
+
+def _joined(patches: Sequence[_Patch]) -> _Patch:
+    """Return the skin of parts that are of one piece, in the order of their geoms; each has its points as before."""
+    layout = tuple(geom for patch in patches for geom in patch.layout)
+    return _Patch(layout, patches[0].spacing_m, sum(patch.area_m2 for patch in patches))
 
 
 def _area_m2(body: Body) -> float:

@@ -6,6 +6,7 @@ import pytest
 
 from mimoc.scene.appearance import GEOM_MATERIALS, HEAD_FEATURES, Appearance, dress, face_material
 from mimoc.scene.faces import FACES
+from mimoc.scene.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
 
 REFERENCE_MATERIALS = {
@@ -64,13 +65,13 @@ def test_only_the_face_depends_on_the_expression():
     happy, sad = dress("happy"), dress("sad")
     assert (happy.assets, happy.textures) == (sad.assets, sad.textures)
     differ = [pair for pair in zip(happy.materials, sad.materials, strict=True) if pair[0] != pair[1]]
-    assert [(a.name, a.texture, b.texture) for a, b in differ] == [("head", "face_happy", "face_sad")]
+    assert [(a.name, a.texture, b.texture) for a, b in differ] == [("head", "tex_head_happy", "tex_head_sad")]
 
 
 def test_there_is_a_material_for_each_expression_of_the_language():
     assert set(FACES) == set(get_args(Expression))
     shown = {material.name: material.texture for material in dress("neutral").materials}
-    assert {name: shown[face_material(name)] for name in FACES} == {name: f"face_{name}" for name in FACES}
+    assert {name: shown[face_material(name)] for name in FACES} == {name: face_texture(name) for name in FACES}
 
 
 def test_no_two_faces_look_alike():
@@ -82,7 +83,7 @@ def test_mujoco_reads_the_pictures_as_they_were_drawn():
     appearance = dress("neutral")
     model = mujoco.MjModel.from_xml_string(mjcf(appearance), dict(appearance.assets))
     assert model.ntex == len(appearance.textures)
-    cube = model.texture("face_neutral")
+    cube = model.texture("tex_head_default")
     assert cube.type[0] == mujoco.mjtTexture.mjTEXTURE_CUBE
     assert cube.height[0] == 6 * cube.width[0]
 
