@@ -88,7 +88,8 @@ def test_six_planes_face_inwards_and_close_the_room(size):
         inwards = axes(side)[:, 2]
         distance = inwards @ (middle - side.pos_m)
         assert distance == pytest.approx(np.abs(inwards) @ room.size_m / 2)
-        assert (side.contype, side.conaffinity, side.type) == (1, 1, "plane")
+        is_floor = side.name == "floor"
+        assert (side.contype, side.conaffinity, side.barrier, side.type) == (is_floor, is_floor, not is_floor, "plane")
         assert sorted(np.abs(corners(side) - middle).max(axis=0)) == pytest.approx(sorted(np.array(room.size_m) / 2))
 
 

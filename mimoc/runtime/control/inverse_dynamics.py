@@ -60,7 +60,9 @@ class InverseDynamics:
     which can be reset, put into a state and given another scene as it likes.
     """
 
-    def __init__(self, env: gymnasium.Env, tasks: Tasks = (), joints: Sequence[str] | None = None):
+    def __init__(
+        self, env: gymnasium.Env, tasks: Tasks = (), joints: Sequence[str] | None = None, loose: Sequence[str] = ()
+    ):
         """Bind tasks to an infant.
 
         Args:
@@ -68,6 +70,7 @@ class InverseDynamics:
             tasks: `Reach`, `Align`, `LookAt`, or the `Posture` of some joints, the most important first; those in a
                 list or tuple share one priority. A `Posture` of all joints is last, and added if there is none.
             joints: Those that may move; all others rest. None is all that have actuators.
+            loose: Bodies that bear nothing though they touch the ground, such as the feet of who sits.
 
         Raises:
             ControlError: If this is no infant's environment, it has servos, or something comes after the posture.
@@ -76,6 +79,7 @@ class InverseDynamics:
         self._env = _infant(env)
         self._levels, self._posture = _in_order(tasks)
         self._chosen = None if joints is None else tuple(dict.fromkeys([joints] if isinstance(joints, str) else joints))
+        self._loose = tuple(loose)
         self._bind()
 
     @property
@@ -112,7 +116,8 @@ class InverseDynamics:
         self._frames = {task: find_frame(task.site, model) for task in tasks}
         self._members = {posture: posture.members(self.joints) for posture in postures}
         root = model.body(env.manifest.root_body).id
-        self._supports = Supports(model, root, [frame.body for frame in self._frames.values()])
+        loose = [find_frame(name, model).body for name in self._loose]
+        self._supports = Supports(model, root, [frame.body for frame in self._frames.values()], loose)
 
     def _look(self) -> None:
         """Bring the controller's own copy of the world up to date."""

