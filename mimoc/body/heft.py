@@ -60,7 +60,8 @@ def _gyration_squares(geom: Geom) -> tuple[float, float, float]:
         x, y, z = (half_m**2 / 3 for half_m in geom.size_m)
         return y + z, x + z, x + y
     if geom.type == "sphere":
-        return (0.4 * geom.size_m[0] ** 2,) * 3
+        square = 0.4 * geom.size_m[0] ** 2
+        return square, square, square
     radius_m, half_m = geom.size_m
     across = radius_m**2 / 4 + half_m**2 / 3
     return across, across, radius_m**2 / 2
