@@ -2,6 +2,11 @@
 
 A servo has the torque limits of the motor it stands for, and its joint has a damper that eats up all of that torque
 at the speed at which the muscles there no longer pull. So force and speed are finite, in plain MuJoCo too.
+
+What that strength can hold against gravity is held within 2.5 degrees, 3.5 with physics steps of 10 ms and 6 with
+20 ms, from 1.5 s after the command at the latest; most joints are within half of that. What it cannot hold sags: up to
+two fifths of a newborn's joints, whose muscles are weak against the springs of 18 months. A joint may go up to 8
+degrees past its target on the way. (`tests/scene/test_servos.py`)
 """
 
 import math

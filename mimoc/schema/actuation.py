@@ -30,7 +30,7 @@ class ActuationSpec(Model):
     """What moves the joints."""
 
     model: Literal["torque", "muscle", "position"] = "torque"
-    """Torque on a spring and damper, two muscles a joint, or a commanded angle."""
+    """Torque on a spring and damper, two muscles a joint, or a commanded angle that muscles of that strength go to."""
     strength_age_months: Age | None = None
     """Age that strength is taken from; left out, that of the body."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(default_factory=dict)
