@@ -6,7 +6,9 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 from shutil import copytree, ignore_patterns
 from typing import Any
@@ -28,7 +30,8 @@ INSTEAD = {
     r"\bmake demo\b": "make demo --assume-old=.venv/.demo ROOMS=0:2",
     r"\bmake test\b": "make test --assume-old=.venv/.test --dry-run",
     # An hour of learning.
-    r"--steps 200000\b": "--steps 512 --checkpoint-every 512 --set n_steps=64 --set batch_size=64",
+    r"--steps 200000\b": "--steps 128 --checkpoint-every 128 --envs 2 --one-process "
+    "--set n_steps=64 --set batch_size=64",
     # A window needs a screen.
     r"\bpython -m mujoco.viewer --mjcf=(\S+)": r"""python -c 'import mujoco; mujoco.MjModel.from_xml_path("\1")'""",
     # A container, which is the same commands.
@@ -83,7 +86,10 @@ class Reader:
         self.said += done.stdout
 
     def _python(self, text: str) -> None:
-        exec(compile(text, "README.md", "exec"), self._session)
+        """Run a program that goes on from those before, as in one session."""
+        with redirect_stdout(StringIO()) as printed:
+            exec(compile(text, "README.md", "exec"), self._session)
+        self.said += printed.getvalue()
 
     def _yaml(self, text: str) -> None:
         """Build the spec, or the first one with these keys, and open what was built."""
