@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from mimoc.body.anatomy import FRICTIONLESS, REFERENCE_AGE_MONTHS, TENDONS
 from mimoc.body.assembly import Anatomy, assemble
-from mimoc.body.density import density
+from mimoc.body.density import density, reference_volumes, volumes
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.geometry import Layout, lay_out
 from mimoc.body.mass import volume
@@ -71,20 +71,8 @@ def _lay_out_side(measurements: Measurements, anatomy: Anatomy, scales: Mapping[
 
 def _growth(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
     """Return the volume of each geom relative to the average child of 18 months, by its name with `{side}`."""
-    reference = _reference_volumes(anatomy.hands)
-    return {name: volume_m3 / reference[name] for name, volume_m3 in _volumes(anatomy, layout).items()}
-
-
-@cache
-def _reference_volumes(hands: str) -> Mapping[str, float]:
-    """Return the volumes of the average child of 18 months, whose gears are the reference."""
-    average = measure(REFERENCE_AGE_MONTHS)
-    return _volumes(assemble(hands, False), lay_out(proportions(average, average), hands))
-
-
-def _volumes(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
-    """Return the volume of each geom by its name with `{side}`, in m³."""
-    return {name: volume(figures.type, layout.solids[name].size_m) for name, figures in anatomy.geoms.items()}
+    reference = reference_volumes(anatomy.hands)
+    return {name: volume_m3 / reference[name] for name, volume_m3 in volumes(anatomy, layout).items()}
 
 
 def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from mimoc.body.assembly import Anatomy
-from mimoc.body.density import density
+from mimoc.body.density import density, is_of_fingers
 from mimoc.body.figures import GeomFigures, JointFigures, Part
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
@@ -100,11 +100,18 @@ def _trace_geom(
         {
             "value": geom.mass_kg,
             "unit": "kg",
-            "rule": f"{density(figures, hands):.6g} kg/m3 x volume; the density of {REFERENCE}",
+            "rule": f"{density(figures, hands):.6g} kg/m3 x volume; {_weighing(figures, hands)}",
             "from": [f"{key}.size"],
             "xml": at + "/@mass",
         },
     )
+
+
+def _weighing(figures: GeomFigures, hands: str) -> str:
+    """Return where the density of a geom comes from."""
+    if is_of_fingers(figures, hands):
+        return f"the density of {REFERENCE}"
+    return f"the average child of 18 months has {figures.mass_kg:g} kg there, as {REFERENCE}"
 
 
 def _trace_joint(joint: Joint, figures: JointFigures, motor: str | None) -> Iterator[tuple[str, Entry]]:

@@ -42,7 +42,7 @@ def _trace_measures(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, En
 
 
 def _trace_percentiles(child: ChildEntry, percentiles: Mapping[str, float]) -> Iterator[tuple[str, Entry]]:
-    rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of {child.age_months:g} months"
+    rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of that age"
     for name, value in percentiles.items():
         sources = [f"child.{name}", "spec.age_months"]
         yield f"who.{name}.percentile", {"value": value, "unit": "%", "rule": rule, "from": sources}
