@@ -322,7 +322,7 @@ BAD_INPUT = {
     "an unknown pose": ("render out -o x.png --pose sit", "'sit' is not a pose; "),
     "another pose for several": ("render out out -o x.png --pose prone", "'prone' is not a pose for several infants"),
     "a picture into a missing folder": ("render out -o nowhere/x.png", "nowhere/x.png: cannot be written"),
-    "a picture over a folder": ("render out -o folder", "folder: cannot be written"),
+    "a picture over a folder": ("render out -o album.png", "album.png: cannot be written"),
     "a skin that feels nothing": ("render out -o x.png --skin", "'nine_months' has no sense of touch"),
     "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),
     "an unknown format": ("import babybnch bad.yaml -o x.yaml", "'babybnch' is not a format to import from; did you"),
@@ -352,6 +352,7 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     (here / "calm.yml").write_text("touch: true\n")
     (here / "calm.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: crib}\n")
     (here / "folder").mkdir()
+    (here / "album.png").mkdir()
     (here / "folder" / "thesis.tex").touch()
     for name in ("out", "damaged", "lacking"):
         shutil.copytree(built, here / name)
