@@ -352,6 +352,7 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     (here / "calm.yml").write_text("touch: true\n")
     (here / "calm.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: crib}\n")
     (here / "folder").mkdir()
+    (here / "album.png").mkdir()
     (here / "folder" / "thesis.tex").touch()
     (here / "folder.png").mkdir()
     for name in ("out", "damaged", "lacking"):

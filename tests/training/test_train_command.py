@@ -82,7 +82,7 @@ def test_train_and_run_say_what_was_learned(invoke, here):
 
 
 def test_the_command_and_the_function_have_the_same_defaults():
-    told, known = (inspect.signature(each).parameters for each in (cli.train, mimoc.train))
+    told, known = (inspect.signature(each).parameters for each in (cli.train.train, mimoc.train))
     for name in ("algo", "steps", "seed", "envs", "processes", "force"):
         assert told[name].default == known[name].default
     assert told["every"].default == known["checkpoint_every"].default
