@@ -46,8 +46,8 @@ ROW_LENS_DEG = 10.0
 """For infants in a row: from so far away that those at the ends do not turn their faces."""
 ELBOW_ROOM = 0.5
 """Distance of infants in a row, as a share of their length."""
-IN_SHADOW_M = 2.0
-"""Half side of what casts shadows at most, as the scene says; longer rows ask for more."""
+BESIDE_M = 1.0
+"""How far beyond the ends of a row things cast shadows."""
 
 
 class Painter:
@@ -218,7 +218,7 @@ def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[muj
         prefix = f"infant {number}: "
         row.attach(infant, frame=row.worldbody.add_frame(pos=[0, y_m, 0]), prefix=prefix)
         roots.append(prefix + bundle.manifest.root_body)
-    row.visual.map.shadowclip = max(row.visual.map.shadowclip, places_m[-1] / 2 + IN_SHADOW_M / 2)
+    row.visual.map.shadowclip = max(row.visual.map.shadowclip, places_m[-1] / 2 + BESIDE_M)
     return row.compile(), roots
 
 
