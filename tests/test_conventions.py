@@ -210,23 +210,24 @@ def test_it_is_the_same_infant(pair):
             assert after.geom(name).xpos == pytest.approx(before.geom(name).xpos, abs=1e-7)
 
 
-def test_servos_for_mimo_go_where_mimocs_go():
+def test_servos_for_mimo_push_as_mimocs_do():
+    """Towards the same angles, from the same angles, whatever the command: theirs is the angle itself, in radians."""
     wanted = spec(actuation={"model": "position"}, scene={"kind": "empty"})
-    envs = [mimoc.InfantEnv(mimoc.build(wanted, convention)) for convention in (None, "mimo")]
-    share = np.random.default_rng(0).uniform(0.3, 0.7, 44)
-    for env in envs:
-        env.reset(seed=0)
-        space = env.action_space
-        assert isinstance(space, Box)
-        for _ in range(30):
-            env.step((space.low + share * (space.high - space.low)).astype(np.float32))
-    plain, other = envs
+    plain, other = (mimoc.InfantEnv(mimoc.build(wanted, convention)) for convention in (None, "mimo"))
     assert isinstance(other.action_space, Box)
     limits = other.model.jnt_range[other.model.actuator_trnid[:, 0]]
     assert np.column_stack([other.action_space.low, other.action_space.high]) == pytest.approx(limits, abs=1e-6)
-    for name in names(plain.model, "actuator"):
-        joint = plain.model.joint(plain.model.actuator(name).trnid[0]).name
-        assert other.data.joint(joint).qpos == pytest.approx(plain.data.joint(joint).qpos, abs=2e-3)
+    generator, servos = np.random.default_rng(0), names(plain.model, "actuator")
+    for _ in range(20):
+        command, place = generator.uniform(-1, 1, 44), generator.uniform(0, 1, 44)
+        for env, reached in ((plain, command), (other, limits.mean(axis=1) + command * np.ptp(limits, axis=1) / 2)):
+            for name, angle, where in zip(servos, reached, place, strict=True):
+                servo = env.model.actuator(name)
+                low, high = env.model.jnt_range[servo.trnid[0]]
+                env.data.joint(servo.trnid[0]).qpos = low + where * (high - low)
+                env.data.act[env.model.actuator_actadr[servo.id]] = angle
+            mujoco.mj_forward(env.model, env.data)
+        assert other.data.actuator_force == pytest.approx(plain.data.actuator_force, rel=1e-5, abs=1e-9)
 
 
 # One of mimoc's bundles.

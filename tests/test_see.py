@@ -50,8 +50,7 @@ def blind(built) -> Path:
 
 @pytest.fixture(scope="module")
 def playing(built) -> Path:
-    toys = {"subset": ["truck"], "count": [1, 1]}
-    return built("playing", scene={"kind": "room", "seed": 1, "pose": "sitting", "toys": toys})
+    return built("playing", scene={"kind": "room", "seed": 1, "pose": "sitting", "toys": {"count": [6, 6]}})
 
 
 def pixels(path: str) -> np.ndarray:

@@ -27,11 +27,23 @@ def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
 
 
 def _spread_poses(tree: BodyTree) -> list[dict[str, float]]:
-    """Return angles of all joints, in [rad], within their ranges: points of an additive recurrence (Kronecker)."""
-    steps = np.sqrt(np.arange(2, 2 + len(tree.joints)) + 0.5) % 1
-    shares = (0.5 + np.outer(np.arange(POSES), steps)) % 1
-    low, high = np.array([joint.range_deg for joint in tree.joints.values()]).T
-    return [dict(zip(tree.joints, map(deg_to_rad, low + row * (high - low)), strict=True)) for row in shares]
+    """Return angles of all joints, in [rad], within their ranges: points of an additive recurrence (Kronecker).
+
+    Both sides have the same ones, in whatever order the joints come, so that both are as heavy.
+    """
+    joints = sorted({_sideless(name) for name in tree.joints})
+    steps = dict(zip(joints, np.sqrt(np.arange(2, 2 + len(joints)) + 0.5) % 1, strict=True))
+    return [
+        {
+            name: deg_to_rad(low + (0.5 + number * float(steps[_sideless(name)])) % 1 * (high - low))
+            for name, (low, high) in ((name, joint.range_deg) for name, joint in tree.joints.items())
+        }
+        for number in range(POSES)
+    ]
+
+
+def _sideless(joint: str) -> str:
+    return joint.replace("left_", "").replace("right_", "")
 
 
 def _moved(tree: BodyTree) -> FloatArray:
