@@ -151,7 +151,6 @@ def test_an_infant_in_a_file_of_another_name_is_refused_with_what_would_do(run):
 
 
 def test_train_takes_a_piped_spec(run):
-    pytest.importorskip("stable_baselines3")
     code, out, _ = run(COMMANDS["train"].format("-"), SPEC)
     assert code == 0
     assert "trained for 64 control steps" in out

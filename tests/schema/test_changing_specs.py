@@ -120,7 +120,6 @@ def test_what_did_not_pass_validation_is_refused(case, taker):
 
 
 def test_a_training_refuses_it_too(tmp_path):
-    pytest.importorskip("stable_baselines3")
     copied = from_python().model_copy(update={"age_months": 99.0})
     assert refusal(lambda: mimoc.train(copied, tmp_path / "run"))
     assert not (tmp_path / "run").exists()
