@@ -195,7 +195,10 @@ def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value
 def no_left_hand(monkeypatch):
     """Let every hand be written with a size that MuJoCo refuses."""
     render_infant = pipeline.render.render_infant
-    spoil = lambda tree: broken(render_infant(tree), "left_hand1", "size", "-1 1 1")  # noqa: E731
+
+    def spoil(tree):
+        return broken(render_infant(tree), "left_hand1", "size", "-1 1 1")
+
     monkeypatch.setattr(pipeline.render, "render_infant", spoil)
 
 

@@ -37,18 +37,10 @@ class Flailing:
 
 
 @dataclass(frozen=True, slots=True)
-class PoseCheck:
-    """What a second of each kind of commands did to an infant in one pose."""
+class PoseCheck(Flailing):
+    """The worst that a second of each kind of commands did to an infant in one pose."""
 
     pose: str
-    warnings: tuple[str, ...]
-    """MuJoCo's warnings, by kind."""
-    energy_j_per_kg: float
-    """Largest kinetic energy."""
-    beyond_deg: float
-    """How far the joint that went furthest beyond its limits was beyond them."""
-    joint: str
-    """Which one that was; empty where none ever was."""
 
     @property
     def passed(self) -> bool:
@@ -133,9 +125,9 @@ def _check_pose(model: mujoco.MjModel, bundle: Bundle, pose: str, generator: np.
         found.append(flail(data, commands(model, generator, step_s), step_s, manifest.root_body))
     furthest = max(found, key=lambda flailing: flailing.beyond_deg)
     return PoseCheck(
-        pose,
-        tuple(sorted({warning for flailing in found for warning in flailing.warnings})),
-        max(flailing.energy_j_per_kg for flailing in found),
-        furthest.beyond_deg,
-        furthest.joint,
+        warnings=tuple(sorted({warning for flailing in found for warning in flailing.warnings})),
+        energy_j_per_kg=max(flailing.energy_j_per_kg for flailing in found),
+        beyond_deg=furthest.beyond_deg,
+        joint=furthest.joint,
+        pose=pose,
     )

@@ -61,7 +61,7 @@ def test_a_bundle_that_does_not_compile_is_an_error(bundle):
     ],
 )
 def test_a_pose_passes_without_warnings_and_within_bounds(warnings, energy_j_per_kg, beyond_deg, passed):
-    assert PoseCheck("supine", warnings, energy_j_per_kg, beyond_deg, "robot:left_knee").passed == passed
+    assert PoseCheck(warnings, energy_j_per_kg, beyond_deg, "robot:left_knee", "supine").passed == passed
 
 
 def test_a_joint_that_is_flung_out_fails_and_is_named(bundle):
