@@ -91,7 +91,7 @@ opengl: $(DEMO)
 		echo "No OpenGL: pictures will fail. Install EGL or OSMesa (Debian: $(OPENGL_PACKAGES))."
 
 OPENGL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libosmesa6
-draw = $(BIN)/python -c 'from mimoc.runtime.opengl import open_context; open_context(8, 8).free()' 2>/dev/null
+draw = $(BIN)/python -c 'from mimoc.render.opengl import open_context; open_context(8, 8).free()' 2>/dev/null
 install_opengl = [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && echo "installing $(OPENGL_PACKAGES)" && \
 	export DEBIAN_FRONTEND=noninteractive PATH="$$PATH:/usr/sbin:/sbin" && apt-get update -qq </dev/null && \
 	apt-get install -y -qq --no-install-recommends $(OPENGL_PACKAGES) </dev/null >/dev/null

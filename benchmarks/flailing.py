@@ -19,9 +19,9 @@ import mujoco
 import numpy as np
 
 import mimoc
+from mimoc.bundle.model import load_model
 from mimoc.errors import SpecError
 from mimoc.runtime.check import COMMANDS, Flailing, flail
-from mimoc.runtime.model import load_model
 from mimoc.schema.names import LIMB_BODIES, TRUNK_BODIES
 
 STEP_S = 0.01

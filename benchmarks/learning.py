@@ -14,9 +14,9 @@ from pathlib import Path
 from statistics import fmean, median
 
 import mimoc
-from mimoc.console import progress
+from mimoc.cli.console import progress
 from mimoc.experiments.notebook import markdown_table, open_notebook
-from mimoc.plot.learning import curves_png
+from mimoc.render.plots.learning import curves_png
 from mimoc.training import Curve, Episode
 
 CONFIG = "configs/reach.yaml"

@@ -19,7 +19,7 @@ import numpy as np
 from measuring import cpu_medians_s
 
 import mimoc
-from mimoc.runtime.model import load_model
+from mimoc.bundle.model import load_model
 
 FIGURES = Path(__file__).parents[1] / "tests" / "reference" / "five_finger"
 STEPS = 400

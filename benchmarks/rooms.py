@@ -21,7 +21,7 @@ from measuring import cpu_medians_s
 from PIL import Image
 
 import mimoc
-from mimoc import pipeline
+from mimoc.compiler import pipeline
 
 CONTROL_STEPS = 100
 SCENES = 4

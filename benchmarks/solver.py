@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 import mimoc
-from mimoc.runtime.model import load_model, simulation_warnings
+from mimoc.bundle.model import load_model, simulation_warnings
 
 BODIES = ("mitten", "five_finger")
 """The second with the joints of the chest: all that there is."""

@@ -21,10 +21,10 @@ from measuring import cpu_medians_s
 from step import CONTROL_STEPS, bare, felt
 
 import mimoc
-from mimoc.runtime.senses.touch import bind
+from mimoc.senses.touch.run import bind
 
-sys.path.append(str(Path(__file__).parents[1] / "tests/runtime/senses"))
-from touch_oracle import touch_loop
+sys.path.append(str(Path(__file__).parents[1] / "tests"))
+from support.touch_oracle import touch_loop
 
 POSES = ("supine", "prone", "sitting", "standing")
 SENSES = {"proprioception": {}, "vestibular": {}}

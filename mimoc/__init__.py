@@ -7,39 +7,39 @@ from mimoc.registration import register_envs
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
-    from mimoc.bundle import Bundle, read_bundle, write_bundle
+    from mimoc.bundle.folder import Bundle, read_bundle, write_bundle
+    from mimoc.compiler.pipeline import build, load_spec
+    from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
+    from mimoc.environments import make
     from mimoc.errors import MimocError
     from mimoc.experiments import run_experiment
-    from mimoc.making import make
-    from mimoc.pipeline import build, load_spec
     from mimoc.recording import record
     from mimoc.runtime import InfantEnv, torque_limits
-    from mimoc.runtime.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
-    from mimoc.schema import InfantSpec
+    from mimoc.schema.infant import InfantSpec
     from mimoc.training import evaluate, load_policy, train
 
 _HOMES = {
-    "Align": "mimoc.runtime.control",
-    "Bundle": "mimoc.bundle",
-    "Gains": "mimoc.runtime.control",
+    "Align": "mimoc.control",
+    "Bundle": "mimoc.bundle.folder",
+    "Gains": "mimoc.control",
     "InfantEnv": "mimoc.runtime",
     "InfantSpec": "mimoc.schema",
-    "InverseDynamics": "mimoc.runtime.control",
-    "LookAt": "mimoc.runtime.control",
+    "InverseDynamics": "mimoc.control",
+    "LookAt": "mimoc.control",
     "MimocError": "mimoc.errors",
-    "Posture": "mimoc.runtime.control",
-    "Reach": "mimoc.runtime.control",
-    "build": "mimoc.pipeline",
+    "Posture": "mimoc.control",
+    "Reach": "mimoc.control",
+    "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "load_policy": "mimoc.training",
-    "load_spec": "mimoc.pipeline",
-    "make": "mimoc.making",
-    "read_bundle": "mimoc.bundle",
+    "load_spec": "mimoc.compiler.pipeline",
+    "make": "mimoc.environments",
+    "read_bundle": "mimoc.bundle.folder",
     "record": "mimoc.recording",
     "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
-    "write_bundle": "mimoc.bundle",
+    "write_bundle": "mimoc.bundle.folder",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
 

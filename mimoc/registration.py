@@ -20,4 +20,4 @@ def register_envs() -> None:
         register(id=INFANT, entry_point="mimoc.runtime.env:InfantEnv")
     for name, kind in TASKS.items():
         if name not in registry:
-            register(id=name, entry_point="mimoc.making:make_task", kwargs={"kind": kind})
+            register(id=name, entry_point="mimoc.environments:make_task", kwargs={"kind": kind})

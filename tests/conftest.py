@@ -18,7 +18,9 @@ import pytest
 from hypothesis import settings
 
 import mimoc
-from mimoc.validation import compile_infant
+from mimoc.compiler.validation import compile_infant
+
+pytest_plugins = ["support.driven", "support.running"]
 
 settings.register_profile("mimoc", deadline=None, derandomize=True)
 settings.load_profile("mimoc")

@@ -11,7 +11,7 @@ import pytest
 
 from mimoc.errors import SpecError
 from mimoc.schema import read_spec
-from mimoc.source import read
+from mimoc.schema.source import read
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 

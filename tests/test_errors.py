@@ -3,7 +3,15 @@ import inspect
 import pytest
 
 from mimoc import errors
-from mimoc.errors import MimocError, MissingExtraError, ModelError, Problem, SpecError, UnknownNameError, suggestion
+from mimoc.errors import (
+    MimocError,
+    MissingExtraError,
+    ModelError,
+    Problem,
+    SpecError,
+    UnknownNameError,
+    suggestion,
+)
 
 LIMBS = ["left_hand", "left_foot", "right_hand", "right_foot"]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from mimoc import pipeline
+from mimoc.compiler import pipeline
 from mimoc.schema import InfantSpec
 
 CONFIGS = sorted((Path(__file__).parents[1] / "configs").glob("*.yaml"))

@@ -5,7 +5,15 @@ its mirror image in y). Sizes and positions are not here: they follow from measu
 Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 """
 
-from mimoc.body.figures import ALONG_Y, LEG_LENGTH, LEG_SHARE, TRUNK_HEIGHT, GeomFigures, JointFigures, Part
+from mimoc.body.figures import (
+    ALONG_Y,
+    LEG_LENGTH,
+    LEG_SHARE,
+    TRUNK_HEIGHT,
+    GeomFigures,
+    JointFigures,
+    Part,
+)
 
 REFERENCE_AGE_MONTHS = 18.0
 """Age at which gears are MIMo's own."""

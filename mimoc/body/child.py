@@ -8,7 +8,7 @@ from mimoc.body.steady import steady
 from mimoc.body.strengthen import strengthen
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measured, Measurements, measure
-from mimoc.schema import InfantSpec
+from mimoc.schema.infant import InfantSpec
 from mimoc.units import cm_to_m
 
 

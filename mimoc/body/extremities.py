@@ -1,7 +1,16 @@
 """Shapes, joints and centres of hands and feet, from an infant's proportions; right side, in MIMo's frames."""
 
 from mimoc.body.layout import Layout, Solid
-from mimoc.body.proportions import CLEARANCE_M, FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Foot, Hand, Limb, Proportions
+from mimoc.body.proportions import (
+    CLEARANCE_M,
+    FINGER_ROOM,
+    REFERENCE_M,
+    THUMB_ROOM,
+    Foot,
+    Hand,
+    Limb,
+    Proportions,
+)
 from mimoc.body.tree import Vec3
 from mimoc.errors import GeometryError
 

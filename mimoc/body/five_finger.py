@@ -8,7 +8,16 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mimoc.body.anatomy import ANKLE_JOINTS, WRIST_JOINTS
-from mimoc.body.figures import ALONG_X, ALONG_Y, LEG_LENGTH, LEG_SHARE, GeomFigures, JointFigures, MotorFigures, Part
+from mimoc.body.figures import (
+    ALONG_X,
+    ALONG_Y,
+    LEG_LENGTH,
+    LEG_SHARE,
+    GeomFigures,
+    JointFigures,
+    MotorFigures,
+    Part,
+)
 from mimoc.body.tree import GeomType, Vec3
 
 _PALM = ("hand_breadth", "hand_length")

@@ -9,8 +9,7 @@ from mimoc.body.tree import BodyTree
 from mimoc.errors import IndividualError
 from mimoc.fits import Measurements, load_tables
 from mimoc.fits.who import Sex
-from mimoc.schema import IndividualSpec
-from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG
+from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.units import cm_to_m, m_to_cm
 
 Grow = Callable[[Measurements], BodyTree]

@@ -4,7 +4,16 @@ Names with `{side}` stand for a right and a left part; figures are those of the 
 """
 
 from mimoc.body.anatomy import ANKLE_JOINTS, WRIST_JOINTS
-from mimoc.body.figures import ALONG_X, ALONG_Y, LEG_LENGTH, LEG_SHARE, GeomFigures, JointFigures, MotorFigures, Part
+from mimoc.body.figures import (
+    ALONG_X,
+    ALONG_Y,
+    LEG_LENGTH,
+    LEG_SHARE,
+    GeomFigures,
+    JointFigures,
+    MotorFigures,
+    Part,
+)
 
 _HAND_GRIP = (5.0, 0.02, 0.01)
 _SOLE_GRIP = (2.0, 0.02, 0.01)

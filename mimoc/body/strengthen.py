@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import prod
 
+from mimoc.actuation.spec import ActuationSpec
 from mimoc.body.assembly import Anatomy
 from mimoc.body.grow import grow
 from mimoc.body.tree import BodyTree
 from mimoc.fits import measure
-from mimoc.schema.actuation import ActuationSpec
 from mimoc.schema.names import PAIRED_GROUPS, SIDES
 
 _SIDED_GROUPS = {"upper_arm": "arm", "hand": "hand", "upper_leg": "leg"}

@@ -19,12 +19,14 @@ def build(
     convention: Annotated[str | None, typer.Option("--for", help="Other code that is to read it: mimo.")] = None,
 ) -> None:
     """Compile SPEC into a bundle: MuJoCo XML, textures, and all that is known of them."""
-    from mimoc import bundle, console, pipeline
+    from mimoc.bundle import folder
+    from mimoc.cli import console
+    from mimoc.compiler import pipeline
 
     infant = take_spec(spec)
     with console.status("building"):
         built = pipeline.builder(infant, convention)(infant.scene.seed if seed is None else seed)
-    folder = bundle.write_bundle(built, out, force=force)
+    folder = folder.write_bundle(built, out, force=force)
     console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
     console.print_toys(built.manifest)
     print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimoc run {folder}")

@@ -15,7 +15,7 @@ def check(infant: InfantPath) -> None:
     From each pose, a second of each: commands drawn anew for every control step, then all joints to and fro as hard as
     they can, switched every 50 to 100 ms.
     """
-    from mimoc import console
+    from mimoc.cli import console
     from mimoc.runtime.check import check_stability
 
     whole = take_bundle(infant)

@@ -4,7 +4,19 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli import build, check, experiment, explain, import_config, render, rooms, run, see, train, validate
+from mimoc.cli import (
+    build,
+    check,
+    experiment,
+    explain,
+    import_config,
+    render,
+    rooms,
+    run,
+    see,
+    train,
+    validate,
+)
 from mimoc.version import __version__
 
 app = typer.Typer(

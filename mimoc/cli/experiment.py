@@ -18,7 +18,8 @@ def experiment(
     ] = False,
 ) -> None:
     """Repeat an experiment of the paper: CSV, PNG, and a page with what was measured next to what the paper says."""
-    from mimoc import console, experiments
+    from mimoc import experiments
+    from mimoc.cli import console
 
     with console.progress(name) as show, can_go_on():
         page = experiments.run_experiment(name, out, quick=quick, progress=show)

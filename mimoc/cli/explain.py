@@ -22,8 +22,8 @@ def explain(
     ] = None,
 ) -> None:
     """Say where a number comes from: table row, growth curve, rule, XML attribute."""
-    from mimoc import console
-    from mimoc.explain import contents, explain, find
+    from mimoc.cli import console
+    from mimoc.compiler.explain import contents, explain, find
 
     bundle = take_bundle(infant)
     if key is None:

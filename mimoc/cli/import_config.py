@@ -17,7 +17,8 @@ def import_config(
     force: Annotated[bool, typer.Option("--force", help="Replace the spec that is there.")] = False,
 ) -> None:
     """Turn the configuration of another system into a spec, and say what of it has no counterpart."""
-    from mimoc import files, importers
+    from mimoc import importers
+    from mimoc.bundle import files
 
     imported = importers.import_config(system, config)
     if file.resolve() == config.resolve():

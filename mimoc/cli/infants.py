@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from mimoc.errors import BundleError
 
 if TYPE_CHECKING:
-    from mimoc.bundle import Bundle
-    from mimoc.schema import InfantSpec
+    from mimoc.bundle.folder import Bundle
+    from mimoc.schema.infant import InfantSpec
 
 PIPE = Path("-")
 
@@ -19,7 +19,9 @@ def take_spec(path: Path) -> "InfantSpec":
     Raises:
         SpecError: If anything is wrong with it.
     """
-    from mimoc import pipeline, schema, source
+    from mimoc import schema
+    from mimoc.compiler import pipeline
+    from mimoc.schema import source
 
     if path != PIPE:
         return pipeline.load_spec(path)
@@ -36,12 +38,14 @@ def take_bundle(path: Path) -> "Bundle":
         SpecError: If a spec cannot be built.
         ModelError: If MuJoCo refuses the model.
     """
-    from mimoc import bundle, console, pipeline
+    from mimoc.bundle import folder
+    from mimoc.cli import console
+    from mimoc.compiler import pipeline
 
     if path.is_file() and path.suffix.lower() not in pipeline.SPEC_SUFFIXES:
         raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
     if path.is_dir() or (path != PIPE and path.suffix.lower() not in pipeline.SPEC_SUFFIXES):
-        return bundle.read_bundle(path)
+        return folder.read_bundle(path)
     spec = take_spec(path)
     with console.status("building"):
         return pipeline.build(spec)
@@ -54,13 +58,14 @@ def take_bundles_spec(path: Path) -> "InfantSpec":
         BundleError: If it is no whole bundle.
         SpecError: If anything is wrong with the spec.
     """
-    from mimoc import bundle
+    from mimoc.bundle import folder
 
-    return resolved_spec(bundle.read_bundle(path)) if path.is_dir() else take_spec(path)
+    return resolved_spec(folder.read_bundle(path)) if path.is_dir() else take_spec(path)
 
 
 def resolved_spec(built: "Bundle") -> "InfantSpec":
     """Return the whole spec of a bundle."""
-    from mimoc import schema, source
+    from mimoc import schema
+    from mimoc.schema import source
 
     return schema.read_spec(source.parse(built.files["resolved.yaml"].decode(), "resolved.yaml"))

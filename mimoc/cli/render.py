@@ -27,8 +27,8 @@ def render(
     skin: Annotated[bool, typer.Option("--skin", help="Show its skin points, and what they feel.")] = False,
 ) -> None:
     """Draw a picture of the infant, or of several in a row."""
-    from mimoc.runtime.portrait import lineup, portrait
-    from mimoc.scene.picture_files import check_picture_name, write_picture
+    from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render.portrait import lineup, portrait
 
     check_picture_name(file)
     if len(infants) > 1 and pose not in (None, "standing"):

@@ -11,7 +11,7 @@ from mimoc.cli.infants import take_bundles_spec
 from mimoc.errors import MimocError, SpecError
 
 if TYPE_CHECKING:
-    from mimoc.schema import InfantSpec
+    from mimoc.schema.infant import InfantSpec
 
 MOST_ROOMS = 400
 """On one sheet."""
@@ -29,10 +29,11 @@ def rooms(
     size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each picture, pixels.")] = 320,
 ) -> None:
     """Draw the scenes that several seeds give, on one sheet."""
-    from mimoc import console, pipeline
-    from mimoc.runtime.overview import overview
-    from mimoc.scene.picture_files import check_picture_name, write_picture
-    from mimoc.scene.sheet import draw_grid
+    from mimoc.cli import console
+    from mimoc.compiler import pipeline
+    from mimoc.render.overview import overview
+    from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render.picture_grid import draw_grid
 
     check_picture_name(file)
     wanted, infant, pictures = read_range(seeds), take_bundles_spec(spec), []
@@ -51,7 +52,7 @@ def _say_what_differs(spec: "InfantSpec") -> None:
     Raises:
         SpecError: If all pictures would be the same.
     """
-    from mimoc.schema import as_written
+    from mimoc.schema.infant import as_written
 
     kind = spec.scene.kind
     if kind == "room":

@@ -40,7 +40,8 @@ def run(
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the film, pixels.")] = 360,
 ) -> None:
     """Run the infant under a policy, with progress and a closing summary; film it in real time."""
-    from mimoc import console, recording
+    from mimoc import recording
+    from mimoc.cli import console
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 

@@ -33,10 +33,10 @@ def see(
 ) -> None:
     """Draw what the infant looks at: as fine as several ages see it, foveated as well, and as it is drawn."""
     from mimoc import schema
-    from mimoc.runtime.glimpse import glimpse
-    from mimoc.scene.picture_files import check_picture_name, write_picture
-    from mimoc.scene.sheet import draw_sheet
-    from mimoc.scene.sights import compare_ages, read_ages
+    from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render.picture_grid import draw_sheet
+    from mimoc.senses.vision.comparison import compare_ages, read_ages
+    from mimoc.senses.vision.preview import glimpse
 
     check_picture_name(file)
     built = take_bundle(infant)

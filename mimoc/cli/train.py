@@ -40,7 +40,8 @@ def train(
     force: Annotated[bool, typer.Option("--force", help="Begin anew what is in the folder.")] = False,
 ) -> None:
     """Train the infant; the same command again goes on with a training that was interrupted."""
-    from mimoc import console, training
+    from mimoc import training
+    from mimoc.cli import console
     from mimoc.training import hyper
 
     chosen, bundle = hyper.read(algo, knobs or []), take_bundle(infant)

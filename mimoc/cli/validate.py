@@ -28,8 +28,9 @@ def validate(
     ] = None,
 ) -> None:
     """Compare the compiled infant with WHO's growth standards, month by month; exit 1 if it is off by over one SD."""
-    from mimoc import console, validation
-    from mimoc.plot import check_plot_name, plot_growth
+    from mimoc.cli import console
+    from mimoc.compiler import validation
+    from mimoc.render.plots import check_plot_name, plot_growth
 
     if against != "who":
         raise UnknownNameError("growth standard", against, ["who"])

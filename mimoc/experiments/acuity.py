@@ -4,17 +4,18 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mimoc import pipeline
+from mimoc.compiler import pipeline
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
 from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.plot.curves import Curve, Panel, draw_panels
-from mimoc.plot.figure import png
-from mimoc.runtime.glimpse import glimpse
-from mimoc.scene.acuity import PROFILES, acuity_at
-from mimoc.scene.drawing import encode_palette_png
-from mimoc.scene.sheet import Picture, draw_sheet
-from mimoc.scene.sights import TELLING_FOVEATION, compare_ages
-from mimoc.schema import InfantSpec, VisionSpec
+from mimoc.looks.drawing import encode_palette_png
+from mimoc.render.picture_grid import Picture, draw_sheet
+from mimoc.render.plots.curves import Curve, Panel, draw_panels
+from mimoc.render.plots.figure import png
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses.spec import VisionSpec
+from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
+from mimoc.senses.vision.comparison import TELLING_FOVEATION, compare_ages
+from mimoc.senses.vision.preview import glimpse
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
 PROFILE = VisionSpec().acuity_profile

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc import pipeline
-from mimoc.bundle import Bundle
+from mimoc.bundle.folder import Bundle
+from mimoc.compiler import pipeline
 from mimoc.experiments.delays_page import sections
 from mimoc.experiments.learner import Learner, detour, smoothness
 from mimoc.experiments.notebook import Notebook
-from mimoc.plot.curves import Curve, Panel, draw_panels
-from mimoc.plot.figure import png
+from mimoc.render.plots.curves import Curve, Panel, draw_panels
+from mimoc.render.plots.figure import png
 from mimoc.runtime.env import InfantEnv
-from mimoc.schema import InfantSpec
+from mimoc.schema.infant import InfantSpec
 from mimoc.training import evaluate, load_policy, train
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)

@@ -8,10 +8,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import pipeline
+from mimoc.body.poses import Pose, resting_state
+from mimoc.compiler import pipeline
 from mimoc.runtime.env import InfantEnv
-from mimoc.scene.poses import Pose, resting_state
-from mimoc.schema import InfantSpec
+from mimoc.schema.infant import InfantSpec
 from mimoc.units import ms_to_s
 
 FloatArray = npt.NDArray[np.float64]

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from mimoc.compiler.validation import GrowthReport, Row, grow_against_who
 from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.plot import draw_growth
-from mimoc.plot.figure import png
-from mimoc.validation import GrowthReport, Row, grow_against_who
+from mimoc.render.plots import draw_growth
+from mimoc.render.plots.figure import png
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 3, 6, 9, 12, 18, 24)

@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mimoc import scene
+from mimoc.compiler import furnish
+from mimoc.compiler.pipeline import Builder
 from mimoc.experiments.notebook import Cell
-from mimoc.pipeline import Builder
-from mimoc.scene.footprint import floor_reach
-from mimoc.scene.toys.placing import Reach
-from mimoc.scene.tree import Keyframe, Prop, SceneTree
+from mimoc.mjcf.tree import Keyframe, Prop, SceneTree
+from mimoc.scenes.footprint import floor_reach
+from mimoc.toys.placing import Reach
 
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 
@@ -85,7 +85,7 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
     """
     wanted = builder.spec.scene.model_copy(update={"seed": seed})
     spec = builder.spec.model_copy(update={"scene": wanted})
-    room = scene.furnish(builder.infant, spec, builder.tree, builder.supplies, builder.stage, builder.discs)
+    room = furnish.furnish(builder.infant, spec, builder.tree, builder.supplies, builder.stage, builder.discs)
     start = next(keyframe for keyframe in room.keyframes if keyframe.name == wanted.pose)
     reach = floor_reach(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
     assert reach is not None

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc import pipeline
+from mimoc.compiler import pipeline
+from mimoc.control.reaching import GAIN_SETS, ReachErrors, ReachGains, reach_errors
 from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.plot.curves import Curve, Panel, draw_panels
-from mimoc.plot.figure import png
-from mimoc.runtime.control.reaching import GAIN_SETS, ReachErrors, ReachGains, reach_errors
+from mimoc.render.plots.curves import Curve, Panel, draw_panels
+from mimoc.render.plots.figure import png
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.senses.sense import FloatArray
-from mimoc.schema import InfantSpec
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses.sense import FloatArray
 
 AGE_MONTHS = 18
 TRIALS, QUICK_TRIALS = 10, 3

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
+from mimoc.bundle.files import write_file
 from mimoc.errors import OutputError
-from mimoc.files import write_file
 
 Progress = Callable[[int, int], None]
 """Told how much is done, and of how much."""

@@ -8,18 +8,18 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import pipeline
+from mimoc.compiler import pipeline
 from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.plot.curves import Curve, Panel, draw_panels
-from mimoc.plot.figure import png
-from mimoc.runtime.overview import overview
-from mimoc.scene.drawing import encode_palette_png
-from mimoc.scene.room import CLEARANCE_M
-from mimoc.scene.sheet import Picture, draw_grid
-from mimoc.scene.toys.builtin import BUILTIN
-from mimoc.scene.toys.placing import Reach
-from mimoc.schema import InfantSpec
+from mimoc.looks.drawing import encode_palette_png
+from mimoc.render.overview import overview
+from mimoc.render.picture_grid import Picture, draw_grid
+from mimoc.render.plots.curves import Curve, Panel, draw_panels
+from mimoc.render.plots.figure import png
+from mimoc.scenes.room.build import CLEARANCE_M
+from mimoc.schema.infant import InfantSpec
+from mimoc.toys.builtin.library import BUILTIN
+from mimoc.toys.placing import Reach
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
 PICTURE_PX = (176, 132)

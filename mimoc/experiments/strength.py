@@ -11,9 +11,9 @@ from mimoc.experiments import strength_page
 from mimoc.experiments.effort import BEHAVIOURS, Behaviour, Effort, Model, efforts
 from mimoc.experiments.notebook import Cell, Notebook, Progress
 from mimoc.experiments.strength_page import FULL_SIZE_MONTHS, TARGET_DEG, Findings
-from mimoc.plot.curves import Curve, Panel, draw_panels
-from mimoc.plot.figure import png
-from mimoc.schema import InfantSpec
+from mimoc.render.plots.curves import Curve, Panel, draw_panels
+from mimoc.render.plots.figure import png
+from mimoc.schema.infant import InfantSpec
 
 PAPER_MONTHS: Sequence[float] = (0, 3, 6, 9, 12, 18, 24)
 MONTHS: Sequence[float] = range(25)

@@ -5,7 +5,7 @@ from pathlib import PurePath
 from typing import Any
 
 from mimoc.errors import Problem
-from mimoc.source import dump
+from mimoc.schema.source import dump
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from mimoc.errors import Problem, SpecError, suggestion
-from mimoc.source import Source, shown
+from mimoc.schema.source import Source, shown
 
 Meaning = TypeVar("Meaning")
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import gymnasium
 
+from mimoc.recording.film import Film
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.film import Film
 from mimoc.runtime.rollout import PolicyMaker, Run, Summary
 from mimoc.units import ms_to_s
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from mimoc import files
+from mimoc.bundle import files
 from mimoc.errors import MissingExtraError, OutputError
 
 Picture = npt.NDArray[np.uint8]

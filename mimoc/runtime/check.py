@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.bundle import Bundle
+from mimoc.bundle.folder import Bundle
+from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.runtime.model import load_model, simulation_warnings
-from mimoc.runtime.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s, rad_to_deg
 
 CHECKED_S = 1.0

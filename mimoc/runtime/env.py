@@ -11,26 +11,26 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle import Bundle, read_bundle
+from mimoc.actuation.binding import ACTUATIONS, Actuation
+from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import broke_down, load_model
+from mimoc.bundle.poses import pose_of
+from mimoc.delays.schedule import Nerves
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.actuation import ACTUATIONS, Actuation
-from mimoc.runtime.camera import FROM_THE_SIDE, towards
+from mimoc.render.camera import FROM_THE_SIDE, towards
+from mimoc.render.opengl import has_screen
+from mimoc.render.portrait import Painter
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.runtime.model import broke_down, load_model
-from mimoc.runtime.nerves import Nerves
-from mimoc.runtime.opengl import has_screen
-from mimoc.runtime.portrait import Painter
-from mimoc.runtime.poses import pose_of
-from mimoc.runtime.senses import Sense, bind_senses
-from mimoc.runtime.senses.sense import Observation
-from mimoc.runtime.tasks import bind_task
-from mimoc.runtime.tasks.task import NOTHING_EARNED
-from mimoc.schema.manifest import Manifest
+from mimoc.senses.binding import Sense, bind_senses
+from mimoc.senses.sense import Observation
+from mimoc.tasks.binding import bind_task
+from mimoc.tasks.task import NOTHING_EARNED
 from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # Both need libraries that most environments do without.
-    from mimoc.runtime.senses.touch import SkinState
-    from mimoc.runtime.window import Window
+    from mimoc.render.window import Window
+    from mimoc.senses.touch.run import SkinState
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 """All that MuJoCo's future depends on."""
@@ -313,7 +313,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return {**observation, **self._task.observe()} if self._task.spaces else observation
 
     def _open_window(self) -> "Window":
-        from mimoc.runtime.window import Window
+        from mimoc.render.window import Window
 
         return Window(self.model, self.data, self.manifest.root_body)
 

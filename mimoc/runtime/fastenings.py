@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from mimoc.runtime.senses.sense import FloatArray
-from mimoc.schema.manifest import FasteningsEntry
+from mimoc.bundle.manifest import FasteningsEntry
+from mimoc.senses.sense import FloatArray
 
 ANCHOR, PLACE, TURN = slice(0, 3), slice(3, 6), slice(6, 10)
 """Where a weld to the world has, among MuJoCo's numbers of a constraint, its point in the frame of the body, and place

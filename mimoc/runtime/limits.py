@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from mimoc.bundle import Bundle, read_bundle
-from mimoc.runtime.actuation import ACTUATIONS
-from mimoc.runtime.model import load_model
-from mimoc.schema.manifest import ActuationEntry
+from mimoc.actuation.binding import ACTUATIONS
+from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.manifest import ActuationEntry
+from mimoc.bundle.model import load_model
 
 
 def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:

@@ -7,10 +7,10 @@ from time import perf_counter
 import mujoco
 import numpy as np
 
+from mimoc.control import Reaching
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.control import Reaching
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.senses.sense import FloatArray, Observation
+from mimoc.senses.sense import FloatArray, Observation
 from mimoc.units import ms_to_s
 
 Policy = Callable[[np.random.Generator, Observation], np.ndarray]

@@ -1,20 +1,50 @@
 """The spec language: what a user can say about an infant, as frozen data."""
 
-from mimoc.schema.actuation import ActuationSpec
-from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
-from mimoc.schema.control import ControlSpec
-from mimoc.schema.delays import DelaysSpec
-from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
-from mimoc.schema.scene import RoomSpec, SceneSpec, TexturesSpec, ToysSpec
-from mimoc.schema.senses import (
-    AcuitySpec,
-    ProprioceptionSpec,
-    SensesSpec,
-    TouchSpec,
-    VestibularSpec,
-    VisionSpec,
-)
-from mimoc.schema.tasks import TaskSpec
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mimoc.actuation.spec import ActuationSpec
+    from mimoc.delays.spec import DelaysSpec
+    from mimoc.scenes.spec import RoomSpec, SceneSpec, TexturesSpec, ToysSpec
+    from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
+    from mimoc.schema.control import ControlSpec
+    from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
+    from mimoc.senses.spec import (
+        AcuitySpec,
+        ProprioceptionSpec,
+        SensesSpec,
+        TouchSpec,
+        VestibularSpec,
+        VisionSpec,
+    )
+    from mimoc.tasks.spec import TaskSpec
+
+_HOMES = {
+    "AcuitySpec": "mimoc.senses.spec",
+    "ActuationSpec": "mimoc.actuation.spec",
+    "BodySpec": "mimoc.schema.body",
+    "ControlSpec": "mimoc.schema.control",
+    "DelaysSpec": "mimoc.delays.spec",
+    "IndividualSpec": "mimoc.schema.body",
+    "InfantSpec": "mimoc.schema.infant",
+    "PartSpec": "mimoc.schema.body",
+    "ProprioceptionSpec": "mimoc.senses.spec",
+    "RoomSpec": "mimoc.scenes.spec",
+    "SceneSpec": "mimoc.scenes.spec",
+    "SensesSpec": "mimoc.senses.spec",
+    "TaskSpec": "mimoc.tasks.spec",
+    "TexturesSpec": "mimoc.scenes.spec",
+    "TouchSpec": "mimoc.senses.spec",
+    "ToysSpec": "mimoc.scenes.spec",
+    "VestibularSpec": "mimoc.senses.spec",
+    "VisionSpec": "mimoc.senses.spec",
+    "as_written": "mimoc.schema.infant",
+    "read_spec": "mimoc.schema.infant",
+    "to_data": "mimoc.schema.infant",
+    "validated": "mimoc.schema.infant",
+}
+"""Where each name lives. They are imported when first used: the kinds of things an infant has build on this package."""
 
 __all__ = [
     "AcuitySpec",
@@ -40,3 +70,15 @@ __all__ = [
     "to_data",
     "validated",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name from its home."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'mimoc.schema' has no attribute '{name}'")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """Return all names, also those not imported yet."""
+    return __all__

@@ -5,7 +5,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from mimoc.source import KeyPath
+from mimoc.schema.source import KeyPath
 
 
 class Model(BaseModel):

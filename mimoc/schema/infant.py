@@ -7,8 +7,8 @@ from pydantic import PrivateAttr
 
 from mimoc.schema.plain import changed, everything, given
 from mimoc.schema.reading import read_keys
+from mimoc.schema.source import Source, printed, unwritten
 from mimoc.schema.spec import InfantKeys
-from mimoc.source import Source, printed, unwritten
 
 HERE = Path()
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from mimoc.schema.source import KeyPath
 from mimoc.schema.spec import InfantKeys
-from mimoc.source import KeyPath
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from pydantic import ValidationError
 
 from mimoc.errors import SpecError
 from mimoc.schema.outline import is_known, outline
+from mimoc.schema.source import KeyPath, Source
 from mimoc.schema.spec import InfantKeys
 from mimoc.schema.wording import fault, nothing_at
-from mimoc.source import KeyPath, Source
 
 Spec = TypeVar("Spec", bound=InfantKeys)
 

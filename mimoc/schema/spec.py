@@ -5,15 +5,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
-from mimoc.schema.actuation import ActuationSpec
+from mimoc.actuation.spec import ActuationSpec
+from mimoc.delays.spec import DelaysSpec
+from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.control import ControlSpec
-from mimoc.schema.delays import DelaysSpec
 from mimoc.schema.quantities import Age
-from mimoc.schema.scene import SceneSpec
-from mimoc.schema.senses import SensesSpec
-from mimoc.schema.tasks import TaskSpec
+from mimoc.senses.spec import SensesSpec
+from mimoc.tasks.spec import TaskSpec
 from mimoc.units import to_steps
 
 

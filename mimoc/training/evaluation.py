@@ -8,7 +8,7 @@ import numpy as np
 from mimoc.errors import TrainingError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker, policy_of
-from mimoc.runtime.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
 
 

@@ -17,7 +17,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.errors import MimocError, PolicyError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
-from mimoc.runtime.senses.sense import Observation
+from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy
 from mimoc.training.hyper import complete
 from mimoc.training.settings import Settings

@@ -14,9 +14,9 @@ from pathlib import Path
 from shutil import rmtree
 from typing import Any
 
-from mimoc.bundle import LOCK, Bundle, write_bundle
+from mimoc.bundle.files import write_file
+from mimoc.bundle.folder import LOCK, Bundle, write_bundle
 from mimoc.errors import OutputError, TrainingError
-from mimoc.files import write_file
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 

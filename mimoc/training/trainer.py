@@ -9,12 +9,12 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
-from mimoc import pipeline
-from mimoc.bundle import Bundle
+from mimoc.bundle.folder import Bundle
+from mimoc.compiler import pipeline
 from mimoc.errors import TrainingError
-from mimoc.plot.learning import curves_png, draw_curves
+from mimoc.render.plots.learning import curves_png, draw_curves
 from mimoc.runtime.env import InfantEnv
-from mimoc.schema import InfantSpec
+from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import begin_interval, make_agent
 from mimoc.training.checkpoint import Progress, pack, read_progress, unpack
 from mimoc.training.curve import Curve

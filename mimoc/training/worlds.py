@@ -11,7 +11,7 @@ import numpy as np
 from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnvWrapper, VecMonitor, VecNormalize
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
-from mimoc.bundle import Bundle
+from mimoc.bundle.folder import Bundle
 from mimoc.errors import TrainingError
 from mimoc.runtime.env import InfantEnv
 from mimoc.training.settings import Settings

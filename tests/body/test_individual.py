@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import mimoc
 from mimoc.body import assemble, grow, measure_child
+from mimoc.compiler.validation import compile_infant, measure_compiled
 from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
-from mimoc.source import parse
-from mimoc.validation import compile_infant, measure_compiled
+from mimoc.schema.source import parse
 
 INDICATORS = {
     "length": ("length_cm", "length_percentile"),

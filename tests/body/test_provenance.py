@@ -9,10 +9,10 @@ import pytest
 from lxml import etree
 
 import mimoc
-from mimoc.explain import explain
+from mimoc.compiler.explain import explain
 from mimoc.fits.tables import data_files
 from mimoc.schema import read_spec
-from mimoc.source import parse
+from mimoc.schema.source import parse
 
 BODIES = ((0, "mitten", False), (5.25, "five_finger", True), (18, "mitten", True), (24, "five_finger", False))
 JOINT_CONSTANTS = ("range", "stiffness", "damping", "frictionloss", "armature", "springref")

@@ -2,7 +2,7 @@ import pytest
 
 from mimoc.experiments.acuity import PAPER_MONTHS, PROFILE
 from mimoc.experiments.gratings import SHARES_OF_ACUITY, transfers
-from mimoc.scene.acuity import acuity_at
+from mimoc.senses.vision.acuity_by_age import acuity_at
 
 
 @pytest.mark.parametrize("age_months", PAPER_MONTHS)

@@ -5,10 +5,10 @@ import mujoco
 import pytest
 
 import mimoc
-from mimoc import pipeline
+from mimoc.bundle.model import load_model
+from mimoc.compiler import pipeline
 from mimoc.experiments.inventory import take_inventory
 from mimoc.experiments.rooms import SPEC
-from mimoc.runtime.model import load_model
 
 SEED = 7
 PLAYROOM = Path(__file__).parents[2] / "configs" / "playroom.yaml"

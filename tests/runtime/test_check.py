@@ -4,9 +4,9 @@ import re
 import numpy as np
 import pytest
 
+from mimoc.bundle.model import load_model
 from mimoc.errors import ModelError
 from mimoc.runtime.check import COMMANDS, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
-from mimoc.runtime.model import load_model
 
 
 def changed(bundle, pattern, replacement):

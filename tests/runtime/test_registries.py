@@ -3,11 +3,11 @@ from typing import get_args
 
 import numpy as np
 
-from mimoc.runtime.actuation import ACTUATIONS
+from mimoc.actuation.binding import ACTUATIONS
+from mimoc.bundle.manifest import ActuationEntry, SensesEntry
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.rollout import POLICIES
-from mimoc.runtime.senses import SENSES, bind_senses
-from mimoc.schema.manifest import ActuationEntry, SensesEntry
+from mimoc.senses.binding import SENSES, bind_senses
 
 
 def test_every_sense_of_the_manifest_can_be_bound():

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
+from mimoc.compiler.validation import grow_against_who
 from mimoc.errors import SpecError
 from mimoc.schema import BodySpec, TouchSpec, as_written, read_spec, to_data
-from mimoc.source import parse
-from mimoc.validation import grow_against_who
+from mimoc.schema.source import parse
 
 TEXT = """\
 # An infant of ours.
@@ -148,7 +148,7 @@ def test_a_path_or_a_string_of_one_is_built(spec, tmp_path):
 
 
 def test_what_one_says_of_itself_is_a_line():
-    from mimoc.pipeline import builder
+    from mimoc.compiler.pipeline import builder
 
     spec = from_python(senses={"touch": {}}, scene={"kind": "room", "toys": {}})
     bundle = mimoc.build(spec)

@@ -9,8 +9,14 @@ from pydantic import ValidationError
 
 from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec, PartSpec, VisionSpec, read_spec, to_data
-from mimoc.schema.names import LIMB_BODIES, MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, STRENGTH_GROUPS, TRUNK_BODIES
-from mimoc.source import dump, parse, read
+from mimoc.schema.names import (
+    LIMB_BODIES,
+    MEASUREMENT_KEYS,
+    SIDED_MEASUREMENT_KEYS,
+    STRENGTH_GROUPS,
+    TRUNK_BODIES,
+)
+from mimoc.schema.source import dump, parse, read
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
 LEAST = {"mimoc": 1, "name": "x", "age_months": 9}

@@ -9,7 +9,7 @@ from stable_baselines3 import PPO
 
 import mimoc
 import mimoc.training
-from mimoc.bundle import LOCK
+from mimoc.bundle.folder import LOCK
 from mimoc.errors import BundleError, TrainingError, UnknownNameError
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import claim

@@ -14,7 +14,7 @@ from mimoc.importers.babybench.remaining import note_the_rest
 from mimoc.importers.babybench.world import read_body, read_control, read_scene, read_task
 from mimoc.importers.imported import Imported
 from mimoc.importers.settings import Settings
-from mimoc.source import FileKind, read
+from mimoc.schema.source import FileKind, read
 
 CONFIGURATION = FileKind("configuration", "behavior, scene and actuation_model", "scene: base")
 MIMO_AGE_MONTHS = 18

@@ -2,7 +2,13 @@
 
 from typing import Any
 
-from mimoc.importers.babybench.regions import SINGLE_GROUPS, named, note_what_is_coarser, switched_on, switches
+from mimoc.importers.babybench.regions import (
+    SINGLE_GROUPS,
+    named,
+    note_what_is_coarser,
+    switched_on,
+    switches,
+)
 from mimoc.importers.babybench.world import scene_locks
 from mimoc.importers.settings import Settings
 

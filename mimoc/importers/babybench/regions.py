@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mimoc.errors import suggestion
 from mimoc.importers.settings import Settings
 from mimoc.schema.names import PAIRED_GROUPS, SIDES, STRENGTH_GROUPS
-from mimoc.source import shown
+from mimoc.schema.source import shown
 
 _WHOLE = {
     "neck": ("neck", "head"),

@@ -1,0 +1,66 @@
+"""Commands: an action as controls, and what the actuators that follow them have in common."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle.manifest import ActuationEntry, ActuatorEntry
+from mimoc.senses.sense import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Commands:
+    """One command for each of n actuators; a control of MuJoCo's, which clips it to its range."""
+
+    actuators: IntArray
+    """Index of each in the model, shape (n,)."""
+    low: FloatArray
+    """Least command, shape (n,)."""
+    high: FloatArray
+    """Largest command, shape (n,)."""
+    limits_nm: FloatArray
+    """Largest torque about the joint towards negative and positive angles, shape (n, 2)."""
+
+    def __call__(self, action: npt.ArrayLike) -> FloatArray:
+        """Return the control of each actuator, shape (n,), an array of its own.
+
+        Raises:
+            ValueError: If the action is not one number for each actuator.
+        """
+        if np.shape(action) != self.low.shape or np.isnan(action).any():
+            raise ValueError(f"an action is {len(self.low)} numbers, one for each actuator, and none of them NaN")
+        return np.array(action, dtype=np.float64)
+
+
+def commanded(entry: ActuationEntry) -> list[ActuatorEntry]:
+    """Return the actuators that an action has commands for, in its order."""
+    return [actuator for actuator in entry.actuators if actuator.commanded]
+
+
+def find_actuators(entry: ActuationEntry, model: mujoco.MjModel) -> IntArray:
+    """Return the index in *model* of each actuator that is commanded, shape (n,)."""
+    return np.array([model.actuator(actuator.name).id for actuator in commanded(entry)], dtype=np.intp)
+
+
+def command_range(entry: ActuationEntry) -> tuple[FloatArray, FloatArray]:
+    """Return the least and the largest commands, shape (n,) each."""
+    low = np.array([actuator.action_low for actuator in commanded(entry)])
+    return low, np.array([actuator.action_high for actuator in commanded(entry)])
+
+
+def limits_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    """Return the largest torque of n motors towards negative and positive angles, shape (n, 2), in [N m]."""
+    return model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
+
+
+def mean_effort(shares: FloatArray, torques_nm: FloatArray) -> float:
+    """Return the sum of u² T over n times the sum of T (MIMo), between 0 and 1 / n; 0 where nothing has strength.
+
+    Args:
+        shares: How much of its strength each actuator uses (u), shape (n,).
+        torques_nm: The largest torque of each (T), shape (n,).
+    """
+    strength_nm = len(shares) * torques_nm.sum()
+    return float(shares**2 @ torques_nm / strength_nm) if strength_nm else 0.0

@@ -1,0 +1,1 @@
+"""Two antagonistic muscles for each joint."""

@@ -1,0 +1,33 @@
+"""Muscle actuation: the command is the activation that each muscle goes towards."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.actuation.commands import Commands, command_range, find_actuators, mean_effort
+from mimoc.bundle.manifest import ActuationEntry
+from mimoc.senses.sense import IntArray
+
+FORCE = 2
+"""Where the largest isometric force of a muscle stands among MuJoCo's gain parameters."""
+
+
+@dataclass(frozen=True)
+class Muscle(Commands):
+    """Commands in [0, 1]; two antagonists a joint, each pulls one way as its activation, length and speed allow."""
+
+    activations: IntArray
+    """Where each muscle's activation stands in the state, shape (n,)."""
+
+    def effort(self, data: mujoco.MjData) -> float:
+        """Return what the activations cost; see `mean_effort`."""
+        return mean_effort(data.act[self.activations], np.abs(self.limits_nm).max(axis=1))
+
+
+def bind_muscle(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:
+    """Find the muscles of *entry* in *model*."""
+    ids = find_actuators(entry, model)
+    pull_nm = -model.actuator_gear[ids, 0] * model.actuator_gainprm[ids, FORCE]
+    limits_nm = np.stack([np.minimum(pull_nm, 0.0), np.maximum(pull_nm, 0.0)], axis=1)
+    return Muscle(ids, *command_range(entry), limits_nm, model.actuator_actadr[ids].astype(np.intp))

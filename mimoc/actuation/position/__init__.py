@@ -1,0 +1,1 @@
+"""Servos that hold a commanded angle."""

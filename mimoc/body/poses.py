@@ -1,0 +1,129 @@
+"""The poses an infant starts in, resting on the ground."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.body import BodyTree
+from mimoc.body.kinematics import FloatArray, Posed, pose
+from mimoc.units import deg_to_rad
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Joint angles, and how the whole body lies."""
+
+    pitch_deg: float
+    """Turn of the hip about y: 90 is face down, -90 face up."""
+    angles_deg: Mapping[str, float]
+    """By joint, without `robot:`; `{side}` stands for both sides."""
+
+
+POSES: Mapping[str, Pose] = {
+    "supine": Pose(
+        -90,
+        {
+            "{side}_hip1": -50,
+            "{side}_hip2": -25,
+            "{side}_knee": -70,
+            "{side}_shoulder_ad_ab": 60,
+            "{side}_elbow": -60,
+            "{side}_fingers": -40,
+        },
+    ),
+    "prone": Pose(
+        90,
+        {
+            "{side}_shoulder_ad_ab": 75,
+            "{side}_shoulder_rotation": -80,
+            "{side}_elbow": -75,
+            "{side}_hip2": -20,
+            "{side}_foot1": -50,
+            "head_tilt": -55,
+        },
+    ),
+    "sitting": Pose(
+        0,
+        {
+            "{side}_hip1": -95,
+            "{side}_hip2": -25,
+            "{side}_knee": -25,
+            "{side}_shoulder_ad_ab": 30,
+            "{side}_elbow": -45,
+            "{side}_fingers": -40,
+            "hip_bend1": 8,
+            "hip_bend2": 8,
+        },
+    ),
+    "standing": Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30}),
+}
+"""What is natural at an infant's age, well inside the range of every joint; lumbar joints keep their couplings."""
+
+CONTACT_DEPTH_M = 1e-4
+"""How deep a resting body presses into the ground, so that the first physics step already carries it."""
+
+_STEP_DEG = 0.5
+"""How finely a body's roll is followed down to where it comes to rest."""
+
+
+def standing_height(tree: BodyTree) -> float:
+    """Return the height of the hip above the soles when all joints are at zero, in [m]."""
+    return pose(tree, {}).extent(np.array([0.0, 0.0, -1.0]))
+
+
+def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
+    """Return the angle of each hinge of *tree* in a pose, in [rad]."""
+    named = {
+        "robot:" + name.format(side=side): deg_to_rad(angle)
+        for name, angle in wanted.angles_deg.items()
+        for side in ("left", "right")
+    }
+    return {name: named.get(name, 0.0) for name in tree.joints}
+
+
+def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
+    """Return a pose at rest on the ground as qpos: place and quaternion of the hip, then the hinges.
+
+    As stiff as a statue, the body rolls about y to where its centre of mass is lowest: there it rests.
+
+    Args:
+        tree: The body.
+        wanted: The pose; of its turn, the rest is the one downhill from it.
+    """
+    angles = pose_angles(tree, wanted)
+    posed = pose(tree, angles)
+    pitch = _resting_pitch(posed, deg_to_rad(wanted.pitch_deg))
+    height_m = posed.solid.extent(_down(pitch)) - CONTACT_DEPTH_M
+    return (0.0, 0.0, height_m, math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0, *angles.values())
+
+
+def _resting_pitch(posed: Posed, start_rad: float) -> float:
+    """Return the pitch at which a body that starts at *start_rad* comes to rest: downhill, then golden sections."""
+    centre, solid = posed.centre_of_mass, posed.solid
+
+    def height(pitch: float) -> float:
+        down = _down(pitch)
+        return solid.extent(down) - float(centre @ down)
+
+    step = deg_to_rad(_STEP_DEG)
+    if height(start_rad - step) < height(start_rad + step):
+        step = -step
+    while height(start_rad + step) < height(start_rad):
+        start_rad += step
+    return round(_golden_section(height, start_rad - step, start_rad + step), 6)  # What follows is noise.
+
+
+def _golden_section(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return where *function*, which has one minimum between *low* and *high*, is least."""
+    golden = (math.sqrt(5) - 1) / 2
+    for _ in range(30):
+        left, right = high - golden * (high - low), low + golden * (high - low)
+        low, high = (low, right) if function(left) < function(right) else (left, high)
+    return (low + high) / 2
+
+
+def _down(pitch_rad: float) -> FloatArray:
+    """Return which way is down in the frame of a hip that is turned about y, shape (3,)."""
+    return np.array([math.sin(pitch_rad), 0.0, -math.cos(pitch_rad)])

@@ -1,0 +1,1 @@
+"""The bundle: the files that the compiler writes and the runtime reads."""

@@ -1,0 +1,75 @@
+"""From a bundle to a compiled MuJoCo model."""
+
+import logging
+import warnings
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle.folder import Bundle
+from mimoc.errors import ModelError
+
+FAULTY_SPARSE_SOLVER = "4.0.0"
+"""MuJoCo release whose Newton solver is wrong in rare states when the Jacobian is sparse (design.md, section 6)."""
+
+BREAKDOWNS = tuple(
+    int(kind)
+    for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+)
+"""MuJoCo's warnings after which a simulation means nothing."""
+
+
+def load_model(bundle: Bundle) -> mujoco.MjModel:
+    """Return the compiled scene of a bundle.
+
+    Raises:
+        ModelError: If MuJoCo refuses it.
+    """
+    try:
+        model = mujoco.MjModel.from_xml_string(bundle.files[bundle.manifest.scene].decode(), assets=dict(bundle.files))
+    except ValueError as error:
+        raise ModelError(f"MuJoCo {mujoco.__version__} refuses the bundle: {' '.join(str(error).split())}") from None
+    if mujoco.__version__ == FAULTY_SPARSE_SOLVER:
+        warnings.warn(
+            f"MuJoCo {FAULTY_SPARSE_SOLVER} solves sparse contact problems wrongly now and then; mimoc uses its slower "
+            "dense solver instead. Any other release from 3.5 on is right: pip install 'mujoco!=4.0.0'",
+            stacklevel=2,
+        )
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    _keep_mujoco_quiet()
+    return model
+
+
+def broke_down(data: mujoco.MjData) -> bool:
+    """Return whether a simulation has become unstable since its reset; MuJoCo then starts it anew by itself."""
+    counts = data.warning.number
+    return any(counts[kind] for kind in BREAKDOWNS)
+
+
+def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
+    """Return the kinds of warning that MuJoCo has raised in a simulation."""
+    return tuple(
+        mujoco.mjtWarning(kind).name.removeprefix("mjWARN_")
+        for kind in range(mujoco.mjtWarning.mjNWARNING)
+        if data.warning[kind].number
+    )
+
+
+def hanging_on(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bool_]:
+    """Return which bodies are one of some bodies or hang on one, shape (nbody,)."""
+    found = np.zeros(model.nbody, bool)
+    found[list(roots)] = True
+    for body in range(1, model.nbody):  # Parents come before children.
+        found[body] |= found[model.body_parentid[body]]
+    return found
+
+
+def _keep_mujoco_quiet() -> None:
+    """Send MuJoCo's warnings to Python's log; it would print them, and write MUJOCO_LOG.TXT wherever one stands.
+
+    None is lost: each is counted in its `MjData`, and `info["unstable"]` says when it matters.
+    """
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(logging.getLogger(__name__).info)

@@ -1,0 +1,264 @@
+"""What the commands say on the screen."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+from rich.tree import Tree
+
+if TYPE_CHECKING:
+    from mimoc.bundle.manifest import Manifest
+    from mimoc.compiler.explain import Explanation
+    from mimoc.compiler.validation import GrowthReport, Row
+    from mimoc.fits.who import Reference
+    from mimoc.runtime.check import PoseCheck
+    from mimoc.runtime.rollout import Summary
+    from mimoc.training import Training
+
+LABELS = {
+    "length_cm": "length [cm]",
+    "weight_kg": "weight [kg]",
+    "head_circumference_cm": "head circumference [cm]",
+    "arm_circumference_cm": "arm circumference [cm]",
+}
+
+
+PIPE_WIDTH = 200
+"""Columns where no terminal says how many there are: enough for lines to stay whole, as `grep` wants them."""
+
+
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave it to `mimoc.cli.entry` what becomes of a command whose output nobody reads."""
+        raise SystemExit(1)
+
+
+def _console() -> Console:
+    return _Console(markup=False, highlight=False, width=None if sys.stdout.isatty() else PIPE_WIDTH)
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a progress bar on the terminal; yields the function that is told how much is done, and of how much."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
+    """Print what a child measures, and where that stands among WHO's children."""
+    measures = manifest.child.model_dump()
+    table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
+    table.add_column("measure")
+    table.add_column("value", justify="right")
+    among = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
+    table.add_column(f"WHO percentile, {among}", justify="right")
+    for name, value in percentiles.items():
+        table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
+    _console().print(table)
+
+
+@contextmanager
+def status(what: str) -> Iterator[None]:
+    """Show on the terminal that something is being done."""
+    console = Console(stderr=True)
+    if console.is_terminal:
+        with console.status(what):
+            yield
+    else:
+        yield
+
+
+def print_toys(manifest: Manifest) -> None:
+    """Print the toys around an infant, and what its user should know."""
+    console = _console()
+    if manifest.toys:
+        table = Table(title=f"{len(manifest.toys)} toys", title_justify="left")
+        table.add_column("toy")
+        for heading in ("longest side [cm]", "weight [g]"):
+            table.add_column(heading, justify="right")
+        for toy in manifest.toys:
+            table.add_row(toy.object, f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
+        console.print(table)
+    for note in manifest.notes:
+        console.print(Text(f"note: {note}", style="yellow"))
+
+
+def print_growth(report: GrowthReport) -> None:
+    """Print one table for each indicator, a row for each age, and what it comes to."""
+    console = _console()
+    for indicator, worst in report.worst.items():
+        console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
+        rows = [row for row in report.rows if row.indicator == indicator]
+        alone = ", ".join(f"{who} {_furthest(rows, reference)}" for who, reference in ALONE.items())
+        console.print(f"furthest from WHO's mean {_furthest([worst], 'mean')}; from {alone}\n")
+    verdict = "within one SD of the mean of WHO's boys and girls at every age"
+    if report.within_one_sd:
+        console.print(Text(f"ok: {verdict}", style="green"))
+    else:
+        outside = sorted({row.indicator for row in report.rows if row.outside})
+        console.print(Text(f"failed: not {verdict}: {', '.join(outside)}", style="red"))
+
+
+ALONE: Mapping[str, Reference] = {"boys alone": "male", "girls alone": "female"}
+
+
+def _furthest(rows: Iterable[Row], reference: Reference) -> str:
+    row = max(rows, key=lambda row: abs(row.z[reference]))
+    return f"at {row.age_months:g} months: z = {row.z[reference]:+.2f}"
+
+
+def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:
+    table = Table(title=f"{LABELS[indicator]} against WHO", title_justify="left", collapse_padding=True, pad_edge=False)
+    for heading in ("months", "infant", "z boys", "z girls", "z mean", "% boys", "% girls", "% mean", ""):
+        table.add_column(heading, justify="right")
+    for row in rows:
+        z, percentile = row.z, row.percentile
+        table.add_row(
+            f"{row.age_months:g}",
+            f"{row.value:.2f}",
+            *(_z_text(z[reference]) for reference in ("male", "female", "mean")),
+            *(f"{percentile[reference]:.0f}" for reference in ("male", "female", "mean")),
+            "outside" if row.outside else "",
+        )
+    return table
+
+
+def _z_text(z: float) -> Text:
+    """Return a z-score, marked with a star and in yellow beyond one SD."""
+    return Text(f"{z:+.2f}{'*' if abs(z) > 1 else ' '}", style="yellow" if abs(z) > 1 else "")
+
+
+def print_run(summary: Summary) -> None:
+    """Print what happened in a run, and how fast it went."""
+    table = Table(title=f"{summary.steps} control steps, {summary.simulated_s:g} s simulated", title_justify="left")
+    table.add_column("what")
+    table.add_column("value", justify="right")
+    low, high = summary.head_height_m
+    rows = {
+        "episodes": f"{summary.episodes}",
+        "total reward": f"{summary.total_reward:.6g}",
+        **_outcomes(summary),
+        "way of the hip [m]": f"{summary.hip_path_m:.6f}",
+        "height of the head, lowest [m]": f"{low:.6f}",
+        "height of the head, highest [m]": f"{high:.6f}",
+        "mean joint speed [rad/s]": f"{summary.joint_speed_rad_s:.6f}",
+        "stable": "no: the simulation broke down" if summary.unstable else "yes",
+    }
+    if summary.hand_error_m is not None:
+        rows["distance of hands from their targets after 1.5 s, median [m]"] = f"{summary.hand_error_m:.6f}"
+    if summary.fell_after_s is not None:
+        rows["keeps its seat"] = (
+            f"no: it fell over after {summary.fell_after_s:.2f} s, too weak or too unsteady to sit freely"
+        )
+    for what, value in rows.items():
+        table.add_row(what, value)
+    console = _console()
+    console.print(table)
+    rate_hz = summary.steps / summary.wall_s
+    console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
+
+
+def _outcomes(summary: Summary) -> dict[str, str]:
+    """Return what came of the episodes that came to their end."""
+    if summary.mean_return is None:
+        return {"successes": "0 of 0 episodes; the first goes on"} if summary.task != "free" else {}
+    share = summary.successes / summary.finished
+    found = {
+        "return of an episode, mean": f"{summary.mean_return:.6g}",
+        "successes": f"{summary.successes} of {summary.finished} episodes ({share:.0%})",
+    }
+    if summary.time_to_success_s is not None:
+        found["time to success, mean [s]"] = f"{summary.time_to_success_s:.3f}"
+    return found
+
+
+def print_training(training: Training) -> None:
+    """Print how well an infant did at the beginning of its training, and at the end."""
+    rows = training.curve.rows
+    table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
+    for heading in ("while learning", "at first", "in the end"):
+        table.add_column(heading, justify="left" if heading == "while learning" else "right")
+    for what, name in LEARNED.items():
+        table.add_row(what, *(_number_text(getattr(row, name)) for row in (rows[0], rows[-1])))
+    console = _console()
+    console.print(table)
+    resumed = f", {training.began_at} steps of them before" if training.began_at else ""
+    console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
+
+
+def _number_text(value: float) -> str:
+    if isinstance(value, int):
+        return f"{value}"
+    return f"{value:.4g}" if math.isfinite(value) else "-"
+
+
+LEARNED = {
+    "steps so far": "steps",
+    "episodes that ended": "episodes",
+    "return of an episode, mean": "episode_return",
+    "success rate": "success_rate",
+    "steps of an episode, mean": "episode_steps",
+    "time to success, mean [s]": "time_to_success_s",
+}
+"""What is told of a row of a learning curve, by how it is called."""
+
+
+def print_check(checks: Iterable[PoseCheck]) -> bool:
+    """Print the check of each pose as it comes in; return whether all passed."""
+    console, passed = _console(), True
+    for check in checks:
+        passed &= check.passed
+        verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
+        warnings = ", ".join(check.warnings) or "no warnings"
+        console.print(verdict, f"{check.pose}: {warnings}, {_calm(check)}")
+    return passed
+
+
+def _calm(check: PoseCheck) -> str:
+    """Return how calm an infant stayed."""
+    energy = f"at most {check.energy_j_per_kg:.2f} J/kg of motion"
+    if not check.joint:
+        return f"{energy}, no joint beyond its limits"
+    return f"{energy}, joints at most {check.beyond_deg:.0f} degrees beyond a limit ({check.joint})"
+
+
+def print_explanation(explanation: Explanation) -> None:
+    """Print where a number comes from, as a tree."""
+    _console().print(_branch(explanation))
+
+
+def print_contents(contents: Mapping[str, Sequence[str]]) -> None:
+    """Print the names of numbers, a line for each thing that they are of, as `grep` wants them."""
+    for thing, names in contents.items():
+        print(f"{thing}: {' '.join(names)}")
+    if sys.stdout.isatty():
+        print("\nAdd one to see where it comes from, body.head.mass, or a part of its name to find it: weight")
+
+
+def print_numbers(numbers: Mapping[str, str]) -> None:
+    """Print numbers, a line each."""
+    for key, value in numbers.items():
+        print(f"{key} = {value}")
+    if sys.stdout.isatty():
+        print("\nGive the whole name of one to see where it comes from")
+
+
+def _branch(explanation: Explanation) -> Tree:
+    value, *reasons = explanation.lines
+    tree = Tree(Text.assemble((explanation.key, "bold"), " = ", (value, "green")))
+    for reason in reasons:
+        tree.add(Text(reason))
+    for source in explanation.sources:
+        tree.children.append(_branch(source))
+    return tree

@@ -1,0 +1,35 @@
+"""What the spec language can say and this version of mimoc cannot build yet."""
+
+from collections.abc import Iterator
+
+from mimoc.body import assemble
+from mimoc.errors import Problem, SpecError
+from mimoc.schema.infant import InfantSpec, as_written
+from mimoc.schema.names import unsided
+
+KeyPath = tuple[str, ...]
+
+
+def refuse_unavailable(spec: InfantSpec) -> None:
+    """Pass a spec that this version can build.
+
+    Raises:
+        SpecError: If it asks for more, with everything it asks for in vain.
+    """
+    problems = [_problem(spec, path, what, advice) for path, what, advice in _unavailable(spec)]
+    if problems:
+        raise SpecError(problems)
+
+
+def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
+    """Yield the path of each key that asks for too much, what it asks for, and what to write instead."""
+    leave_out = "leave it out"
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
+    for key in spec.body.measurements:
+        if unsided(key) not in anatomy.follows:
+            yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", leave_out
+
+
+def _problem(spec: InfantSpec, path: KeyPath, what: str, advice: str) -> Problem:
+    message = f"{what} is not available in this version of mimoc; {advice}"
+    return as_written(spec).problem(path, message, at="key")

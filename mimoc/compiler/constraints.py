@@ -1,0 +1,111 @@
+"""What of an infant is kept as it starts: joints that are locked and parts that are held."""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from mimoc.body import BodyTree
+from mimoc.body.kinematics import FloatArray, frames_in_world, quaternion
+from mimoc.body.strengthen import muscle_groups
+from mimoc.errors import UnplayableError
+from mimoc.mjcf.mimo.lookups import lock_name
+from mimoc.mjcf.tree import Lock, Weld
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import single_groups
+from mimoc.tasks.setups import Hold, Stage
+
+SAME = 1e-6
+"""How far apart, in [m] or [rad], what is kept may be in two poses that both keep it."""
+FIRM, LOOSE = 1.0, 0.0
+"""`torquescale` of a part that keeps how it is turned, and of one that turns about a point."""
+
+
+def locked_joints(spec: InfantSpec, tree: BodyTree, stage: Stage) -> tuple[str, ...]:
+    """Return the hinges that are locked, by the spec or for its task, in the order of the body."""
+    groups, by_task = single_groups(spec.actuation.locked), set(stage.locked)
+    return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups or joint in by_task)
+
+
+def commanded_joints(spec: InfantSpec, tree: BodyTree, stage: Stage) -> Collection[str]:
+    """Return the hinges that take commands: of the spec's regions, those of its task that are not locked.
+
+    Raises:
+        UnplayableError: If the task is left without any.
+    """
+    regions = spec.actuation.regions
+    groups = None if regions is None else single_groups(regions)
+    locked = set(locked_joints(spec, tree, stage))
+    found = {
+        joint
+        for joint, group in muscle_groups(tree).items()
+        if (groups is None or group in groups)
+        and (stage.commanded is None or joint in stage.commanded)
+        and joint not in locked
+    }
+    if stage.commanded is not None and found.isdisjoint(motor.joint for motor in tree.motors):
+        key = "locked" if regions is None else "regions"
+        raise UnplayableError(f"'{stage.goal.kind}' moves none of what takes commands", ("actuation", key))
+    return found
+
+
+def holds(spec: InfantSpec, tree: BodyTree, stage: Stage) -> tuple[Hold, ...]:
+    """Return the parts that are held, for the task or by the spec, each once.
+
+    Raises:
+        UnplayableError: If the spec holds a part that this infant does not have.
+    """
+    here = {body.name for body in tree.bodies}
+    homes = {tree.home(name): name for name in spec.scene.held}
+    for home, name in homes.items():
+        if home not in here:
+            raise UnplayableError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
+    by_task = {hold.body for hold in stage.holds}
+    return (*stage.holds, *(Hold(home) for home in homes if home not in by_task))
+
+
+def hold_name(body: str) -> str:
+    """Return the name of the constraint that holds a part."""
+    return f"hold:{body}"
+
+
+def lock(joints: Collection[str], tree: BodyTree, state: Sequence[float]) -> tuple[Lock, ...]:
+    """Return constraints that keep some hinges as they are in a state (qpos); those of the others are not active."""
+    angles_rad = dict(zip(tree.joints, state[7:], strict=False))
+    return tuple(
+        Lock(lock_name(joint), joint, angle_rad, active=True)
+        if joint in joints
+        else Lock(lock_name(joint), joint, 0.0, active=False)
+        for joint, angle_rad in angles_rad.items()
+    )
+
+
+def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tuple[Weld, ...]:
+    """Return constraints that keep some parts where they are in a state (qpos)."""
+    placed = frames_in_world(tree, state) if held else {}
+    return tuple(_weld(hold, *placed[hold.body]) for hold in held)
+
+
+def keeps(
+    joints: Collection[str], held: Collection[Hold], tree: BodyTree, start: Sequence[float], state: Sequence[float]
+) -> bool:
+    """Return whether a state (qpos) has locked hinges and held parts where they are at the start."""
+    here, there = lock(joints, tree, state), lock(joints, tree, start)
+    if any(abs(mine.angle_rad - theirs.angle_rad) > SAME for mine, theirs in zip(here, there, strict=True)):
+        return False
+    places = [
+        np.array([[*each.pos_m, *(each.torquescale * np.array(each.quat))] for each in weld(held, tree, at)])
+        for at in (start, state)
+    ]
+    return bool(np.allclose(*places, rtol=0.0, atol=SAME))
+
+
+def _weld(hold: Hold, origin: FloatArray, rotation: FloatArray) -> Weld:
+    x, y, z = (origin + rotation @ hold.anchor_m).tolist()
+    return Weld(
+        name=hold_name(hold.body),
+        body=hold.body,
+        anchor_m=hold.anchor_m,
+        pos_m=(x, y, z),
+        quat=quaternion(rotation),
+        torquescale=LOOSE if hold.turns else FIRM,
+    )

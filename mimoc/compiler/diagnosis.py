@@ -1,0 +1,112 @@
+"""Which line of a spec made a child that there is none of, and what to write there instead."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from mimoc.body import assemble, grow_child, measure_child
+from mimoc.body.child import replace_given
+from mimoc.errors import GeometryError, IndividualError, Problem
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import unsided
+from mimoc.schema.source import KeyPath, Source
+from mimoc.units import m_to_cm
+
+_BISECTIONS = 24
+FARTHEST = 0.5
+"""How far below what it is without a number the number is tried, as a factor; its inverse above."""
+
+Possible = Callable[[InfantSpec], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Culprit:
+    """One number of a spec that may have made its child impossible."""
+
+    path: KeyPath
+    value: float
+    neutral: float
+    """What it would be if it were not written."""
+
+    @property
+    def deviation(self) -> float:
+        """How far it is from neutral, up or down."""
+        return abs(math.log(self.value / self.neutral))
+
+    def put(self, spec: InfantSpec, value: float) -> InfantSpec:
+        """Return the spec with another value in this place, unchecked."""
+        section, name, *key = map(str, self.path[1:])
+        table = getattr(spec.body, section)
+        changed = table[name].model_copy(update={key[0]: value}) if key else value
+        body = spec.body.model_copy(update={section: {**table, name: changed}})
+        return spec.model_copy(update={"body": body})
+
+    def advise(self, limit: float) -> str:
+        """Return what to write, where values between neutral and *limit* are possible."""
+        digits = 1 if self.path[1] == "measurements" else 2
+        if self.value > limit:
+            bound = f"{math.floor(limit * 10**digits) / 10**digits:.{digits}f}"
+            return f"give less than {bound} cm" if digits == 1 else f"give a {self.path[-1]} below {bound}"
+        bound = f"{math.ceil(limit * 10**digits) / 10**digits:.{digits}f}"
+        return f"give more than {bound} cm" if digits == 1 else f"give a {self.path[-1]} above {bound}"
+
+
+def blame(error: GeometryError | IndividualError, spec: InfantSpec, written: Source) -> Problem:
+    """Return the problem at the key of the spec that an error of the body comes from.
+
+    That is the number without which there would be such a child: of several, the one that is farthest
+    from what it would be otherwise. What to write instead is found by trying.
+
+    Args:
+        error: What is wrong with the body.
+        spec: The infant.
+        written: The file it was written in.
+    """
+    if isinstance(error, IndividualError):
+        return written.problem(("body", "individual"), str(error))
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
+    measurements = measure_child(_plain(spec), anatomy)
+
+    def is_possible(other: InfantSpec) -> bool:
+        try:
+            grow_child(other, replace_given(measurements, other), anatomy)
+        except GeometryError:
+            return False
+        return True
+
+    path, advice = _likeliest(spec, dict(measurements), is_possible)
+    return written.problem(path, f"{error}; {advice}")
+
+
+def _plain(spec: InfantSpec) -> InfantSpec:
+    """Return the spec without overrides."""
+    return spec.model_copy(update={"body": spec.body.model_copy(update={"measurements": {}, "parts": {}})})
+
+
+def _likeliest(spec: InfantSpec, average_m: dict[str, float], is_possible: Possible) -> tuple[KeyPath, str]:
+    """Return the key that is to blame, and what to write there."""
+    culprits = sorted(_culprits(spec, average_m), key=lambda culprit: (-culprit.deviation, culprit.path))
+    for farther in (1.0, FARTHEST):
+        for culprit in culprits:
+            good = culprit.neutral * (farther if culprit.value >= culprit.neutral else 1 / farther)
+            if is_possible(culprit.put(spec, good)):
+                return culprit.path, culprit.advise(_limit(spec, culprit, good, is_possible))
+    if culprits:
+        return culprits[0].path, "give one that fits the rest of the body"
+    return ("body", "individual") if spec.body.individual else ("age_months",), "give one nearer to the average"
+
+
+def _culprits(spec: InfantSpec, average_m: dict[str, float]) -> Iterator[Culprit]:
+    for name, part in spec.body.parts.items():
+        yield from (Culprit(("body", "parts", name, key), factor, 1.0) for key, factor in part)
+    for key, value_cm in spec.body.measurements.items():
+        yield Culprit(("body", "measurements", key), value_cm, m_to_cm(average_m[unsided(key)]))
+
+
+def _limit(spec: InfantSpec, culprit: Culprit, good: float, is_possible: Possible) -> float:
+    """Return the value nearest to what was written with which there is such a child, by bisection."""
+    bad = culprit.value
+    for _ in range(_BISECTIONS):
+        middle = (good + bad) / 2
+        good, bad = (middle, bad) if is_possible(culprit.put(spec, middle)) else (good, middle)
+    return good

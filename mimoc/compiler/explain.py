@@ -1,0 +1,113 @@
+"""Where a number of a bundle comes from, told from the XML attribute back to the table row."""
+
+import json
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
+from typing import Any
+
+from mimoc.bundle.folder import Bundle
+from mimoc.errors import MimocError
+
+Entries = Mapping[str, Mapping[str, Any]]
+MOST_FOLLOWED = 8
+"""Of the numbers that one is made of; of more, such as the masses of all bodies, only the values are told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """A number, the rule it follows, and the numbers that the rule takes."""
+
+    key: str
+    lines: tuple[str, ...]
+    """Value and unit; then the rule, the data behind it and the XML attribute it ends up in."""
+    sources: tuple["Explanation", ...]
+
+
+def contents(bundle: Bundle) -> dict[str, tuple[str, ...]]:
+    """Return the names of all numbers that can be explained, sorted, by what they are of: `body.left_foot`."""
+    groups = defaultdict[str, list[str]](list)
+    for key in sorted(_entries(bundle)):
+        thing, _, name = key.rpartition(".")
+        groups[thing].append(name)
+    return {thing: tuple(names) for thing, names in sorted(groups.items())}
+
+
+def find(bundle: Bundle, text: str) -> dict[str, str]:
+    """Return the values of all numbers whose key a text is, or else a part of, by key, sorted.
+
+    Args:
+        bundle: Whose numbers.
+        text: A key; a part of one in small or capital letters, with `_` or blanks; or a pattern with `*` and `?`.
+
+    Raises:
+        MimocError: If there is no such number; it names near ones.
+    """
+    entries, part = _entries(bundle), "_".join(text.lower().split())
+    if text in entries:
+        return {text: _value(entries[text])}
+    pattern = part if set(part) & set("*?") else f"*{part.replace('[', '[[]')}*"
+    found = {key: _value(entries[key]) for key in sorted(entries) if fnmatchcase(key.lower(), pattern)}
+    if not found or not part:
+        raise MimocError(f"'{text}' is no number of this bundle, nor a part of one's name; {_advice(part, entries)}")
+    return found
+
+
+def explain(bundle: Bundle, key: str) -> Explanation:
+    """Return where a number comes from, all the way back.
+
+    Raises:
+        MimocError: If the bundle has no such number; it names near ones.
+    """
+    entries = _entries(bundle)
+    if key not in entries:
+        raise MimocError(f"'{key}' is not a number of this bundle; {_advice(key, entries)}")
+    return _explain(key, entries)
+
+
+def _entries(bundle: Bundle) -> Entries:
+    return json.loads(bundle.files["provenance.json"])
+
+
+def _explain(key: str, entries: Entries) -> Explanation:
+    entry = entries[key]
+    sources = entry.get("from", ())
+    if len(sources) > MOST_FOLLOWED:
+        return Explanation(key, _lines(entry), tuple(_named(source, entries) for source in sources))
+    return Explanation(key, _lines(entry), tuple(_explain(source, entries) for source in sources))
+
+
+def _named(key: str, entries: Entries) -> Explanation:
+    """Return a number without where it comes from."""
+    return Explanation(key, (_value(entries[key]),), ())
+
+
+def _lines(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    lines = [_value(entry), entry["rule"]]
+    if "fit" in entry:
+        lines.append("fit: " + ", ".join(f"{name} = {_text(number)}" for name, number in entry["fit"].items()))
+    lines += [f"{p['age_months']:g} months: {p['value_cm']:.4g} cm  ({p['origin']})" for p in entry.get("points", ())]
+    if "xml" in entry:
+        lines.append(f"written to {entry['xml']}")
+    return tuple(lines)
+
+
+def _value(entry: Mapping[str, Any]) -> str:
+    return f"{_text(entry['value'])} {entry.get('unit', '')}".rstrip()
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return " ".join(map(_text, value)) or "none"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _advice(text: str, entries: Entries) -> str:
+    """Return which numbers, or parts of their names, may have been meant."""
+    parts = {part for key in entries for part in (key, *key.split("."), *key.replace(":", ".").split("."))}
+    near = get_close_matches(text, sorted(parts), n=3, cutoff=0.6)
+    if near:
+        return f"did you mean {' or '.join(map(repr, near))}?"
+    return "without one, `mimoc explain` lists them all"

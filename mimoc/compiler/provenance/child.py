@@ -1,0 +1,48 @@
+"""Where the measures of a child come from, and its place among WHO's children."""
+
+from collections.abc import Iterator, Mapping
+
+from mimoc.body import BodyTree
+from mimoc.body.provenance import Entry
+from mimoc.bundle.manifest import ChildEntry
+
+UNITS = {"length_cm": "cm", "weight_kg": "kg", "head_circumference_cm": "cm", "arm_circumference_cm": "cm"}
+RULES = {
+    "length_cm": "crown to sole: how far the geoms reach along the vertical, no joint turned",
+    "weight_kg": "sum of all bodies",
+    "head_circumference_cm": "2 pi x radius of the head",
+    "arm_circumference_cm": "2 pi x radius of the upper arm",
+}
+AMONG = {"male": "boys", "female": "girls", None: "the mean of boys and girls"}
+
+
+def trace_child(tree: BodyTree, child: ChildEntry, percentiles: Mapping[str, float]) -> dict[str, Entry]:
+    """Return an entry for each measure of a child, and for each percentile.
+
+    Args:
+        tree: Its body.
+        child: What it measures.
+        percentiles: Among WHO's children, 0 to 100, by indicator.
+    """
+    return {**dict(_trace_measures(tree, child)), **dict(_trace_percentiles(child, percentiles))}
+
+
+def _trace_measures(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]]:
+    arms = [name for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
+    sources = {
+        "length_cm": ["measurements.crown_sole_length_cm"],
+        "weight_kg": [f"body.{body.name}.mass" for body in tree.bodies],
+        "head_circumference_cm": ["geom.head.size"],
+        "arm_circumference_cm": [f"geom.{name}.size" for name in arms[:1]],
+    }
+    for name, unit in UNITS.items():
+        value = getattr(child, name)
+        if value is not None:
+            yield f"child.{name}", {"value": value, "unit": unit, "rule": RULES[name], "from": sources[name]}
+
+
+def _trace_percentiles(child: ChildEntry, percentiles: Mapping[str, float]) -> Iterator[tuple[str, Entry]]:
+    rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of that age"
+    for name, value in percentiles.items():
+        sources = [f"child.{name}", "spec.age_months"]
+        yield f"who.{name}.percentile", {"value": value, "unit": "%", "rule": rule, "from": sources}

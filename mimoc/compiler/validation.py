@@ -1,0 +1,224 @@
+"""How the compiled infant compares with WHO's children, month by month."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc import body, fits
+from mimoc.body.stature import Stature
+from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.compose import compose
+from mimoc.compiler.furnish import Supplies, furnish
+from mimoc.compiler.pipeline import compile_model
+from mimoc.fits.who import REFERENCES, Reference, percentile
+from mimoc.mjcf import printing
+from mimoc.scenes.spec import SceneSpec
+from mimoc.schema.infant import InfantSpec, validated
+from mimoc.units import m_to_cm
+
+MONTHS = range(25)
+"""The whole ages that mimoc builds."""
+
+FloatArray = npt.NDArray[np.float64]
+Progress = Callable[[int, int], None]
+"""Told how many infants are measured, and how many there are."""
+
+ROOT = "hip"
+"""The body that the whole infant hangs on."""
+BODY_GROUP = 0
+"""The geom group of flesh and bone; others only show."""
+
+HALF_HEIGHTS: Mapping[int, Callable[[FloatArray, FloatArray], float]] = {
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): lambda size, up: size[0],
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): lambda size, up: float(np.linalg.norm(size * up)),
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): lambda size, up: size[0] + size[1] * abs(up[2]),
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): lambda size, up: size[0] * math.hypot(up[0], up[1]) + size[1] * abs(up[2]),
+    int(mujoco.mjtGeom.mjGEOM_BOX): lambda size, up: float(size @ np.abs(up)),
+}
+"""How far a solid of a given size reaches along the vertical, by MuJoCo's type."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One measure of the infant at one age, beside WHO's children of that age."""
+
+    age_months: float
+    indicator: str
+    """`length_cm`, `weight_kg`, `head_circumference_cm` or `arm_circumference_cm`."""
+    value: float
+    """In the unit of the indicator's name."""
+    z: Mapping[Reference, float]
+    """Standard deviations above the median of boys, of girls and of their mean."""
+
+    @property
+    def percentile(self) -> Mapping[Reference, float]:
+        """Percentiles, 0 to 100, by reference."""
+        return {reference: percentile(z) for reference, z in self.z.items()}
+
+    @property
+    def outside(self) -> bool:
+        """Whether it lies more than one standard deviation off the mean of boys and girls."""
+        return abs(self.z["mean"]) > 1
+
+
+@dataclass(frozen=True, slots=True)
+class GrowthReport:
+    """An infant against WHO's standards over many ages."""
+
+    rows: tuple[Row, ...]
+    """Youngest first; at each age length, weight, head and, from three months on, arm."""
+
+    @property
+    def within_one_sd(self) -> bool:
+        """Whether every row lies within one standard deviation of the mean of boys and girls."""
+        return not any(row.outside for row in self.rows)
+
+    @property
+    def worst(self) -> Mapping[str, Row]:
+        """The row furthest from the mean of boys and girls, by indicator."""
+        return {
+            indicator: max(rows, key=lambda row: abs(row.z["mean"])) for indicator, rows in self._by_indicator.items()
+        }
+
+    @property
+    def series(self) -> Mapping[str, Sequence[tuple[float, float]]]:
+        """Age in months and value, by indicator."""
+        return {
+            indicator: [(row.age_months, row.value) for row in rows] for indicator, rows in self._by_indicator.items()
+        }
+
+    def by_age(self) -> Iterator[tuple[float, Mapping[str, Row]]]:
+        """Yield each age in months with its rows by indicator."""
+        for age_months, rows in groupby(self.rows, key=lambda row: row.age_months):
+            yield age_months, {row.indicator: row for row in rows}
+
+    def to_data(self) -> dict[str, Any]:
+        """Return the report as plain data, numbers rounded as in files.
+
+        `rows` are as in `Row`, with `outside_one_sd` for `outside`; `worst` holds one of them for each
+        indicator; `z` and `percentile` have the keys `male`, `female` and `mean`.
+        """
+        return printing.rounded(
+            {
+                "standard": "WHO Child Growth Standards",
+                "within_one_sd": self.within_one_sd,
+                "worst": {indicator: _row_data(row) for indicator, row in self.worst.items()},
+                "rows": [_row_data(row) for row in self.rows],
+            }
+        )
+
+    @property
+    def _by_indicator(self) -> Mapping[str, list[Row]]:
+        indicators = dict.fromkeys(row.indicator for row in self.rows)
+        return {indicator: [row for row in self.rows if row.indicator == indicator] for indicator in indicators}
+
+
+def grow_against_who(
+    spec: InfantSpec | None = None, months: Iterable[float] | None = None, progress: Progress | None = None
+) -> GrowthReport:
+    """Return how an infant, compiled at every age, compares with WHO's children.
+
+    Args:
+        spec: The infant, measured at its own age too; None is the average child.
+        months: Ages in months, 0 to 24; None is every whole one, unless the spec gives measures of one age.
+        progress: Called after each age.
+
+    Raises:
+        SpecError: If the spec asks for what this version cannot build.
+    """
+    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
+    refuse_unavailable(infant)
+    if months is None:
+        months = () if _is_of_one_age(infant) else MONTHS
+    ages = sorted({*map(float, months), *([infant.age_months] if spec else ())})
+    rows: list[Row] = []
+    for done, age_months in enumerate(ages, start=1):
+        model = compile_infant(infant.model_copy(update={"age_months": age_months}))
+        rows += compare_with_who(age_months, measure_compiled(model))
+        if progress:
+            progress(done, len(ages))
+    return GrowthReport(tuple(rows))
+
+
+def _is_of_one_age(spec: InfantSpec) -> bool:
+    """Say whether a spec gives lengths or weights, which fit no age but its own; percentiles and factors fit all."""
+    individual = spec.body.individual
+    measured = individual and (individual.length_cm, individual.weight_kg, individual.head_circumference_cm)
+    return bool(spec.body.measurements) or any(value is not None for value in measured or ())
+
+
+def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
+    """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
+
+    Raises:
+        ModelError: If MuJoCo refuses it.
+    """
+    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
+    tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
+    plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
+    infant = furnish(compose(plain, tree), plain, tree, Supplies())
+    return compile_model(printing.render_scene(infant))
+
+
+def measure_compiled(model: mujoco.MjModel) -> Stature:
+    """Return what a tape and a scale say of a compiled infant: standing as the model does, left arm measured."""
+    return Stature(
+        length_cm=m_to_cm(_standing_height_m(model)),
+        weight_kg=float(model.body_subtreemass[model.body(ROOT).id]),
+        head_circumference_cm=m_to_cm(_girth_m(model, "head")),
+        arm_circumference_cm=_arm_circumference_cm(model),
+    )
+
+
+def compare_with_who(age_months: float, measures: Stature) -> list[Row]:
+    """Return the rows of one age: one for each indicator that WHO has a standard for at that age."""
+    return [
+        Row(age_months, indicator, value, {to: standard.z_score(value, age_months, to) for to in REFERENCES})
+        for indicator, standard in fits.load_tables().who.items()
+        if standard.covers(age_months) and (value := measures[indicator]) is not None
+    ]
+
+
+def _row_data(row: Row) -> dict[str, Any]:
+    return {
+        "age_months": row.age_months,
+        "indicator": row.indicator,
+        "value": row.value,
+        "z": row.z,
+        "percentile": row.percentile,
+        "outside_one_sd": row.outside,
+    }
+
+
+def _arm_circumference_cm(model: mujoco.MjModel) -> float | None:
+    """Return the girth of the left upper arm, of the right one where there is no left, or None."""
+    geom = mujoco.mjtObj.mjOBJ_GEOM
+    arms = [name for name in ("left_uarm1", "right_uarm1") if mujoco.mj_name2id(model, geom, name) >= 0]
+    return m_to_cm(_girth_m(model, arms[0])) if arms else None
+
+
+def _girth_m(model: mujoco.MjModel, geom: str) -> float:
+    return 2 * math.pi * float(model.geom(geom).size[0])
+
+
+def _standing_height_m(model: mujoco.MjModel) -> float:
+    """Return crown to sole: the vertical extent of the infant's own geoms where no joint is turned."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    own = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
+    flesh = np.flatnonzero(own & (model.geom_group == BODY_GROUP))
+    middles = data.geom_xpos[flesh, 2]
+    halves = np.array([_half_height_m(model, data, int(geom)) for geom in flesh])
+    return float(np.max(middles + halves) - np.min(middles - halves))
+
+
+def _half_height_m(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> float:
+    """Return how far a geom reaches above its centre."""
+    up = data.geom_xmat[geom].reshape(3, 3)[2]  # The vertical, in the frame of the geom.
+    return HALF_HEIGHTS[model.geom_type[geom]](model.geom_size[geom], up)

@@ -1,0 +1,78 @@
+"""Antagonists: from the torques that joints are to have to the commands of their muscles."""
+
+import mujoco
+import numpy as np
+
+from mimoc.actuation.binding import Actuation
+from mimoc.senses.sense import FloatArray, IntArray
+
+TIME_CONSTANT = 0
+"""Where that of a muscle's activation stands among MuJoCo's dynamic parameters."""
+LEAST_NM = 1e-12
+"""A muscle that pulls no harder than this, for it shortens too fast, does not pull."""
+
+
+class Antagonists:
+    """Two muscles a joint: one pulls as hard as is needed, as its length and speed allow, and the other rests.
+
+    What a muscle makes of its activation is not worked out here but asked of MuJoCo: force is gain x activation + bias,
+    so that its force at full activation and at none tell both.
+    """
+
+    def __init__(self, actuation: Actuation, joints: IntArray, model: mujoco.MjModel, step_s: float):
+        """Find the muscles of n joints.
+
+        Args:
+            actuation: What turns an action into controls.
+            joints: Index of each joint, shape (n,).
+            model: Where the muscles are.
+            step_s: A control step, at whose end muscles are to pull as they should.
+        """
+        driven = model.actuator_trnid[actuation.actuators, 0]
+        gears = model.actuator_gear[actuation.actuators, 0]
+        slots = [[_slot((driven == joint) & (-gears * way > 0)) for way in (-1, 1)] for joint in joints]
+        self._slots = np.array(slots, np.intp).reshape(-1, 2)
+        self._at_rest = np.clip(0.0, actuation.low, actuation.high)
+        self._muscles = actuation.actuators[self._slots]
+        self._gears = gears[self._slots]
+        self._activations = model.actuator_actadr[self._muscles]
+        self._arriving = 1.0 - np.exp(-step_s / model.actuator_dynprm[self._muscles, TIME_CONSTANT])
+        self._strength_nm = np.abs(actuation.limits_nm[self._slots]).max(axis=(1, 2))
+        self._active = self._pulls_nm = np.zeros(self._slots.shape)
+
+    @property
+    def strength_nm(self) -> FloatArray:
+        """Largest torque of each joint at its muscles' best length, shape (n,)."""
+        return self._strength_nm
+
+    def rest(self, model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
+        """Let the joints' muscles rest, as far as `data.qfrc_actuator`; those of others are left as they are.
+
+        Returns:
+            What they could add to that now, at least and at most, shape (n, 2), [N m].
+        """
+        self._active = data.act[self._activations]
+        data.act[self._activations] = 1.0
+        mujoco.mj_fwdActuation(model, data)
+        full_n = data.actuator_force[self._muscles]
+        data.act[self._activations] = 0.0
+        mujoco.mj_fwdActuation(model, data)
+        self._pulls_nm = self._gears * (full_n - data.actuator_force[self._muscles])
+        return self._pulls_nm
+
+    def command(self, torques_nm: FloatArray) -> FloatArray:
+        """Return the action, shape (nu,), that adds some torques, shape (n,), to those at rest.
+
+        The activation that is needed is there at the end of the control step, if a command in [0, 1] can do that.
+        """
+        pulling = np.abs(self._pulls_nm) > LEAST_NM
+        needed = np.divide(torques_nm[:, None], self._pulls_nm, out=np.zeros_like(self._pulls_nm), where=pulling)
+        needed = np.clip(needed, 0.0, 1.0)
+        action = self._at_rest.copy()
+        action[self._slots] = np.clip(self._active + (needed - self._active) / self._arriving, 0.0, 1.0)
+        return action
+
+
+def _slot(found: np.ndarray) -> int:
+    """Return which number of the action is meant: the only one for which *found*, shape (nu,), is true."""
+    return int(np.flatnonzero(found)[0])

@@ -1,0 +1,91 @@
+"""Frames: the places of a body that tasks are about, where they are and how they move."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.errors import UnknownNameError
+from mimoc.senses.sense import FloatArray
+
+X_AXIS, VIEW = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0])
+"""Ways to point: along x, as bodies of infants do, and down z, as MuJoCo's cameras look."""
+
+KINDS = {
+    "site": (mujoco.mjtObj.mjOBJ_SITE, "site_bodyid", "site_xpos", "site_xmat", X_AXIS),
+    "camera": (mujoco.mjtObj.mjOBJ_CAMERA, "cam_bodyid", "cam_xpos", "cam_xmat", VIEW),
+    "body": (mujoco.mjtObj.mjOBJ_BODY, None, "xipos", "xmat", X_AXIS),
+}
+"""By what a name can be the name of, in the order of looking: where MuJoCo keeps its body, place and axes, and which
+way it points. A body is where its centre of mass is, which of a hand is its palm."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Where a frame is and how it moves, in the world."""
+
+    place_m: FloatArray
+    """Shape (3,)."""
+    axes: FloatArray
+    """Its axes as columns, shape (3, 3)."""
+    pointing: FloatArray
+    """Which way it points in its own frame, shape (3,)."""
+    velocity: FloatArray
+    """Linear, then angular, shape (6,), [m/s, rad/s]."""
+    jacobian: FloatArray
+    """Of that velocity, shape (6, nv)."""
+    drift: FloatArray
+    """Its change while no joint accelerates, shape (6,), [m/s², rad/s²]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A site, a camera or a body."""
+
+    name: str
+    kind: str
+    """Key of `KINDS`."""
+    index: int
+    """In the model, among its kind."""
+    body: int
+    """The body it is part of."""
+
+    def place_m(self, data: mujoco.MjData) -> FloatArray:
+        """Return where it is in the world, shape (3,)."""
+        return getattr(data, KINDS[self.kind][2])[self.index]
+
+    def motion(self, model: mujoco.MjModel, data: mujoco.MjData) -> Motion:
+        """Return where it is and how it moves; *data* must be up to date with its positions and velocities."""
+        _, _, _, axes, pointing = KINDS[self.kind]
+        place_m = self.place_m(data)
+        rates = np.empty((12, model.nv))
+        mujoco.mj_jac(model, data, rates[:3], rates[3:6], place_m, self.body)
+        mujoco.mj_jacDot(model, data, rates[6:9], rates[9:], place_m, self.body)
+        velocity_and_drift = rates @ data.qvel
+        return Motion(
+            place_m=place_m.copy(),
+            axes=getattr(data, axes)[self.index].reshape(3, 3).copy(),
+            pointing=pointing,
+            velocity=velocity_and_drift[:6],
+            jacobian=rates[:6],
+            drift=velocity_and_drift[6:],
+        )
+
+
+def find_frame(name: str, model: mujoco.MjModel) -> Frame:
+    """Return the site of this name, or else the camera, or else the body.
+
+    Raises:
+        UnknownNameError: If there is none.
+    """
+    for kind, (object_type, bodies, *_) in KINDS.items():
+        index = mujoco.mj_name2id(model, object_type, name)
+        if index >= 0:
+            return Frame(name, kind, index, int(getattr(model, bodies)[index]) if bodies else index)
+    raise UnknownNameError("site, camera or body of this infant", name, _names(model))
+
+
+def _names(model: mujoco.MjModel) -> list[str]:
+    sites = [model.site(index).name for index in range(model.nsite)]
+    cameras = [model.camera(index).name for index in range(model.ncam)]
+    return sites + cameras + [model.body(index).name for index in range(1, model.nbody)]

@@ -1,0 +1,226 @@
+"""Objectives: what a part of the body is to do, and the acceleration that does it."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.control.frames import Motion
+from mimoc.control.gains import Gains
+from mimoc.control.turns import directions_across, turn_to, turn_towards
+from mimoc.errors import ControlError
+from mimoc.senses.sense import FloatArray
+
+REACHING = Gains(800.0, cap=0.1, viscosity_per_s=40.0)
+"""For positions."""
+TURNING = Gains(400.0, viscosity_per_s=40.0)
+"""For orientations."""
+LOOKING = Gains(900.0, viscosity_per_s=60.0)
+"""For lines of sight: eyes are held back by dry friction, which weaker gains leave degrees of."""
+
+_PLACE, _TURN = np.eye(6)[:3], np.eye(6)[3:]
+"""The linear and the angular part of a velocity."""
+_NEAREST_M = 1e-6
+"""Nearer than this, a target has no direction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """Accelerations that an objective wants of its frame."""
+
+    directions: FloatArray
+    """Of m accelerations among the six linear and angular ones, shape (m, 6)."""
+    accelerations: FloatArray
+    """Shape (m,), [m/s²] or [rad/s²]."""
+
+
+class Objective(Protocol):
+    """What a part of the body is to do."""
+
+    @property
+    def site(self) -> str:
+        """Name of the site, camera or body that does it."""
+        ...
+
+    def demand(self, motion: Motion) -> Demand:
+        """Return the accelerations it wants."""
+        ...
+
+    def error(self, motion: Motion) -> float:
+        """Return how far it is from its target, [m] or [rad]."""
+        ...
+
+
+class Aimed:
+    """What a site does about a place."""
+
+    def __init__(self, site: str, target: npt.ArrayLike, gains: Gains):
+        """Say which site, what place in the world, and how strongly."""
+        self.site, self.target, self.gains = site, target, gains
+
+    @property
+    def target(self) -> FloatArray:
+        """The place in the world, shape (3,), [m]."""
+        return self._target_m
+
+    @target.setter
+    def target(self, target: npt.ArrayLike) -> None:
+        self._target_m = _finite("target", target, (3,))
+
+
+class Reach(Aimed):
+    """A site goes to a place."""
+
+    def __init__(self, site: str, target: npt.ArrayLike, gains: Gains = REACHING):
+        """Say what goes where; a body goes there with its centre of mass.
+
+        Args:
+            site: Name of a site, a camera or a body.
+            target: In the world, shape (3,), [m]; it can be set anew at any time.
+            gains: For the distance.
+
+        Raises:
+            ControlError: If the target is not three finite numbers.
+        """
+        super().__init__(site, target, gains)
+
+    def demand(self, motion: Motion) -> Demand:
+        """Return the acceleration of the site."""
+        return Demand(_PLACE, self.gains.acceleration(self._target_m - motion.place_m, motion.velocity[:3]))
+
+    def error(self, motion: Motion) -> float:
+        """Return the distance, [m]."""
+        return float(np.linalg.norm(self._target_m - motion.place_m))
+
+
+class Align:
+    """A site takes on an orientation, or points in a direction."""
+
+    def __init__(
+        self, site: str, orientation: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = TURNING
+    ):
+        """Say what turns which way.
+
+        Args:
+            site: Name of a site, a camera or a body.
+            orientation: Of its frame in the world: a quaternion (w, x, y, z), or a matrix with its axes as columns,
+                or a direction, shape (3,), for one axis alone; it can be set anew at any time.
+            axis: Which axis of its frame is to point in a direction, shape (3,); that of a camera's view, else x.
+            gains: For the angle.
+
+        Raises:
+            ControlError: If these are not finite, of no such shape, or zero.
+        """
+        self.site, self.gains = site, gains
+        self.axis = None if axis is None else _unit("axis", axis)
+        self.orientation = orientation
+
+    @property
+    def orientation(self) -> FloatArray:
+        """The axes as columns, shape (3, 3), or the direction, shape (3,)."""
+        return self._orientation
+
+    @orientation.setter
+    def orientation(self, orientation: npt.ArrayLike) -> None:
+        if np.shape(orientation) == (3,):
+            self._orientation = _unit("direction", orientation)
+        elif np.shape(orientation) == (4,):
+            self._orientation = _rotation(_unit("quaternion", orientation))
+        else:
+            self._orientation = _checked_rotation(_finite("orientation", orientation, (3, 3)))
+
+    def demand(self, motion: Motion) -> Demand:
+        """Return the angular acceleration of the site; about a direction it may turn as it likes."""
+        if self._orientation.ndim == 1:
+            return _demand_pointing(motion, self.axis, self._orientation, self.gains)
+        turn = turn_to(motion.axes, self._orientation)
+        return Demand(_TURN, self.gains.acceleration(turn, motion.velocity[3:]))
+
+    def error(self, motion: Motion) -> float:
+        """Return the angle, [rad]."""
+        if self._orientation.ndim == 1:
+            return float(np.linalg.norm(turn_towards(_pointing(motion, self.axis), self._orientation)))
+        return float(np.linalg.norm(turn_to(motion.axes, self._orientation)))
+
+
+class LookAt(Aimed):
+    """A site, or the eye that a camera is, points at a place."""
+
+    def __init__(self, site: str, target: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = LOOKING):
+        """Say what looks where.
+
+        Args:
+            site: Name of a camera (`eye_left`), a site or a body.
+            target: In the world, shape (3,), [m]; it can be set anew at any time.
+            axis: Which axis of its frame looks, shape (3,); that of a camera's view, else x.
+            gains: For the angle.
+
+        Raises:
+            ControlError: If these are not three finite numbers, or the axis is zero.
+        """
+        super().__init__(site, target, gains)
+        self.axis = None if axis is None else _unit("axis", axis)
+
+    def demand(self, motion: Motion) -> Demand:
+        """Return the angular acceleration that turns the line of sight; about itself it may turn as it likes."""
+        return _demand_pointing(motion, self.axis, self._wanted(motion), self.gains)
+
+    def error(self, motion: Motion) -> float:
+        """Return the misalignment, [rad]."""
+        return float(np.linalg.norm(turn_towards(_pointing(motion, self.axis), self._wanted(motion))))
+
+    def _wanted(self, motion: Motion) -> FloatArray:
+        away_m = self._target_m - motion.place_m
+        distance_m = float(np.linalg.norm(away_m))
+        return away_m / distance_m if distance_m > _NEAREST_M else _pointing(motion, self.axis)
+
+
+def _pointing(motion: Motion, axis: FloatArray | None) -> FloatArray:
+    """Return which way a frame points in the world, shape (3,)."""
+    return motion.axes @ (motion.pointing if axis is None else axis)
+
+
+def _demand_pointing(motion: Motion, axis: FloatArray | None, wanted: FloatArray, gains: Gains) -> Demand:
+    pointing = _pointing(motion, axis)
+    across = directions_across(pointing)
+    turn = turn_towards(pointing, wanted)
+    return Demand(across @ _TURN, gains.acceleration(across @ turn, across @ motion.velocity[3:]))
+
+
+def _finite(what: str, numbers: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    try:
+        found = np.array(numbers, dtype=np.float64)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.shape != shape or not np.isfinite(found).all():
+        wanted = " x ".join(map(str, shape))
+        raise ControlError(f"the {what} is {_shown(numbers)}; give {wanted} finite numbers")
+    found.flags.writeable = False
+    return found
+
+
+def _unit(what: str, numbers: npt.ArrayLike) -> FloatArray:
+    found = _finite(what, numbers, np.shape(numbers) if np.shape(numbers) == (4,) else (3,))
+    length = float(np.linalg.norm(found))
+    if length == 0.0:
+        raise ControlError(f"the {what} is zero, which points nowhere; give one of any other length")
+    return found / length
+
+
+def _rotation(quaternion: FloatArray) -> FloatArray:
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, quaternion)
+    return flat.reshape(3, 3)
+
+
+def _checked_rotation(matrix: FloatArray) -> FloatArray:
+    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
+        raise ControlError("the orientation is no rotation; its columns are to be unit vectors at right angles")
+    return matrix
+
+
+def _shown(numbers: Any) -> str:
+    text = " ".join(str(numbers).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,82 @@
+"""Supports: the constraints that hold an infant, as the ground does that it sits on."""
+
+from collections.abc import Iterable
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.model import hanging_on
+from mimoc.control.limbs import limb_of
+from mimoc.senses.sense import FloatArray, IntArray
+
+_EQUALITY = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+_TENDON_END = int(mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON)
+_FIRST_CONTACT = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
+"""The kinds of constraint from this one on are those of contacts."""
+MOST_PLAY_RAD = 0.05
+"""A tendon with less couples its joints, as those of the spine do (0.02 rad); others only limit them."""
+_STICKING = int(mujoco.mjtConstraintState.mjCNSTRSTATE_QUADRATIC)
+
+
+class Supports:
+    """Finds the rows of MuJoCo's constraints that hold the infant.
+
+    These are all welds and locks, what couples the joints of the spine, the ends of other tendons, as of those of the
+    neck, and the contacts with what stands still, as long as they stick. The contacts of limbs that have something to
+    do are none: they would forbid the very motion that is wanted. Nor is dry friction, which gives way, nor are the
+    ends of joints, which hold in one direction only.
+    """
+
+    def __init__(self, model: mujoco.MjModel, root: int, effectors: Iterable[int], loose: Iterable[int] = ()):
+        """Find out which bodies can bear the infant.
+
+        Args:
+            model: The infant and its world.
+            root: The infant's body that moves freely.
+            effectors: The bodies that tasks are about.
+            loose: Bodies that, with what hangs on them, bear nothing though they touch the ground.
+        """
+        self._model, self._couplings = model, _couplings(model)
+        bearing = model.body_rootid == root
+        busy = {limb_of(model, effector) for effector in effectors} - {0}
+        bearing &= ~hanging_on(model, [*busy, *loose])
+        still = model.body_weldid == 0
+        self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.
+        self._still = np.append(still[model.geom_bodyid], False)
+
+    def rows(self, data: mujoco.MjData) -> IntArray:
+        """Return which constraints hold the infant, shape (m,); *data* is up to date with the solver's forces."""
+        kinds = data.efc_type
+        holding = kinds == _EQUALITY
+        holding |= (kinds == _TENDON_END) & (data.efc_state == _STICKING)
+        contacts = np.flatnonzero((kinds >= _FIRST_CONTACT) & (data.efc_state == _STICKING))
+        if len(contacts):
+            geoms = data.contact.geom[data.efc_id[contacts]]
+            holding[contacts] = (self._bearing[geoms] & self._still[geoms[:, ::-1]]).any(axis=1)
+        return np.flatnonzero(holding)
+
+    def jacobian(self, data: mujoco.MjData) -> FloatArray:
+        """Return how the infant would move against what holds it, shape (m, nv)."""
+        rows = self.rows(data)
+        if not mujoco.mj_isSparse(self._model):
+            held = data.efc_J.reshape(data.nefc, self._model.nv)[rows]
+            return np.concatenate([self._couplings, held])
+        count = len(self._couplings)
+        dense = np.zeros((count + len(rows), self._model.nv))
+        dense[:count] = self._couplings
+        if len(rows):
+            lengths, starts = data.efc_J_rownnz[rows], data.efc_J_rowadr[rows]
+            mujoco.mju_sparse2dense(dense[count:], data.efc_J, lengths, starts, data.efc_J_colind)
+        return dense
+
+
+def _couplings(model: mujoco.MjModel) -> FloatArray:
+    """Return how joints would move against the tendons that couple them, shape (m, nv)."""
+    play_rad = np.diff(model.tendon_range, axis=1)[:, 0]
+    tendons = np.flatnonzero((model.tendon_limited != 0) & (play_rad < MOST_PLAY_RAD))
+    found = np.zeros((len(tendons), model.nv))
+    for row, tendon in zip(found, tendons, strict=True):
+        first = model.tendon_adr[tendon]
+        wraps = np.arange(first, first + model.tendon_num[tendon])
+        row[model.jnt_dofadr[model.wrap_objid[wraps]]] = model.wrap_prm[wraps]
+    return found

@@ -1,0 +1,60 @@
+"""Turns: the rotation vectors that lead from one orientation or direction to another."""
+
+import math
+
+import mujoco
+import numpy as np
+
+from mimoc.senses.sense import FloatArray
+
+_PARALLEL = 1e-9
+"""Sine below which two directions leave the axis of a turn open."""
+
+
+def turn_to(axes: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Return the rotation vector, shape (3,), [rad], in the world, that leads from one orientation to another.
+
+    It is the logarithm of R* Rᵀ, at most half a turn long.
+
+    Args:
+        axes: Axes of what turns, as columns, shape (3, 3).
+        wanted: The same when it has arrived.
+    """
+    quaternion, turn = np.empty(4), np.empty(3)
+    mujoco.mju_mat2Quat(quaternion, (wanted @ axes.T).ravel())
+    mujoco.mju_quat2Vel(turn, quaternion, 1.0)
+    return turn
+
+
+def turn_towards(pointing: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Return the shortest rotation vector, shape (3,), [rad], that leads from one direction to another.
+
+    It is none if they are the same, and about any axis across if they are opposite.
+
+    Args:
+        pointing: Unit vector, shape (3,).
+        wanted: The same.
+    """
+    across, along = _cross(pointing, wanted), float(pointing @ wanted)
+    sine = math.sqrt(across @ across)
+    if sine > _PARALLEL:
+        return math.atan2(sine, along) / sine * across
+    return np.zeros(3) if along > 0 else math.pi * directions_across(pointing)[0]
+
+
+def directions_across(direction: FloatArray) -> FloatArray:
+    """Return two unit vectors, shape (2, 3), at right angles to a unit vector and to each other."""
+    least = np.zeros(3)
+    least[np.abs(direction).argmin()] = 1.0
+    across = np.empty((2, 3))
+    across[0] = _cross(direction, least)
+    across[0] /= math.sqrt(across[0] @ across[0])
+    across[1] = _cross(direction, across[0])
+    return across
+
+
+def _cross(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the cross product, shape (3,); of two single vectors NumPy's takes twenty times as long."""
+    found = np.empty(3)
+    mujoco.mju_cross(found, left, right)
+    return found

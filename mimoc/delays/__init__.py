@@ -1,0 +1,1 @@
+"""How long signals travel between the body and what controls it."""

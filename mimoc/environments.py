@@ -1,0 +1,124 @@
+"""The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from mimoc import runtime
+from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.errors import MimocError
+from mimoc.runtime.env import InfantEnv
+from mimoc.schema import source
+from mimoc.schema.infant import InfantSpec, read_spec
+
+RESOLVED = "resolved.yaml"
+"""The file of a bundle that holds its whole spec."""
+STEP_MS = {"selfbody": 5.0}
+"""Control step of a task, where it is not that of the others, 10 ms (MIMo)."""
+
+
+def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
+    """Return the environment of an infant, as `gymnasium.make("mimoc/Infant-v0", bundle=..., **options)` does.
+
+    Made from a spec, it can be given another scene whenever it is reset: `reset(options={"scene_seed": 7})`.
+
+    Args:
+        source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec.
+        options: For the environment, and `max_episode_steps` for Gymnasium.
+
+    Raises:
+        SpecError: If a spec cannot be built.
+        BundleError: If a folder is not a whole bundle.
+        ModelError: If MuJoCo refuses the model.
+        RenderingError: If the infant sees, and there is no OpenGL here.
+    """
+    is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
+    if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
+        return runtime.make(source, **options)
+    from mimoc.compiler import pipeline  # The compiler, which bundles do without.
+
+    spec = source if isinstance(source, InfantSpec) else pipeline.load_spec(source)
+    return runtime.make(**_compiled(spec), **options)
+
+
+def make_task(
+    kind: str,
+    bundle: Bundle | str | Path | None = None,
+    age_months: float | None = None,
+    hands: str | None = None,
+    actuation: str | None = None,
+    steps: int | None = None,
+    hand: str | None = None,
+    reward: str | None = None,
+    **options: Any,
+) -> InfantEnv:
+    """Return the environment of a task, as `gymnasium.make("mimoc/Reach-v0", ...)` does.
+
+    Args:
+        kind: Of the task.
+        bundle: The infant, as a bundle or the folder of one; if it was built for another task or none, it is compiled
+            anew for this one. Left out, an average child that feels its joints and its balance.
+        age_months: Of that child; 18 if left out.
+        hands: Of that child: `mitten`, if left out, or `five_finger`.
+        actuation: Of that child: `torque`, if left out, `muscle` or `position`.
+        steps: Control steps of an episode, if not the task's own.
+        hand: `right` or `left`, for tasks of one hand.
+        reward: `dense` or `shaped`, for `rollover`.
+        options: For the environment.
+
+    Raises:
+        BundleError: If a folder is not a whole bundle.
+        SpecError: If there is no such child, or it cannot do this task.
+        MimocError: If a bundle is given, and an age, hands or an actuation model as well.
+    """
+    task = {"kind": kind, **_given(steps=steps, hand=hand, reward=reward)}
+    child = _given(age_months=age_months, hands=hands, actuation=actuation)
+    if bundle is None:
+        return InfantEnv(**_compiled(_child(task, **child)), **options)
+    if child:
+        raise MimocError(f"the bundle says what infant it is; leave {' and '.join(child)} out, or the bundle")
+    found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+    if found.manifest.task.kind == kind and len(task) == 1:
+        return InfantEnv(found, **options)
+    return InfantEnv(**_compiled(_for_task(found, task)), **options)
+
+
+def _given(**choices: Any) -> dict[str, Any]:
+    """Return what was chosen, numbers of NumPy's as Python's."""
+    chosen = {name: value for name, value in choices.items() if value is not None}
+    return {name: value.item() if hasattr(value, "item") else value for name, value in chosen.items()}
+
+
+def _compiled(spec: InfantSpec) -> dict[str, Any]:
+    """Return what an environment is made of: the bundle of a spec, and what makes it in another scene."""
+    from mimoc.compiler import pipeline
+
+    builder = pipeline.builder(spec)
+    scenes = partial(builder, check=False)
+    return {"bundle": scenes(builder.spec.scene.seed), "next_bundle": scenes}
+
+
+def _child(
+    task: dict[str, Any], age_months: float = 18.0, hands: str = "mitten", actuation: str = "torque"
+) -> InfantSpec:
+    """Return the spec of an average child with a task."""
+    kind = task["kind"]
+    data = {
+        "mimoc": 1,
+        "name": kind,
+        "age_months": age_months,
+        "body": {"hands": hands},
+        "actuation": {"model": actuation},
+        "senses": {"proprioception": {}, "vestibular": {}},
+        "control": {"step_ms": STEP_MS.get(kind, 10.0)},
+        "task": task,
+    }
+    return read_spec(source.parse(source.dump(data), f"<{kind}>"))
+
+
+def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
+    """Return the spec of a bundle with another task."""
+    spec = read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))
+    return spec.with_(task=None).with_(task=task)

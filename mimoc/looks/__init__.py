@@ -1,0 +1,1 @@
+"""What things look like: faces, clothes, the textures of rooms."""

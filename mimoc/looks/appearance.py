@@ -1,0 +1,161 @@
+"""Textures and materials of an infant, as the MJCF lists them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from mimoc.looks.drawing import (
+    GRID_LAYOUT,
+    GRID_SIZE,
+    SKIN,
+    Colour,
+    draw_ear,
+    draw_eye,
+    draw_face,
+    draw_stripes,
+)
+from mimoc.looks.expressions import FACES
+from mimoc.mjcf.mimo.lookups import face_texture
+
+Rgba = tuple[float, float, float, float]
+
+UNTINTED: Rgba = (1.0, 1.0, 1.0, 1.0)
+"""MuJoCo multiplies a texture by its material's colour."""
+TOP: Colour = (247, 204, 112)
+TOP_STRIPE: Colour = (252, 236, 196)
+PANTS: Colour = (112, 160, 172)
+
+
+@dataclass(frozen=True, slots=True)
+class Texture:
+    """One cube `<texture>`, all six sides in one file (2D ones look different on capsules in MuJoCo 3.5 and 3.17)."""
+
+    name: str
+    """Name that a material refers to."""
+    file: str
+    """Path inside the bundle, a key of `Appearance.assets`."""
+    gridsize: str = GRID_SIZE
+    """Rows and columns of the cube's grid."""
+    gridlayout: str = GRID_LAYOUT
+    """MuJoCo's letter for each cell, row by row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """One `<material>`; every attribute is written out, so that no MuJoCo default matters."""
+
+    name: str
+    """Name that a geom refers to."""
+    rgba: Rgba
+    """Colour, or what the texture is multiplied by; 0 to 1."""
+    texture: str | None = None
+    """Name of a texture, or None for plain colour."""
+    specular: float = 0.1
+    """Strength of highlights, 0 to 1; skin and cloth are dull."""
+    shininess: float = 0.2
+    """Narrowness of highlights, 0 to 1."""
+    reflectance: float = 0.0
+    """0: nothing on an infant mirrors the room."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeadFeature:
+    """A geom that only shows: it has no mass and touches nothing. Lengths in head radii."""
+
+    name: str
+    """Name of the geom."""
+    type: str
+    """`sphere` or `ellipsoid`."""
+    size: tuple[float, ...]
+    """Radius, or the three half-axes."""
+    pos: tuple[float, float, float]
+    """Middle, from the middle of the head; x forward, y left, z up."""
+    euler_deg: tuple[float, float, float]
+    """Rotations about x, y and z in turn, in [deg]."""
+    material: str
+    """Name of its material."""
+
+
+@dataclass(frozen=True, slots=True)
+class Appearance:
+    """All that an infant wears."""
+
+    textures: tuple[Texture, ...]
+    """In the order they are written."""
+    materials: tuple[Material, ...]
+    """In the order they are written."""
+    assets: Mapping[str, bytes]
+    """Path inside the bundle to the bytes of a PNG."""
+
+
+GEOM_MATERIALS = {
+    "head": "head",
+    "left_eye1": "eye_left",
+    "right_eye1": "eye_right",
+    "ub3": "top_up",
+    "ub2": "top_middle",
+    "ub1": "top_down",
+    "left_uarm1": "top_sleeve",
+    "right_uarm1": "top_sleeve",
+    "cb": "pants_up",
+    "lb": "pants_down",
+    "left_upper_leg1": "pants_leg",
+    "right_upper_leg1": "pants_leg",
+}
+"""Name of a body's geom to its material; any other geom is `skin`."""
+
+HEAD_FEATURES = (
+    HeadFeature("left_ear", "ellipsoid", (0.13, 0.055, 0.19), (-0.05, 1.02, -0.13), (0, 10, -35), "ear"),
+    HeadFeature("right_ear", "ellipsoid", (0.13, 0.055, 0.19), (-0.05, -1.02, -0.13), (0, 10, 35), "ear"),
+    HeadFeature("nose", "ellipsoid", (0.10, 0.11, 0.085), (0.925, 0, -0.275), (0, 0, 0), "skin"),
+)
+"""The nose, and the ears by which one knows a head from the side; the texture shows the rest."""
+
+
+def dress(expression: str) -> Appearance:
+    """Return what an infant with this expression looks like; the other faces are there to change to.
+
+    Args:
+        expression: One of `mimoc.looks.expressions.FACES`.
+    """
+    faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in FACES}
+    eye = Texture("eye", "assets/eye.png")
+    ear = Texture("ear", "assets/ear.png")
+    stripes = Texture("stripes", "assets/stripes.png")
+    assets = {
+        **{texture.file: draw_face(name) for name, texture in faces.items()},
+        eye.file: draw_eye(),
+        ear.file: draw_ear(),
+        stripes.file: draw_stripes(TOP, TOP_STRIPE),
+    }
+    return Appearance((*faces.values(), eye, ear, stripes), _materials(expression), MappingProxyType(assets))
+
+
+def face_material(expression: str) -> str:
+    """Return the name of the material that shows an expression, whichever the infant starts with."""
+    return f"head_{expression}"
+
+
+def _materials(expression: str) -> tuple[Material, ...]:
+    """Return one material for each name that the body's geoms use, and those of the head's features."""
+    return (
+        Material("skin", _rgba(SKIN)),
+        Material("head", UNTINTED, face_texture(expression)),
+        *(Material(face_material(name), UNTINTED, face_texture(name)) for name in FACES),
+        Material("ear", UNTINTED, "ear"),
+        Material("eye_left", UNTINTED, "eye", specular=0.5, shininess=0.8),
+        Material("eye_right", UNTINTED, "eye", specular=0.5, shininess=0.8),
+        Material("top_down", UNTINTED, "stripes"),
+        Material("top_middle", UNTINTED, "stripes"),
+        Material("top_up", UNTINTED, "stripes"),
+        Material("top_sleeve", _rgba(TOP)),
+        Material("pants_down", _rgba(PANTS)),
+        Material("pants_up", _rgba(PANTS)),
+        Material("pants_leg", _rgba(PANTS)),
+    )
+
+
+def _rgba(colour: Colour) -> Rgba:
+    """Return an opaque colour of 0 to 255 as MuJoCo's 0 to 1."""
+    red, green, blue = colour
+    return (round(red / 255, 4), round(green / 255, 4), round(blue / 255, 4), 1.0)

@@ -1,0 +1,120 @@
+"""A user's own pictures, as textures to decorate a room with."""
+
+import os
+import re
+import stat
+import warnings
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from mimoc.errors import TextureError
+from mimoc.looks.drawing import FloatArray, encode_png
+from mimoc.looks.patterns.tiling import TILE_PX
+from mimoc.looks.wallpaper import Wallpaper
+
+MOST_PX = 20_000_000
+LONGER_SIDE_M = 1.0
+"""Of one repeat."""
+
+
+def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
+    """Return the textures in one PNG, or in every `*.png` of a folder, by name.
+
+    They are made as small as a bundle wants them, and lose whatever a file tells besides its picture.
+
+    Raises:
+        TextureError: If there is none, or with a line for each that is not a picture.
+    """
+    textures, problems = [], []
+    for file in _files(Path(path)):
+        try:
+            textures.append(_texture(file, taken={texture.name for texture in textures}))
+        except TextureError as error:
+            problems.append(str(error))
+    if problems:
+        raise TextureError("\n".join(problems))
+    return tuple(textures)
+
+
+def _files(path: Path) -> list[Path]:
+    """Return the file itself, or the PNGs of a folder, sorted by name."""
+    try:
+        path = path.expanduser()
+        if not stat.S_ISDIR(os.stat(path).st_mode):
+            return [path]
+        found = [path / name for name in sorted(os.listdir(path)) if name.lower().endswith(".png") and name[0] != "."]
+    except OSError as error:
+        raise TextureError(f"{path}: cannot be read ({error.strerror}); name a PNG, or a folder of them") from None
+    except (ValueError, RuntimeError):  # A null character, or the home of nobody.
+        raise TextureError(f"{str(path)!r}: is not a path; name a PNG, or a folder of them") from None
+    if not found:
+        raise TextureError(f"{path}: has no *.png in it; put some there, or name another folder")
+    return found
+
+
+def _texture(file: Path, taken: set[str]) -> Wallpaper:
+    image = _small(_decode(file))
+    png = encode_png(image)
+    rows, columns, _ = image.shape
+    tile_m = (LONGER_SIDE_M * columns / max(rows, columns), LONGER_SIDE_M * rows / max(rows, columns))
+    return Wallpaper(_name(file, taken), tile_m, lambda: png)
+
+
+def _decode(file: Path) -> Image.Image:
+    """Return a picture as RGB, what is transparent in it white."""
+    try:
+        if not stat.S_ISREG(os.stat(file).st_mode):
+            raise TextureError(f"{file}: is not a file; take it away, or put a PNG there")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Of a size that is refused here anyway.
+            with Image.open(file, formats=["PNG"]) as image:
+                _refuse_huge(file, *image.size)
+                return _rgb(image)
+    except TextureError:
+        raise
+    except Image.DecompressionBombError:
+        raise TextureError(f"{file}: {_TOO_LARGE}") from None
+    except OSError as error:
+        fault = f"cannot be read ({error.strerror})" if error.strerror else "is not a PNG, or is damaged"
+        raise TextureError(f"{file}: {fault}; save it as a PNG again, or take it away") from None
+    except Exception:  # Pillow has many ways to fail at a damaged file.
+        raise TextureError(f"{file}: is damaged; save it as a PNG again, or take it away") from None
+
+
+_TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; make it smaller: {TILE_PX} px a side are enough"
+
+
+def _refuse_huge(file: Path, width_px: int, height_px: int) -> None:
+    if width_px * height_px > MOST_PX:
+        raise TextureError(f"{file}: {_TOO_LARGE}")
+
+
+def _rgb(image: Image.Image) -> Image.Image:
+    if image.mode.startswith("I"):  # Of 16 bits, which Pillow would cut off instead of scaling them.
+        return Image.fromarray((np.asarray(image).astype(np.uint32) >> 8).astype(np.uint8)).convert("RGB")
+    layer = image.convert("RGBA")
+    return Image.alpha_composite(Image.new("RGBA", layer.size, "white"), layer).convert("RGB")
+
+
+def _small(image: Image.Image) -> FloatArray:
+    """Return a picture of `TILE_PX` a side at most.
+
+    Each texel is the mean of what it covers and of nothing beyond, so that what was seamless stays so.
+    """
+    longer = max(image.size)
+    if longer > TILE_PX:
+        width, height = (max(1, round(side * TILE_PX / longer)) for side in image.size)
+        image = image.resize((width, height), Image.Resampling.BOX)
+    return np.asarray(image, np.float64)
+
+
+def _name(file: Path, taken: set[str]) -> str:
+    """Return a name that MJCF, every file system and the other textures can live with."""
+    slug = re.sub("[^a-z0-9]+", "_", file.stem.lower()).strip("_")[:40] or "texture"
+    name, number = f"own_{slug}", 1
+    while name in taken:
+        number += 1
+        name = f"own_{slug}_{number}"
+    return name

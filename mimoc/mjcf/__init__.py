@@ -1,0 +1,1 @@
+"""What is printed as MJCF, as values, and the printing."""

@@ -1,0 +1,72 @@
+"""The 25 keypoints of BODY_25 on an infant, for motion capture: nose, neck, joints, eyes, ears, toes and heels."""
+
+from collections.abc import Iterator
+
+from mimoc.body import BodyTree
+from mimoc.body.tree import Vec3
+from mimoc.mjcf.tree import Site
+
+PREFIX = "BODY_25:"
+KEYPOINTS = (
+    *("Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist"),
+    *("MidHip", "RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle", "REye", "LEye", "REar", "LEar"),
+    *("LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel"),
+)
+"""In BODY_25's order (OpenPose)."""
+
+ORIGINS = {
+    "Shoulder": "upper_arm",
+    "Elbow": "lower_arm",
+    "Wrist": "hand",
+    "Hip": "upper_leg",
+    "Knee": "lower_leg",
+    "Eye": "eye",
+}
+"""Keypoints at the origin of a body, for each side."""
+
+RADIUS_M = 0.005
+"""Only for looking at."""
+
+
+def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
+    """Return the keypoints of each body; those of limbs that this infant does not have are left out."""
+    here = {body.name for body in tree.bodies}
+    found: dict[str, list[Site]] = {}
+    for name, body, pos_m in (*_middle(tree), *_sides(tree)):
+        if body in here:
+            found.setdefault(body, []).append(Site(PREFIX + name, pos_m, RADIUS_M))
+    return found
+
+
+def _middle(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
+    """Yield the keypoints of head and hip, in proportion to them (MIMo v2)."""
+    size = tree.geoms["head"].size_m[0] / 0.0735
+    pelvis = tree.geoms["lb"]
+    yield "Nose", "head", (0.0685 * size, 0.0, 0.0435 * size)
+    yield "Neck", "head", (0.0, 0.0, 0.0)
+    yield "REar", "head", (0.01 * size, -0.0625 * size, 0.0575 * size)
+    yield "LEar", "head", (0.01 * size, 0.0625 * size, 0.0575 * size)
+    yield "MidHip", "hip", (0.005 * pelvis.size_m[0] / 0.048, 0.0, -1.4 * pelvis.pos_m[2])
+
+
+def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
+    for side, letter, outward in (("right", "R", -1.0), ("left", "L", 1.0)):
+        for name, body in ORIGINS.items():
+            yield letter + name, f"{side}_{body}", (0.0, 0.0, 0.0)
+        if f"{side}_foot" in {body.name for body in tree.bodies}:
+            yield from _foot(tree, side, letter, outward)
+
+
+def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tuple[str, str, Vec3]]:
+    """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
+    foot, sole = f"{side}_foot", tree.geoms[f"{side}_foot2"]
+    apart = tree.hands == "five_finger"
+    long, wide = sole.size_m[0] / (0.030 if apart else 0.035), sole.size_m[1] / 0.025
+    yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m
+    yield letter + "Heel", foot, (-0.020 * long, 0.0, 0.0)
+    if apart:
+        yield letter + "BigToe", f"{side}_big_toe", (0.011 * long, 0.0, 0.0)
+        yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.0045 * wide, 0.0)
+    else:
+        yield letter + "BigToe", f"{side}_toes", (0.011 * long, -outward * 0.012 * wide, 0.0)
+        yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.012 * wide, 0.0)

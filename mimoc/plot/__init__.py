@@ -1,5 +1,0 @@
-"""Pictures of numbers."""
-
-from mimoc.plot.growth import check_plot_name, draw_growth, plot_growth
-
-__all__ = ["check_plot_name", "draw_growth", "plot_growth"]

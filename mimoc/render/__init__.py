@@ -1,0 +1,1 @@
+"""Pictures: OpenGL, cameras, portraits, windows and plots."""

@@ -1,0 +1,117 @@
+"""An OpenGL context to draw in, with or without a screen."""
+
+import atexit
+import importlib
+import os
+import sys
+import warnings
+import weakref
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from mimoc.errors import RenderingError
+from mimoc.render import triton
+
+_NO_OPENGL = (
+    "no picture can be drawn, because OpenGL does not start here ({}); install EGL or OSMesa "
+    "(Debian: apt-get install libegl1, or libosmesa6), and choose with MUJOCO_GL=egl or MUJOCO_GL=osmesa"
+)
+_PLATFORM = "PYOPENGL_PLATFORM"
+_MESA_THREADS = "LP_NUM_THREADS"
+"""How many threads Mesa draws with where there is no graphics card. A forked process has none of them, and waits for
+them for ever; without any, small pictures are drawn as fast."""
+
+
+def open_context(width: int, height: int) -> Any:
+    """Return a current OpenGL context for pictures of up to this size, in pixels; `free()` it after use.
+
+    `MUJOCO_GL` says which library draws. Without it, a screen is used where there is one, and EGL or
+    OSMesa where there is none; other than for MuJoCo's own renderer, it need not be set before the first import.
+
+    A process that is forked after this, as those of Gymnasium's `AsyncVectorEnv` are, can draw as well: Mesa does it
+    without threads, unless `LP_NUM_THREADS` says otherwise. The driver of a graphics card may not let it: then start
+    processes with `context="spawn"` or `"forkserver"`. A process that learns with torch after this can do so.
+
+    Raises:
+        RenderingError: If none of them works.
+    """
+    os.environ.setdefault(_MESA_THREADS, "0")
+    triton.keep_apart()
+    failures = []
+    for name in _backends():
+        try:
+            with _undone_on_failure():
+                return _open(name, width, height)
+        except Exception as error:  # Each OpenGL library fails with errors of its own.
+            failures.append(f"{name}: {type(error).__name__}")
+    raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
+
+
+class Finalizer(weakref.finalize):
+    """Frees what an object draws with: when called, when the object is gone, or at exit while OpenGL is still there.
+
+    Make it once the context is open. What is registered for the exit last runs first: a plain `weakref.finalize` comes
+    after OpenGL has gone if anything in the process used one before OpenGL was loaded.
+    """
+
+    def __init__(self, owner: object, free: Callable[..., None], *arguments: Any):
+        super().__init__(owner, free, *arguments)
+        self.atexit = False
+        atexit.register(self)
+
+    def __call__(self, _: object = None) -> None:
+        """Free it; the second time, do nothing."""
+        atexit.unregister(self)
+        super().__call__()
+
+    def detach(self) -> Any:
+        """Leave it to others to free it."""
+        atexit.unregister(self)
+        return super().detach()
+
+
+def has_screen() -> bool:
+    """Return whether there is a screen that windows could be shown on."""
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
+
+
+def _open(backend: str, width: int, height: int) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Without a screen GLFW warns, and then makes no context.
+        context = importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
+        context.make_current()
+        if backend == "glfw" and not importlib.import_module("glfw").get_current_context():
+            raise ConnectionError
+    return context
+
+
+@contextmanager
+def _undone_on_failure() -> Iterator[None]:
+    """Forget the PyOpenGL that was imported for a library that failed, since it is of no use to the next one."""
+    platform, modules = os.environ.get(_PLATFORM), set(sys.modules)
+    try:
+        yield
+    except Exception:
+        for name in set(sys.modules) - modules:
+            if name.split(".")[0] == "OpenGL":
+                del sys.modules[name]
+        os.environ.pop(_PLATFORM, None)
+        if platform is not None:
+            os.environ[_PLATFORM] = platform
+        raise
+
+
+def _backends() -> Iterator[str]:
+    """Yield the modules of `mujoco` to try, the likeliest first."""
+    wished = os.environ.get("MUJOCO_GL", "").lower().strip()
+    if wished in {"egl", "osmesa", "glfw", "cgl"}:
+        yield wished
+    elif sys.platform == "darwin":
+        yield "cgl"
+    elif sys.platform != "linux":
+        yield "glfw"
+    else:
+        if has_screen():
+            yield "glfw"
+        yield from ("egl", "osmesa")

@@ -1,0 +1,100 @@
+"""Pictures of learning curves: how well infants do by the steps they were trained for."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mimoc.render.plots.figure import new_figure, png, tidy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SIZE_PX = (1600, 1100)
+COLOURS = ("#33669a", "#c8431f", "#3f7f4f", "#8a5a9e", "#b58a1b", "#6f6f6f")
+"""Told apart by colour-blind readers too, with the styles of the lines."""
+STYLES = ("-", "--", "-.", ":")
+
+PANELS = {
+    "time_to_success_s": "Time to success [s]",
+    "success_rate": "Success rate",
+    "episode_return": "Return of an episode",
+    "episode_steps": "Length of an episode [control steps]",
+}
+"""What stands on the vertical axis of each column's panel."""
+
+Columns = Mapping[str, Sequence[float] | np.ndarray]
+"""The columns of one learning curve by name, all of the same length; `steps` is among them."""
+
+
+def curves_png(
+    curves: Mapping[str, Sequence[Columns]], levels: Mapping[str, float] | None = None, level: str = "random policy"
+) -> bytes:
+    """Return the PNG of learning curves.
+
+    Args:
+        curves: By what stands in the legend, the curves of one or more seeds: the line is their mean, the band reaches
+            from the lowest to the highest.
+        levels: What to compare with, by column: a dashed line.
+        level: What that is called.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    return png(draw_curves(curves, levels, level))
+
+
+def draw_curves(
+    curves: Mapping[str, Sequence[Columns]], levels: Mapping[str, float] | None = None, level: str = "random policy"
+) -> "Figure":
+    """Return the figure, a panel for each column; see `curves_png`.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    figure = new_figure(*SIZE_PX)
+    panels = figure.subplots(2, 2, sharex=True)
+    for axes, (column, title) in zip(panels.flat, PANELS.items(), strict=True):
+        for number, (label, seeds) in enumerate(curves.items()):
+            _draw_seeds(axes, seeds, column, COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)], label)
+        if levels and column in levels:
+            axes.axhline(levels[column], color="0.35", linestyle=(0, (4, 3)), linewidth=1.2, label=level)
+        _dress(axes, column, title)
+    for axes in panels[-1]:
+        axes.set_xlabel("Control steps of training")
+    handles, labels = panels.flat[0].get_legend_handles_labels()
+    told = any(labels)
+    if told:
+        figure.legend(handles, labels, loc="upper center", ncols=len(labels), frameon=False)
+    figure.subplots_adjust(left=0.07, right=0.985, top=0.93 if told else 0.97, bottom=0.075, wspace=0.17, hspace=0.1)
+    return figure
+
+
+def _draw_seeds(axes: "Axes", seeds: Sequence[Columns], column: str, colour: str, style: str, label: str) -> None:
+    """Draw the mean and the range of some seeds; where one is unknown, of the others."""
+    rows = min((len(columns["steps"]) for columns in seeds), default=0)
+    if rows == 0:
+        return
+    steps = np.asarray(seeds[0]["steps"], float)[:rows]
+    values = np.array([np.asarray(columns[column], float)[:rows] for columns in seeds])
+    known = np.isfinite(values).any(axis=0)
+    steps, values = steps[known], values[:, known]
+    if len(seeds) > 1:
+        axes.fill_between(
+            steps, np.nanmin(values, axis=0), np.nanmax(values, axis=0), color=colour, alpha=0.18, linewidth=0
+        )
+    marker = "o" if len(steps) == 1 else ""
+    axes.plot(steps, np.nanmean(values, axis=0), style, color=colour, linewidth=1.6, marker=marker, label=label)
+
+
+def _dress(axes: "Axes", column: str, title: str) -> None:
+    axes.set_ylabel(title)
+    if column == "success_rate":
+        axes.set_ylim(-0.03, 1.03)
+    elif column != "episode_return":
+        axes.set_ylim(bottom=0)
+    axes.set_xlim(left=0)
+    axes.ticklabel_format(axis="x", style="plain")
+    axes.locator_params(axis="x", nbins=5)
+    tidy(axes)

@@ -1,0 +1,1 @@
+"""The world around an infant."""

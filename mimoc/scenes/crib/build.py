@@ -1,0 +1,159 @@
+"""A crib with bars to look through and a rail to pull oneself up by."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mimoc.looks.wallpaper import WALLS
+from mimoc.mjcf.furniture import FIRM, UNTOUCHED, Furniture, WorldGeom, WorldMaterial, WorldTexture
+
+INNER_M = (1.2, 0.6)
+"""Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""
+LENGTH_IN_CHILDREN = 1.25
+"""Length inside for one length of the child, at least."""
+RAIL_IN_CHILDREN = 0.43 / 0.82
+"""Height of the rail's middle above the mattress: at 18 months, 0.82 m long, MIMo holds it at 0.42 to 0.45 m."""
+RAIL_RADIUS_M = 0.01
+BAR_RADIUS_M = 0.006
+"""A hand closes around bars and rail: their girth is 4 and 6 cm, a newborn's hand is 6 cm long."""
+WIDEST_GAP_M = 0.058
+"""Between two bars: EN 716-1 asks for 45 to 65 mm."""
+POST_HALF_M = 0.02
+MATTRESS_M = 0.1
+"""How thick it is."""
+LEGS_M = 0.3
+"""From the floor to the top of the mattress."""
+SHEET, SHEET_TILE_M = WALLS["stars"], 0.4
+SHEET_M = 0.001
+"""How thick it is, so that it is not hidden in the mattress."""
+FREE_M = 0.01
+"""Between the bars and a child in any of its poses."""
+KNOB_M = 0.02
+"""How far a post rises over the rail."""
+SOFT_SOLREF = (0.04, 1.0)
+SOFT_SOLIMP = (0.7, 0.95, 0.02, 0.5, 2.0)
+"""Foam: an infant sinks in by some millimetres."""
+
+_UNTURNED = (0.0, 0.0, 0.0)
+_ALONG_X = (0.0, math.pi / 2, 0.0)
+_ALONG_Y = (math.pi / 2, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Crib:
+    """A crib around the origin, its length along x, the top of its mattress at z = 0."""
+
+    inner_m: tuple[float, float]
+    """Length and width inside."""
+    rail_height_m: float
+    """Of the middle of the rail, above the mattress."""
+    rail_radius_m: float
+    floor_m: float
+    """Height of the floor that it stands on; negative."""
+    furniture: Furniture
+
+
+def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
+    """Return a crib for a child.
+
+    Args:
+        length_m: Of the child, crown to sole.
+        reach_m: How far from the middle it reaches along x and along y, in its poses.
+    """
+    least_length, least_width = (2 * (reach + FREE_M) for reach in reach_m)
+    inner = (max(INNER_M[0], LENGTH_IN_CHILDREN * length_m, least_length), max(INNER_M[1], least_width))
+    rail = RAIL_IN_CHILDREN * length_m
+    return Crib(
+        inner,
+        rail,
+        RAIL_RADIUS_M,
+        -LEGS_M,
+        Furniture(
+            geoms=(*_bed(*inner), *_posts(*inner, rail), *_rails(*inner, rail), *_bars(*inner, rail)),
+            materials=_materials(inner),
+            textures=(WorldTexture(SHEET.name, f"assets/{SHEET.name}.png", SHEET.draw()),),
+        ),
+    )
+
+
+def _materials(inner: tuple[float, float]) -> tuple[WorldMaterial, ...]:
+    length, width = inner
+    return (
+        WorldMaterial("crib_sheet", (0.9, 0.9, 0.9, 1.0), SHEET.name, (length / SHEET_TILE_M, width / SHEET_TILE_M)),
+        WorldMaterial("crib_mattress", (0.93, 0.92, 0.88, 1.0)),
+        WorldMaterial("crib_wood", (0.82, 0.66, 0.46, 1.0)),
+    )
+
+
+def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
+    """Return a mattress that shows and a soft sheet, which is what is felt of it.
+
+    That is a plane, which for physics has no end: on a box, MuJoCo finds one point at a time of a cylinder that
+    stands there, and toys tremble. What is thrown out of the crib lies beside it as high as the sheet.
+    """
+    half = (length / 2, width / 2, (MATTRESS_M - SHEET_M) / 2)
+    mattress = WorldGeom(
+        "crib_mattress",
+        "box",
+        half,
+        (0.0, 0.0, -(MATTRESS_M + SHEET_M) / 2),
+        _UNTURNED,
+        "crib_mattress",
+        contype=UNTOUCHED,
+        conaffinity=UNTOUCHED,
+    )
+    sheet = WorldGeom(
+        "crib_sheet",
+        "plane",
+        (length / 2, width / 2, SHEET_TILE_M / 4),
+        (0.0, 0.0, 0.0),
+        _UNTURNED,
+        "crib_sheet",
+        solref=SOFT_SOLREF,
+        solimp=SOFT_SOLIMP,
+        solmix=FIRM,
+    )
+    return mattress, sheet
+
+
+def _posts(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
+    """Yield the four corner posts, from the floor to a little above the rail."""
+    top = rail + KNOB_M
+    size = (POST_HALF_M, POST_HALF_M, (top + LEGS_M) / 2)
+    for x_name, x in ("front", length / 2 + POST_HALF_M), ("back", -length / 2 - POST_HALF_M):
+        for y_name, y in ("left", width / 2 + POST_HALF_M), ("right", -width / 2 - POST_HALF_M):
+            pos = (x, y, (top - LEGS_M) / 2)
+            yield WorldGeom(f"crib_post_{x_name}_{y_name}", "box", size, pos, _UNTURNED, "crib_wood")
+
+
+def _rails(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
+    """Yield the rails to hold, and those below that carry the bars."""
+    for name, z in ("rail", rail), ("ledge", -MATTRESS_M / 2):
+        for side, turn, half_length, (x, y) in (
+            ("front", _ALONG_Y, width / 2, (length / 2 + RAIL_RADIUS_M, 0.0)),
+            ("back", _ALONG_Y, width / 2, (-length / 2 - RAIL_RADIUS_M, 0.0)),
+            ("left", _ALONG_X, length / 2, (0.0, width / 2 + RAIL_RADIUS_M)),
+            ("right", _ALONG_X, length / 2, (0.0, -width / 2 - RAIL_RADIUS_M)),
+        ):
+            size = (RAIL_RADIUS_M, half_length)
+            yield WorldGeom(f"crib_{name}_{side}", "capsule", size, (x, y, z), turn, "crib_wood")
+
+
+def _bars(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
+    """Yield the bars, evenly between the posts, from ledge to rail."""
+    low = -MATTRESS_M / 2
+    size, z = (BAR_RADIUS_M, (rail - low) / 2), (rail + low) / 2
+    for side, across in ("front", length / 2 + RAIL_RADIUS_M), ("back", -length / 2 - RAIL_RADIUS_M):
+        for number, along in enumerate(_spread(width), start=1):
+            yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (across, along, z), _UNTURNED, "crib_wood")
+    for side, across in ("left", width / 2 + RAIL_RADIUS_M), ("right", -width / 2 - RAIL_RADIUS_M):
+        for number, along in enumerate(_spread(length), start=1):
+            yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (along, across, z), _UNTURNED, "crib_wood")
+
+
+def _spread(span: float) -> list[float]:
+    """Return the middles of bars across a span, as few as leave no gap too wide."""
+    thickness = 2 * BAR_RADIUS_M
+    gaps = math.ceil((span + thickness) / (WIDEST_GAP_M + thickness))
+    pitch = (span + thickness) / gaps
+    return [number * pitch - (span + thickness) / 2 for number in range(1, gaps)]

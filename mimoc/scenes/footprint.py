@@ -1,0 +1,110 @@
+"""What an infant takes up of the floor it rests on, and what of it its hands get to."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from mimoc.body import BodyTree, Geom
+from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose, reach
+from mimoc.toys.placing import FADING, Reach
+
+LEAN_DEG = 60.0
+"""How far an infant that sits leans over to get at something."""
+FINE = 0.5
+"""How far apart the discs are that a long part's footprint is made of, in its radii."""
+
+
+def footprint(tree: BodyTree, states: Sequence[Sequence[float]]) -> FloatArray:
+    """Return discs that cover an infant in all of some poses, seen from above: x, y and radius, shape (n, 3), [m].
+
+    Args:
+        tree: The body.
+        states: The poses as `poses.keyframes` has them: place and quaternion of the hip, then the hinges.
+    """
+    return np.concatenate([np.array(list(_discs(_placed(tree, state)))) for state in states])
+
+
+def reach_of(discs: FloatArray) -> float:
+    """Return how far some discs reach from the origin, in [m]."""
+    return float((np.linalg.norm(discs[:, :2], axis=1) + discs[:, 2]).max())
+
+
+def floor_reach(tree: BodyTree, state: Sequence[float]) -> Reach | None:
+    """Return what of the floor an infant's hands get to in a pose with the arms stretched; None without arms."""
+    here, stretched = _placed(tree, state), pose(tree, {})
+    shoulders, lengths = [], []
+    for side in ("right", "left"):
+        upper_arm = f"{side}_uarm1"
+        if upper_arm in tree.geoms:
+            shoulders.append(_shoulder(here, upper_arm))
+            lengths.append(_arm_length(stretched, upper_arm, side))
+    if not shoulders:
+        return None
+    length_m, (x_m, y_m, height_m) = max(lengths), np.mean(shoulders, axis=0).tolist()
+    across_m = float(np.linalg.norm(np.subtract(shoulders, (x_m, y_m, height_m))[:, :2], axis=1).max())
+    return Reach((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
+
+
+def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
+    """Return how far from above its hip an infant gets to the floor: it leans over, or else crouches.
+
+    Args:
+        arm_m: Length of an arm.
+        shoulder_m: Height of the shoulders.
+        hip_m: Height of the hip.
+    """
+    lean = np.radians(np.linspace(0.0, LEAN_DEG, 16))
+    ahead_m, height_m = (shoulder_m - hip_m) * np.sin(lean), hip_m + (shoulder_m - hip_m) * np.cos(lean)
+    gets_down = height_m < arm_m
+    if not gets_down.any():
+        return arm_m
+    return float((ahead_m + np.sqrt(np.maximum(arm_m**2 - height_m**2, 0.0)))[gets_down].max())
+
+
+def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:
+    """Return a body in the world."""
+    hip, turn = hip_in_world(state)
+    posed = pose(tree, dict(zip(tree.joints, state[7:], strict=True)))
+    return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.turns)
+
+
+def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:
+    """Return where an upper arm begins, shape (3,): at one end of its axis."""
+    index = _index(posed, upper_arm)
+    return posed.centres[index] - posed.turns[index][:, 2] * posed.geoms[index].size_m[1]
+
+
+def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
+    """Return how far it is from a shoulder to the tip of its hand."""
+    shoulder = _shoulder(posed, upper_arm)
+    arm = [index for index, geom in enumerate(posed.geoms) if side in geom.name and _is_of_arm(geom.name)]
+    offsets = posed.centres[arm] - shoulder
+    distances = np.linalg.norm(offsets, axis=1)
+    local = np.einsum("nij,ni->nj", posed.turns[arm], offsets / distances[:, None])
+    return float((distances + reach([posed.geoms[index] for index in arm], local)).max())
+
+
+def _is_of_arm(geom: str) -> bool:
+    return not any(part in geom for part in ("leg", "foot", "toe", "eye"))
+
+
+def _index(posed: Posed, name: str) -> int:
+    return next(index for index, geom in enumerate(posed.geoms) if geom.name == name)
+
+
+def _discs(posed: Posed) -> Iterator[tuple[float, float, float]]:
+    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.turns, strict=True):
+        axis, half_m, radius_m = _spine(geom)
+        count = max(1, math.ceil(2 * half_m / (FINE * radius_m)) + 1)
+        for offset_m in np.linspace(-half_m, half_m, count) if count > 1 else (0.0,):
+            x, y, _ = centre + turn[:, axis] * offset_m
+            yield float(x), float(y), radius_m
+
+
+def _spine(geom: Geom) -> tuple[int, float, float]:
+    """Return the axis along which a geom is longest, how long, halved, and the radius of discs that cover it."""
+    if geom.type == "box":
+        axis = int(np.argmax(geom.size_m))
+        return axis, geom.size_m[axis], math.hypot(*np.delete(geom.size_m, axis))
+    return (2, 0.0, geom.size_m[0]) if geom.type == "sphere" else (2, geom.size_m[1], geom.size_m[0])

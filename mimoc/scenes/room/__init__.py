@@ -1,0 +1,1 @@
+"""A room drawn at random."""

@@ -1,0 +1,1 @@
+"""Joint angles and what else is felt of the joints."""

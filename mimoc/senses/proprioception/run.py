@@ -1,0 +1,171 @@
+"""Proprioception: where the joints are, how they move, what loads them and what drives them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.folder import Bundle
+from mimoc.bundle.manifest import ActuationEntry, ProprioceptionEntry
+from mimoc.senses.sense import FloatArray, IntArray, Vector
+
+LIMIT_MARGIN_RAD = 0.035
+"""How near a joint's limit is felt (MIMo v2)."""
+
+MAX_SPEED_RAD_S = 1e3
+MAX_TORQUE_NM = 1e3
+MAX_LIMIT = 1e2
+"""Bounds of the observation, far beyond what a stable simulation reaches."""
+LEAST_BOUND_NM = 1e-6
+"""Bound of the torque of actuators without strength, which some bound must have."""
+
+MUSCLE_FORCES = (2, 7, 8)
+"""Where a muscle's largest isometric force, and its passive and lengthening force relative to that, stand among
+MuJoCo's gain parameters."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One kind of number that is felt, for every joint, sensor or actuator."""
+
+    read: Callable[[mujoco.MjData], FloatArray]
+    high: FloatArray
+    """Largest reading, shape (n,); the least is its negative."""
+    layout: tuple[str, ...]
+    bodies: IntArray
+    """The body in which each number is felt, shape (n,)."""
+
+
+@dataclass(frozen=True)
+class Proprioception(Vector):
+    """Joint angles, then the other channels in their order, shape (n,)."""
+
+    channels: tuple[Channel, ...]
+
+    @property
+    def layout(self) -> tuple[str, ...]:
+        """What each number is."""
+        return tuple(name for channel in self.channels for name in channel.layout)
+
+    def __call__(self, data: mujoco.MjData) -> FloatArray:
+        """Return all channels."""
+        return np.concatenate([channel.read(data) for channel in self.channels])
+
+
+def bind(entry: ProprioceptionEntry, bundle: Bundle, model: mujoco.MjModel) -> Proprioception:
+    """Find the joints, sensors and actuators of *entry* in *model*."""
+    actuation = bundle.manifest.actuation
+    channels = (_angles(entry, model), *(CHANNELS[name](entry, actuation, model) for name in entry.include))
+    high = np.concatenate([channel.high for channel in channels])
+    bodies = np.concatenate([channel.bodies for channel in channels])
+    return Proprioception("proprioception", -high, high, bodies, channels)
+
+
+def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Channel:
+    addresses = _addresses(model, entry.joints, "qposadr")
+    return Channel(
+        lambda data: data.qpos[addresses],
+        np.full(len(addresses), 4 * np.pi),
+        _names(entry.joints, "angle", "rad"),
+        _addresses(model, entry.joints, "bodyid"),
+    )
+
+
+def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    addresses = _addresses(model, entry.joints, "dofadr")
+    return Channel(
+        lambda data: data.qvel[addresses],
+        np.full(len(addresses), MAX_SPEED_RAD_S),
+        _names(entry.joints, "velocity", "rad/s"),
+        _addresses(model, entry.joints, "bodyid"),
+    )
+
+
+def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    addresses = np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name in entry.torque_sensors])
+    sensors = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
+    return Channel(
+        lambda data: data.sensordata[addresses],
+        np.full(len(addresses), MAX_TORQUE_NM),
+        _names(sensors, "torque", "N m"),
+        np.repeat(model.site_bodyid[[model.sensor(name).objid[0] for name in entry.torque_sensors]], 3),
+    )
+
+
+def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    addresses = _addresses(model, entry.joints, "qposadr")
+    low, high = np.array([model.joint(name).range for name in entry.joints]).T
+    middle, reach = (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD
+
+    def read(data: mujoco.MjData) -> FloatArray:
+        """Return 0 until the margin, 1 at the limit, above 1 beyond."""
+        beyond = np.abs(data.qpos[addresses] - middle) - reach
+        return np.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
+
+    return Channel(
+        read,
+        np.full(len(addresses), MAX_LIMIT),
+        _names(entry.joints, "limit", "1 at the limit"),
+        _addresses(model, entry.joints, "bodyid"),
+    )
+
+
+def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+    names = tuple(actuator.name for actuator in actuation.actuators)
+    ids = np.array([model.actuator(name).id for name in names])
+    gears = model.actuator_gear[ids, 0].copy()
+    by_muscles = actuation.model == "muscle"
+    activations = model.actuator_actadr[ids]
+
+    def read(data: mujoco.MjData) -> FloatArray:
+        """Return what drives each actuator, then the torque that it makes of that."""
+        drive = data.act[activations] if by_muscles else data.ctrl[ids]
+        return np.concatenate([drive, data.actuator_force[ids] * gears])
+
+    return Channel(
+        read,
+        np.concatenate([np.ones(len(ids)), LARGEST_TORQUES[actuation.model](model, ids)]),
+        _names(names, "activation" if by_muscles else "command", "1") + _names(names, "torque", "N m"),
+        np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
+    )
+
+
+def _largest_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    return np.maximum(np.abs(model.actuator_gear[ids, 0]), LEAST_BOUND_NM)
+
+
+def _largest_of_muscles(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    """Return what no muscle exceeds, even stretched as far as it is active and by its antagonist."""
+    isometric_nm, passive, lengthening = model.actuator_gainprm[ids][:, MUSCLE_FORCES].T
+    return np.maximum(isometric_nm * (passive + lengthening), LEAST_BOUND_NM)
+
+
+def _largest_of_servos(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    limits_nm = model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
+    return np.maximum(np.abs(limits_nm).max(axis=1), LEAST_BOUND_NM)
+
+
+LARGEST_TORQUES: Mapping[str, Callable[[mujoco.MjModel, IntArray], FloatArray]] = {
+    "torque": _largest_of_motors,
+    "muscle": _largest_of_muscles,
+    "position": _largest_of_servos,
+}
+"""The bound of each actuator's torque, by actuation model."""
+
+
+CHANNELS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Channel]] = {
+    "velocity": _velocities,
+    "torque": _torques,
+    "limits": _limits,
+    "actuation": _actuation,
+}
+"""What can be felt besides angles."""
+
+
+def _addresses(model: mujoco.MjModel, joints: tuple[str, ...], kind: str) -> IntArray:
+    return np.array([getattr(model.joint(name), kind)[0] for name in joints])
+
+
+def _names(things: tuple[str, ...], quantity: str, unit: str) -> tuple[str, ...]:
+    return tuple(f"{thing} {quantity} [{unit}]" for thing in things)

@@ -1,0 +1,129 @@
+"""The skin: where an infant feels touch."""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from mimoc.body import Body, BodyTree, Geom, grow_reference
+from mimoc.body.strengthen import GROUPS, body_groups
+from mimoc.schema.names import single_groups
+from mimoc.senses.touch.exposed import Layout, carry_over, lay_out
+from mimoc.senses.touch.surface import FloatArray, area_m2
+
+SPACING_M = {
+    "head": 0.013,
+    **dict.fromkeys(("hip", "lower_body"), 0.025),
+    **dict.fromkeys(("upper_body", "chest"), 0.030),
+    **dict.fromkeys(("upper_arm", "lower_arm"), 0.024),
+    **dict.fromkeys(("hand", "lfmetacarpal"), 0.007),
+    "fingers": 0.002,
+    "upper_leg": 0.027,
+    "lower_leg": 0.038,
+    "foot": 0.015,
+    **dict.fromkeys(("toes", "big_toe"), 0.010),
+    **{
+        f"{finger}{bone}": spacing_m
+        for finger in ("ff", "mf", "rf", "lf")
+        for bone, spacing_m in (("knuckle", 0.004), ("middle", 0.004), ("distal", 0.002))
+    },
+    "thbase": 0.004,
+    "thhub": 0.004,
+    "thdistal": 0.002,
+}
+"""Distance of neighbours by body, of the average child of 18 months: two touches closer than that are felt as one
+(MIMo's two-point discrimination)."""
+
+PUPIL = np.array([[1.0, 0.0, 0.0, 0.0]])
+"""The one point of an eye: its front."""
+
+DECIMALS = 12
+"""Of coordinates in m: a point is on its surface, and a sum of other order shows no other digits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Skin:
+    """Points on the surface of each body."""
+
+    points_m: Mapping[str, FloatArray]
+    """By body, in the order of the model, shape (n, 3), in the frame of the body."""
+    spacing_m: Mapping[str, float]
+    """Distance of neighbours by body."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Patch:
+    """The skin of one body of the average child of 18 months."""
+
+    layout: Layout
+    spacing_m: float
+    area_m2: float
+    """Of the body's geoms, with what they cover of each other."""
+
+
+def grow_skin(tree: BodyTree, density: float, regions: Collection[str] | None = None) -> Skin:
+    """Return the skin of a grown body.
+
+    Its points are spread over the average child of 18 months, and move with the geoms that they are on: so all
+    infants have the same ones. As a body grows they move apart, by the root of its area, and so does what counts
+    as their spacing: one touch is felt by as many points at every age.
+
+    Args:
+        tree: The body.
+        density: Points for each that two-point discrimination asks for.
+        regions: The groups of muscles whose parts have skin; None is all.
+    """
+    patches = _patches(tree.hands, density)
+    groups, bare = body_groups(tree), set() if regions is None else {*GROUPS.values()} - single_groups(regions)
+    points_m, spacing_m = {}, {}
+    for body in tree.bodies:
+        if groups[body.name] in bare:
+            continue
+        parts = (body.name, *(part for part, home in tree.merged if home == body.name))
+        patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
+        points_m[body.name] = _points(body, patch.layout)
+        spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)
+    return Skin(points_m, spacing_m)
+
+
+@lru_cache(maxsize=8)
+def _patches(hands: str, density: float) -> Mapping[str, _Patch]:
+    """Return the skin of the middle and of the right side, by body without its side."""
+    bodies = [body for body in grow_reference(hands).bodies if not body.name.startswith("left_")]
+    return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
+
+
+def _patch(body: Body, density: float) -> _Patch:
+    area_m2 = _area_m2(body)
+    if body.name == "right_eye":
+        return _Patch((PUPIL,), math.sqrt(area_m2), area_m2)
+    spacing_m = SPACING_M[body.name.removeprefix("right_")] / math.sqrt(density)
+    return _Patch(lay_out(body.geoms, spacing_m), spacing_m, area_m2)
+
+
+def _joined(patches: Sequence[_Patch]) -> _Patch:
+    """Return the skin of parts that are of one piece, in the order of their geoms; each has its points as before."""
+    layout = tuple(geom for patch in patches for geom in patch.layout)
+    return _Patch(layout, patches[0].spacing_m, sum(patch.area_m2 for patch in patches))
+
+
+def _area_m2(body: Body) -> float:
+    return sum(area_m2(geom) for geom in body.geoms)
+
+
+def _points(body: Body, layout: Layout) -> FloatArray:
+    """Return the points of a body; those of a left one as if it were a right one in a mirror."""
+    left = body.name.startswith("left_")
+    points_m = carry_over(layout, [_mirrored(geom) for geom in body.geoms] if left else body.geoms)
+    points_m = points_m.round(DECIMALS) * (1, -1 if left else 1, 1) + 0.0  # + 0.0 turns -0.0 into 0.
+    points_m.flags.writeable = False
+    return points_m
+
+
+def _mirrored(geom: Geom) -> Geom:
+    """Return a geom with y turned round: so do turns about x and z."""
+    (x, y, z), (about_x, about_y, about_z) = geom.pos_m, geom.euler_deg
+    return replace(geom, pos_m=(x, -y, z), euler_deg=(-about_x, about_y, -about_z))

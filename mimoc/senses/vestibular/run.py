@@ -1,0 +1,43 @@
+"""Balance: what the inner ear feels of the head's motion."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.folder import Bundle
+from mimoc.bundle.manifest import VestibularEntry
+from mimoc.senses.sense import FloatArray, IntArray, Vector
+
+MAX_ACCELERATION_M_S2 = 1e4
+"""Bound of the observation; hard knocks of the head reach some hundreds."""
+MAX_RATE_RAD_S = 1e3
+"""Bound of the observation."""
+
+
+@dataclass(frozen=True)
+class Vestibular(Vector):
+    """Specific force, then angular velocity, in the frame of the head: shape (3,) each, [m/s², rad/s]."""
+
+    addresses: IntArray
+    layout: tuple[str, ...]
+
+    def __call__(self, data: mujoco.MjData) -> FloatArray:
+        """Return the readings of its sensors."""
+        return data.sensordata[self.addresses]
+
+
+def bind(entry: VestibularEntry, bundle: Bundle, model: mujoco.MjModel) -> Vestibular:
+    """Find the sensors of *entry* in *model*."""
+    wanted = ((entry.accelerometer, MAX_ACCELERATION_M_S2, "m/s²"), (entry.gyro, MAX_RATE_RAD_S, "rad/s"))
+    sensors = [(name, high, unit) for name, high, unit in wanted if name]
+    high = np.repeat([high for _, high, _ in sensors], 3)
+    sites = [model.sensor(name).objid[0] for name, _, _ in sensors]
+    return Vestibular(
+        name="vestibular",
+        low=-high,
+        high=high,
+        bodies=np.repeat(model.site_bodyid[sites], 3),
+        addresses=np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name, _, _ in sensors]),
+        layout=tuple(f"{name}.{axis} [{unit}]" for name, _, unit in sensors for axis in "xyz"),
+    )

@@ -1,0 +1,89 @@
+"""How fine an infant sees at an age."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from mimoc.senses.spec import AcuitySpec, VisionSpec
+
+NEWBORN_CPD = 0.64
+"""Acuity at birth on the scale of the TAC II, estimated: the fit of `tac2` begins at one month, with 0.66."""
+TAC2_MONTHS = 1.0, 36.0
+"""Ages that the fit of `tac2` covers."""
+TAC2_LOG2_CPD = -0.1839, 1.8235, -0.5889
+"""Binary logarithm of acuity over the natural logarithm of months, highest power first. It rises until 142 months.
+
+Fitted by weight to the monocular acuities of Mayer et al. 1995 and of Salomão & Ventura 1995, lowered by 0.3 octave to
+the scale of the TAC II: what Neijzen et al. 2025, the source of MIMo v2's paper, pools (rms 0.26 octave).
+"""
+MAYER_1995_CPD: Mapping[float, float] = {
+    1: 0.94,
+    1.5: 1.11,
+    2.5: 2.16,
+    4: 2.68,
+    6: 5.65,
+    9: 6.79,
+    12: 6.42,
+    18: 8.59,
+    24: 9.57,
+    30: 11.52,
+    36: 21.81,
+    48: 24.81,
+}
+"""Mean monocular acuity by months, Mayer et al. 1995; it falls a little from 9 months to 12."""
+MIMO_V2_CPD: Mapping[float, float] = {
+    1: 0.85,
+    2: 1.74,
+    3: 2.67,
+    4: 3.63,
+    6: 5.64,
+    9: 8.29,
+    12: 9.38,
+    18: 9.89,
+    24: 11.6,
+}
+"""By months, as MIMo v2 has it."""
+
+
+def resolve_acuity(vision: VisionSpec, age_months: float) -> float | None:
+    """Return the finest grating that an infant sees, in cycles per degree; None where nothing is blurred."""
+    if isinstance(vision.acuity, AcuitySpec):
+        return vision.acuity.cpd
+    if vision.acuity == "off":
+        return None
+    return acuity_at(age_months if vision.acuity == "age" else vision.acuity, vision.acuity_profile)
+
+
+def acuity_at(age_months: float, profile: str) -> float:
+    """Return the finest grating seen at an age, in cycles per degree.
+
+    Args:
+        age_months: From birth.
+        profile: A key of `PROFILES`.
+    """
+    return PROFILES[profile](age_months)
+
+
+def _tac2(age_months: float) -> float:
+    """Return what the fit says; below its first month, acuity rises evenly from a newborn's."""
+    first, last = TAC2_MONTHS
+    fitted = 2 ** np.polyval(TAC2_LOG2_CPD, np.log(np.clip(age_months, first, last)))
+    return float(NEWBORN_CPD + min(age_months / first, 1.0) * (fitted - NEWBORN_CPD))
+
+
+def _mayer_1995(age_months: float) -> float:
+    return _interpolated(age_months, MAYER_1995_CPD)
+
+
+def _mimo_v2(age_months: float) -> float:
+    return _interpolated(age_months, MIMO_V2_CPD)
+
+
+def _interpolated(age_months: float, table_cpd: Mapping[float, float]) -> float:
+    """Return a table's acuity, its logarithm interpolated over that of age; before its first age it is the first's."""
+    months, cpd = np.log(list(table_cpd)), np.log(list(table_cpd.values()))
+    return float(np.exp(np.interp(np.log(max(age_months, min(table_cpd))), months, cpd)))
+
+
+PROFILES: Mapping[str, Callable[[float], float]] = {"tac2": _tac2, "mayer1995": _mayer_1995, "mimo_v2": _mimo_v2}
+"""Acuity by age, by whose measurements it goes. From birth to 24 months, none but Mayer's ever falls."""

@@ -1,0 +1,100 @@
+"""Sights to compare: a view as drawn, as eyes of several ages see it, and foveated as well."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mimoc.bundle.manifest import VisionEntry
+from mimoc.errors import MimocError, UnknownNameError
+from mimoc.mjcf.sensor_sites import UNSEEN
+from mimoc.senses.spec import VisionSpec
+from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
+
+SIDES = ("left", "right")
+LAST_MONTH = 36.0
+"""Of the ages that acuity is known for."""
+ROWS = ("acuity", "acuity and foveation")
+"""What is compared, as in the paper (López et al. 2025, figure 3)."""
+AS_DRAWN = "not blurred"
+FOVY_DEG = 18.0
+"""Field of view that is drawn: with it, pictures of 256 pixels show all that acuity lets through up to 12 months, at 7
+cycles per degree (two pixels a cycle)."""
+TELLING_FOVEATION = 5.0
+"""Shown where the infant's own eyes have none."""
+SUPERSAMPLE = 2
+"""Smooths the edges of what is drawn, so that nothing but acuity blurs them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Sights in rows and columns, and what these are."""
+
+    sights: tuple[tuple[VisionEntry, ...], ...]
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+
+def compare_ages(
+    vision: VisionSpec,
+    side: str,
+    ages_months: Sequence[float],
+    size_px: int,
+    *,
+    profile: str | None = None,
+    foveation: float | None = None,
+) -> Comparison:
+    """Return the sights of one eye, with a column for each age and one for what is drawn.
+
+    Args:
+        vision: Whose profile of acuity and whose foveation it is, unless others are given.
+        side: left or right.
+        ages_months: Of the eyes; the body is what it is.
+        size_px: Width and height of each picture.
+        profile: Whose measurements say how fine an age sees.
+        foveation: Strength of the foveation.
+
+    Raises:
+        UnknownNameError: If there is no such side or profile.
+    """
+    profile = profile or vision.acuity_profile
+    foveation = vision.foveation or TELLING_FOVEATION if foveation is None else foveation
+    for kind, name, known in (("side", side, SIDES), ("profile of acuity", profile, PROFILES)):
+        if name not in known:
+            raise UnknownNameError(kind, name, known)
+
+    def sight(acuity_cpd: float | None, foveation: float) -> VisionEntry:
+        return VisionEntry(
+            cameras=(f"eye_{side}",),
+            width_px=size_px,
+            height_px=size_px,
+            supersample=SUPERSAMPLE,
+            acuity_cpd=acuity_cpd,
+            foveation=foveation,
+            foveation_radius=vision.foveation_radius,
+            unseen=UNSEEN,
+        )
+
+    acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
+    return Comparison(
+        sights=tuple(tuple(sight(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation)),
+        rows=ROWS,
+        columns=(*map(_caption, ages_months, acuities_cpd), AS_DRAWN),
+    )
+
+
+def read_ages(text: str) -> tuple[float, ...]:
+    """Return the ages, in months, that a list such as `1,2.5,12` names.
+
+    Raises:
+        MimocError: If it names none, or one that acuity is not known for.
+    """
+    try:
+        ages_months = tuple(map(float, text.split(",")))
+    except ValueError:
+        ages_months = ()
+    if not ages_months or not all(0 <= age_months <= LAST_MONTH for age_months in ages_months):
+        raise MimocError(f"'{text}' is not a list of ages; give months from 0 to {LAST_MONTH:g}, as in 1,2.5,12")
+    return ages_months
+
+
+def _caption(age_months: float, acuity_cpd: float) -> str:
+    return f"{age_months:g} month{'s' * (age_months != 1)}: {acuity_cpd:.2g} cycles/degree"

@@ -1,0 +1,1 @@
+"""What an infant is to achieve."""

@@ -1,0 +1,1 @@
+"""Catching a falling ball."""

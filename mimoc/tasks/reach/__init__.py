@@ -1,0 +1,1 @@
+"""Touching a ball within reach."""

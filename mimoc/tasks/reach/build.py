@@ -1,0 +1,80 @@
+"""The stage of reaching: a ball hangs before an infant that is held upright and looks at it."""
+
+import math
+
+import numpy as np
+
+from mimoc.body import BodyTree
+from mimoc.body.kinematics import frames, frames_in_world
+from mimoc.body.poses import Pose, resting_state
+from mimoc.body.tree import Vec3
+from mimoc.tasks.ball import BALL, ball
+from mimoc.tasks.entries import GazeEntry, ReachEntry
+from mimoc.tasks.setup import Side, Stage, middle_finger, one_armed, require
+from mimoc.tasks.spec import TaskSpec
+from mimoc.units import deg_to_rad
+
+STEPS = 1000
+"""Of an episode (MIMo)."""
+UPRIGHT = Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30})
+NEAREST, FARTHEST = 0.65, 0.95
+"""Of the places of the ball, in lengths of the arm from shoulder to fingers."""
+OUTWARD_DEG, INWARD_DEG = 45.0, 30.0
+"""How far the ball is to the side of the shoulder: to that of the hand, and to the other."""
+ELEVATION_DEG = (-45.0, 25.0)
+LOOKERS = ("left_eye", "right_eye")
+
+
+def stage_reach(task: TaskSpec, tree: BodyTree) -> Stage:
+    """Return the stage of `reach`.
+
+    Raises:
+        UnplayableError: If the infant has no such hand.
+    """
+    side: Side = task.hand or "right"
+    effector = middle_finger(tree, side)
+    require(tree, task.kind, effector)
+    start = resting_state(tree, UPRIGHT)
+    goal = ReachEntry(
+        steps=task.steps or STEPS,
+        effector=effector,
+        shoulder=f"{side}_upper_arm",
+        trunk=tree.home("chest"),
+        ball=BALL,
+        distance_m=_distances(tree, side),
+        azimuth_rad=_azimuths(side),
+        elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
+        gaze=_gaze(tree),
+    )
+    return one_armed(tree, side, goal, start, (ball(_middle(tree, goal, start)),), weightless=True)
+
+
+def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:
+    """Return how far from the shoulder the ball is, least and most, in [m]."""
+    stretched = frames(tree, {})
+    arm_m = float(np.linalg.norm(stretched[middle_finger(tree, side)][0] - stretched[f"{side}_upper_arm"][0]))
+    return NEAREST * arm_m, FARTHEST * arm_m
+
+
+def _azimuths(side: Side) -> tuple[float, float]:
+    outward, inward = deg_to_rad(OUTWARD_DEG), deg_to_rad(INWARD_DEG)
+    return (-outward, inward) if side == "right" else (-inward, outward)
+
+
+def _gaze(tree: BodyTree) -> tuple[GazeEntry, ...]:
+    """Return what looks at the ball: the head, then each eye that there is."""
+    turns = [("robot:head_swivel", "head"), ("robot:head_tilt", "head")]
+    turns += [(f"robot:{eye}_{way}", eye) for eye in LOOKERS for way in ("horizontal", "vertical")]
+    return tuple(GazeEntry(joint=joint, looker=looker) for joint, looker in turns if joint in tree.joints)
+
+
+def _middle(tree: BodyTree, goal: ReachEntry, start: tuple[float, ...]) -> Vec3:
+    """Return the middle of the ball's places."""
+    placed = frames_in_world(tree, start)
+    origin, (_, trunk) = placed[goal.shoulder][0], placed[goal.trunk]
+    ranges = (goal.distance_m, goal.azimuth_rad, goal.elevation_rad)
+    distance_m, azimuth, elevation = (sum(ends) / 2 for ends in ranges)
+    flat_m = distance_m * math.cos(elevation)
+    offset = (flat_m * math.cos(azimuth), flat_m * math.sin(azimuth), distance_m * math.sin(elevation))
+    x, y, z = (origin + trunk @ offset).tolist()
+    return x, y, z

@@ -1,0 +1,75 @@
+"""Reaching: touch a ball that hangs before the infant."""
+
+from collections.abc import Callable
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.folder import Bundle
+from mimoc.runtime.fastenings import Fastenings
+from mimoc.senses.sense import FloatArray
+from mimoc.tasks.entries import ReachEntry
+from mimoc.tasks.gaze import Gaze
+from mimoc.tasks.task import Task, Verdict
+
+STILL_M = 1e-4
+"""How far a ball moves before head and eyes follow it."""
+
+
+class Reach(Task):
+    """A ball before the infant; the reward is the nearer the hand is to it, and more for moving it."""
+
+    def __init__(self, entry: ReachEntry, model: mujoco.MjModel, fastenings: Fastenings):
+        """Find everything that *entry* names in *model*."""
+        super().__init__(entry.steps)
+        self._entry, self._model = entry, model
+        self._effector, self._shoulder, self._trunk = (
+            model.body(name).id for name in (entry.effector, entry.shoulder, entry.trunk)
+        )
+        self._ball = model.body(entry.ball.body).id
+        self._ball_at = model.joint(entry.ball.joint).qposadr[0] + np.arange(3)
+        self._gaze = Gaze(entry.gaze, model, fastenings)
+        self._start_m = np.zeros(3)
+
+    def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
+        """Hang the ball somewhere within reach, and look at it."""
+        self._start_m = self._draw_place(data, generator)
+        data.qpos[self._ball_at] = self._start_m
+        self._gaze.start(data, self._start_m)
+        mujoco.mj_forward(self._model, data)
+
+    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
+        """Return what the distance costs, and what a touch earns, which ends the episode."""
+        ball_m = data.xpos[self._ball]
+        moved_m = float(np.linalg.norm(ball_m - self._start_m))
+        if moved_m > STILL_M:
+            self._gaze.follow(data, ball_m)
+        touched = moved_m > self._entry.moved_m
+        distance_m = float(np.linalg.norm(ball_m - data.xpos[self._effector]))
+        terms = {"distance": -distance_m, "touch": self._entry.success_reward if touched else 0.0}
+        return Verdict(terms, success=touched, ends=touched)
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """Where the ball was hung."""
+        return {"start_m": self._start_m}
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        self._start_m = state["start_m"]
+
+    def _draw_place(self, data: mujoco.MjData, generator: np.random.Generator) -> FloatArray:
+        """Return a place before the infant, shape (3,), [m]: evenly by distance and angles from the shoulder."""
+        entry = self._entry
+        ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
+        distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
+        level = np.cos(elevation)
+        direction = np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
+        trunk = data.xmat[self._trunk].reshape(3, 3)
+        return data.xpos[self._shoulder] + trunk @ (distance_m * direction)
+
+
+def bind(entry: ReachEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Reach:
+    """Find what *entry* names in *model*."""
+    return Reach(entry, model, fastenings)

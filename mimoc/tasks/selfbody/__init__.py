@@ -1,0 +1,1 @@
+"""Touching a part of one's own body."""

@@ -1,0 +1,71 @@
+"""The stage of touching oneself: an infant sits and can move one arm, to touch a part of its body."""
+
+from collections.abc import Iterator, Mapping
+
+from mimoc.body import BodyTree
+from mimoc.body.poses import Pose, resting_state
+from mimoc.schema.names import SIDES
+from mimoc.tasks.entries import SelfbodyEntry, TargetEntry
+from mimoc.tasks.setup import Side, Stage, bodies_of, middle_finger, one_armed, require
+from mimoc.tasks.spec import TaskSpec
+
+STEPS = 500
+"""Of an episode (MIMo)."""
+OTHER: dict[Side, Side] = {"right": "left", "left": "right"}
+SITTING: Mapping[str, float] = {
+    "{side}_hip1": -115,
+    "{side}_hip2": -48,
+    "{side}_hip3": 33,
+    "{side}_knee": -115,
+    "hip_bend1": 25,
+    "hip_bend2": 25,
+}
+"""On the floor with the soles together, leaning forward a little: all of the body is in the reach of a hand."""
+TOUCHING: Mapping[str, float] = {"shoulder_ad_ab": 40, "elbow": -45, "fingers": -20}
+"""The arm that touches, in the air beside the body at first."""
+TOUCHED: Mapping[str, float] = {"shoulder_horizontal": 45, "shoulder_ad_ab": 50, "elbow": -85, "fingers": -40}
+"""The other arm, above the lap."""
+TRUNK = {"head": ("head", "left_eye", "right_eye"), "upper_body": ("upper_body", "chest"), "hip": ("hip",)}
+"""Parts of head and trunk, by name in the goal; the lower body collides with nothing, so it cannot be touched."""
+
+
+def stage_selfbody(task: TaskSpec, tree: BodyTree) -> Stage:
+    """Return the stage of `selfbody`.
+
+    Raises:
+        UnplayableError: If the infant has no such hand.
+    """
+    side: Side = task.hand or "right"
+    fingers = middle_finger(tree, side)
+    require(tree, task.kind, fingers)
+    goal = SelfbodyEntry(
+        steps=task.steps or STEPS,
+        fingers=fingers,
+        effectors=bodies_of(tree, f"{side}_hand"),
+        targets=tuple(_targets(tree, OTHER[side])),
+    )
+    return one_armed(tree, side, goal, resting_state(tree, _pose(side)))
+
+
+def _pose(side: Side) -> Pose:
+    """Return how an infant sits that touches itself with a hand."""
+    arms = ((side, TOUCHING), (OTHER[side], TOUCHED))
+    return Pose(0, {**SITTING, **{f"{of}_{name}": angle for of, arm in arms for name, angle in arm.items()}})
+
+
+def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:
+    """Yield what can be touched: head, trunk, both legs and the other arm, as far as they are there."""
+    legs = {f"{side}_{part}": _leg(tree, side, part) for part in ("upper_leg", "lower_leg", "foot") for side in SIDES}
+    arm = {f"{other}_{part}": (f"{other}_{part}",) for part in ("upper_arm", "lower_arm")}
+    here = {body.name for body in tree.bodies}
+    for name, bodies in {**TRUNK, **legs, **arm, f"{other}_hand": bodies_of(tree, f"{other}_hand")}.items():
+        present = tuple(body for body in bodies if body in here)
+        if present:
+            yield TargetEntry(name=name, bodies=present)
+
+
+def _leg(tree: BodyTree, side: str, part: str) -> tuple[str, ...]:
+    """Return the bodies of a part of a leg; a foot has its toes."""
+    name = f"{side}_{part}"
+    toes = (body.name for body in tree.bodies if body.parent == name) if part == "foot" else ()
+    return (name, *toes)

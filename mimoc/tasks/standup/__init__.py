@@ -1,0 +1,1 @@
+"""Standing up at a rail."""

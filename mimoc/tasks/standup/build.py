@@ -1,0 +1,189 @@
+"""The stage of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.body import BodyTree
+from mimoc.body.kinematics import FloatArray, axis_matrix, frames, pose, reach
+from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
+from mimoc.body.stature import stature
+from mimoc.body.tree import Vec3
+from mimoc.errors import UnplayableError
+from mimoc.scenes.crib.build import RAIL_RADIUS_M
+from mimoc.tasks.entries import StandupEntry
+from mimoc.tasks.setup import Hold, Side, Stage, joints_of, require
+from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
+from mimoc.tasks.standup.rail import Rail, half_span, rail_height
+from mimoc.units import cm_to_m, deg_to_rad
+
+STEPS = 500
+"""Of an episode (MIMo)."""
+BASE_IN_CHILDREN = 0.2 / 0.82
+"""Height of the head that earns nothing, for one length of the child: at 18 months, 0.82 m long, 0.2 m (MIMo)."""
+STANDING = 0.85
+"""Share of the height of its head, when all joints are straight, from which on an infant stands."""
+
+SIDES: tuple[Side, Side] = ("right", "left")
+LEANING_BACK_DEG = 38.0
+"""Of the pelvis."""
+CURVED_DEG: Mapping[str, float] = {"hip_bend1": 26.0, "hip_bend2": 26.0, "head_tilt": -10.0}
+"""The back, which brings the chest forward again; the head looks ahead."""
+HIP_DEG = -113.0
+"""Of the hips: the knees are drawn up."""
+STRETCHED = 0.96
+"""How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
+COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
+LOCKED = ("neck", "eyes")
+"""What neither stands up nor holds on; it would loll."""
+WRIST = ("hand1", "hand2", "hand3")
+_HALVINGS = 40
+
+
+@dataclass(frozen=True)
+class Seat:
+    """How an infant sits: upright is along z, as in the world, with the hip at x = y = 0."""
+
+    angles_rad: Mapping[str, float]
+    height_m: float
+    """Of the hip above the floor."""
+
+    @property
+    def turn(self) -> FloatArray:
+        """World from hip, shape (3, 3)."""
+        return axis_matrix((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG))
+
+    def in_world(self, place_m: FloatArray) -> FloatArray:
+        """Return a place in the frame of the hip, shape (3,), as one in the world."""
+        return self.turn @ place_m + (0.0, 0.0, self.height_m)
+
+    def in_hip(self, place_m: FloatArray) -> FloatArray:
+        """Return a place in the world, shape (3,), as one in the frame of the hip."""
+        return self.turn.T @ (place_m - (0.0, 0.0, self.height_m))
+
+
+def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
+    """Return the stage of `standup`.
+
+    Raises:
+        UnplayableError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its hands
+            at the rail.
+    """
+    require(tree, task.kind, *(f"{side}_{part}" for side in SIDES for part in (KNUCKLES[tree.hands], "foot")))
+    seat = _sit(tree)
+    grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
+    rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))
+    fingers = {joint for side in SIDES for joint in _fingers(tree, side)}
+    return Stage(
+        goal=_goal(task, tree),
+        start=_start(tree, seat, rail, grips),
+        commanded=joints_of(tree, *COMMANDED),
+        locked={*joints_of(tree, *LOCKED), *fingers},
+        holds=tuple(Hold(f"{side}_hand", grips[side], turns=True) for side in SIDES),
+        furniture=rail.furniture,
+        taken=rail.feet,
+    )
+
+
+def _goal(task: TaskSpec, tree: BodyTree) -> StandupEntry:
+    standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
+    return StandupEntry(
+        steps=task.steps or STEPS,
+        head="head",
+        base_m=BASE_IN_CHILDREN * cm_to_m(stature(tree)["length_cm"]),
+        success_m=STANDING * standing_m,
+    )
+
+
+def _fingers(tree: BodyTree, side: Side) -> list[str]:
+    """Return the joints of a hand that stay closed: all but the wrist's."""
+    wrist = {f"robot:{side}_{name}" for name in WRIST}
+    return [joint for joint in joints_of(tree, f"{side}_hand") if joint not in wrist]
+
+
+def _sit(tree: BodyTree) -> Seat:
+    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor."""
+    angles = {f"robot:{name}": deg_to_rad(angle) for name, angle in CURVED_DEG.items()}
+    angles |= {f"robot:{side}_hip1": deg_to_rad(HIP_DEG) for side in SIDES}
+    for side in SIDES:
+        angles |= curled(tree, side)
+    turn = Seat(angles, 0.0).turn
+    height_m = _depth(tree, angles, turn, ("hip", "left_upper_leg", "right_upper_leg"))
+    for side in SIDES:
+        angles |= _flat_foot(tree, angles, turn, side, height_m)
+    return Seat(angles, height_m - CONTACT_DEPTH_M)
+
+
+def _depth(tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, parts: tuple[str, ...]) -> float:
+    """Return how far below the hip some parts reach, in [m]."""
+    posed, down = pose(tree, angles_rad), turn.T @ (0.0, 0.0, -1.0)
+    extents_m = posed.centres @ down + reach(posed.geoms, np.einsum("nij,i->nj", posed.turns, down))
+    owners = [body.name for body in tree.bodies for _ in body.geoms]
+    return max(extent for extent, owner in zip(extents_m.tolist(), owners, strict=True) if owner in parts)
+
+
+def _flat_foot(
+    tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, side: Side, height_m: float
+) -> dict[str, float]:
+    """Return knee and ankle, in [rad], that put a foot flat on the floor, which is so far below the hip.
+
+    With a flat foot the ankle follows from the knee; the farther the knee is bent, the steeper is the shank and the
+    deeper the foot.
+
+    Raises:
+        UnplayableError: If there is no such knee.
+    """
+    thigh_deg = -HIP_DEG + LEANING_BACK_DEG
+    least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
+    ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
+    low, high = max(least_deg, thigh_deg + ankle_low_deg), min(most_deg, thigh_deg)
+
+    def leg(knee_deg: float) -> dict[str, float]:
+        knee, ankle = deg_to_rad(-knee_deg), deg_to_rad(knee_deg - thigh_deg)
+        return {f"robot:{side}_knee": knee, f"robot:{side}_foot1": ankle}
+
+    def depth(knee_deg: float) -> float:
+        return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",))
+
+    if not depth(low) < height_m < depth(high):
+        raise UnplayableError(f"'standup' begins with flat feet, and this infant's {side} leg is too long or too short")
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if depth(middle) < height_m else (low, middle)
+    return {name: round(angle, 6) for name, angle in leg(low).items()}
+
+
+def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
+    """Return how far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
+
+    Raises:
+        UnplayableError: If it is too high up for the arms.
+    """
+    here, straight = frames(tree, seat.angles_rad), frames(tree, {})
+    found = []
+    for side in SIDES:
+        origin, turn = straight[f"{side}_hand"]
+        arm_m = float(np.linalg.norm(origin + turn @ grips[side] - straight[f"{side}_upper_arm"][0]))
+        x_m, _, z_m = seat.in_world(here[f"{side}_upper_arm"][0]).tolist()
+        above_m = rail_height(tree) - z_m
+        if STRETCHED * arm_m <= above_m:
+            raise UnplayableError("'standup' begins with the hands at a rail, and this infant's arms are too short")
+        found.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
+    return min(found)
+
+
+def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -> tuple[float, ...]:
+    """Return the infant on its seat, its hands at the rail, as qpos."""
+    angles = dict(seat.angles_rad)
+    here = frames(tree, angles)
+    for side in SIDES:
+        along = (0.0, 1.0 if side == "right" else -1.0, 0.0)  # The thumbs are on the inside.
+        shoulder_y_m = float(here[f"{side}_upper_arm"][0][1])
+        place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
+        angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
+    half = -deg_to_rad(LEANING_BACK_DEG) / 2
+    hinges = (angles.get(joint, 0.0) for joint in tree.joints)
+    return (0.0, 0.0, seat.height_m, math.cos(half), 0.0, math.sin(half), 0.0, *hinges)

@@ -1,0 +1,1 @@
+"""The toys that come with mimoc."""

@@ -1,0 +1,57 @@
+"""From the meshes and solids of a toy, drawn to any scale, to a toy of unit size on the ground."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mimoc.body.tree import Vec3
+from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel
+from mimoc.toys.shaping import join, mesh_volume
+from mimoc.toys.solids import reach
+
+SOURCE = "made by mimoc"
+
+Looks = Mapping[Tint, Sequence[Mesh]]
+"""What shows, by its colour."""
+
+
+def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3: float) -> ToyModel:
+    """Return a toy whose longest side is 1, which stands on z = 0 with its middle over the origin.
+
+    Looks and solids are set on the ground each for itself, as faceted looks may end a little above round solids.
+
+    Args:
+        category: Of Toys4K, and its name.
+        looks: Closed meshes; where they overlap, the volume counts twice.
+        solids: What it touches with.
+        density_kg_m3: Of what it is made of; see `mimoc.toys.builtin.materials`.
+    """
+    meshes: dict[Tint, Mesh] = {tint: join(shells) for tint, shells in looks.items()}
+    vertices = np.concatenate([mesh.vertices for mesh in meshes.values()])
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    scale = 1 / float((high - low).max())
+    origin = np.array([*(low + high)[:2] / 2, low[2]])
+    ground = np.array([*origin[:2], min(reach(solid)[0][2] for solid in solids)])
+    parts = tuple(Part(_sized(mesh, scale, origin), tint) for tint, mesh in meshes.items())
+    return ToyModel(
+        name=category,
+        category=category,
+        parts=parts,
+        solids=tuple(_placed(solid, scale, ground) for solid in solids),
+        volume=sum(mesh_volume(part.mesh) for part in parts),
+        density_kg_m3=density_kg_m3,
+        source=SOURCE,
+    )
+
+
+def _sized(mesh: Mesh, scale: float, origin: FloatArray) -> Mesh:
+    vertices = (mesh.vertices - origin) * scale
+    vertices.flags.writeable = False
+    return Mesh(vertices, mesh.faces)
+
+
+def _placed(solid: Solid, scale: float, origin: FloatArray) -> Solid:
+    x, y, z = ((solid.pos - origin) * scale).tolist()
+    pos: Vec3 = (x, y, z)
+    return replace(solid, size=tuple(scale * length for length in solid.size), pos=pos)

@@ -1,0 +1,110 @@
+"""Processed meshes, kept by the content they were made from."""
+
+import io
+import os
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+from mimoc.bundle.files import write_file
+from mimoc.errors import OutputError
+from mimoc.toys.model import Mesh, Solid
+from mimoc.toys.toys4k.convex import has_coacd
+from mimoc.toys.toys4k.decimating import has_simplifier
+from mimoc.toys.toys4k.processing import MOST_FACES_SEEN, VERSION, Shape
+
+VARIABLE = "MIMOC_CACHE"
+MOST_BYTES = 2**25
+"""Of an entry; whole ones have far less."""
+
+
+class MeshCache:
+    """Shapes in a folder, one file each; those that are missing or damaged are made anew.
+
+    Any number of processes may use it at once, and if it cannot be written, it is as good as none.
+    """
+
+    def __init__(self, folder: Path | None = None):
+        self.folder = (folder or default_folder()) / "meshes"
+
+    def load(self, key: str) -> Shape | None:
+        """Return the shape that was saved as *key*, if it is there and whole."""
+        try:
+            path = self._path(key)
+            return _unpacked(path.read_bytes()) if path.stat().st_size <= MOST_BYTES else None
+        except Exception:  # Whatever an archive has suffered: it is only a copy.
+            return None
+
+    def save(self, key: str, shape: Shape) -> None:
+        """Keep a shape, if it can be kept."""
+        with suppress(OSError, OutputError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_file(self._path(key), _packed(shape))
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}.npz"
+
+
+def key_of(content: bytes, kind: str) -> str:
+    """Return what decides a shape: the content of a mesh file, its format, and what it is processed with."""
+    tools = f"{VERSION} {kind} coacd={has_coacd()} fast_simplification={has_simplifier()}"
+    return sha256(tools.encode() + b"\n" + sha256(content).digest()).hexdigest()
+
+
+def default_folder() -> Path:
+    """Return the folder that `MIMOC_CACHE` names, or else the one that the system has for such things."""
+    import platformdirs
+
+    return Path(os.path.expanduser(os.environ.get(VARIABLE) or platformdirs.user_cache_dir("mimoc")))
+
+
+def _packed(shape: Shape) -> bytes:
+    """Return a shape as an archive."""
+    boxes = [(*solid.size, *solid.pos, *solid.quat) for solid in shape.solids if solid.mesh is None]
+    hulls = [solid.mesh for solid in shape.solids if solid.mesh is not None]
+    file = io.BytesIO()
+    np.savez_compressed(
+        file,
+        boxes=np.array(boxes).reshape(-1, 10),
+        counts=np.array([(len(mesh.vertices), len(mesh.faces)) for mesh in (shape.looks, *hulls)]),
+        vertices=np.concatenate([mesh.vertices for mesh in (shape.looks, *hulls)]),
+        faces=np.concatenate([mesh.faces for mesh in (shape.looks, *hulls)]),
+        volume=np.array(shape.volume),
+    )
+    return file.getvalue()
+
+
+def _unpacked(content: bytes) -> Shape | None:
+    """Return the shape in an archive, or None if it is none that was ever packed."""
+    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+        boxes, counts, vertices, faces, volume = (
+            arrays[name] for name in ("boxes", "counts", "vertices", "faces", "volume")
+        )
+    ends = np.cumsum(counts, axis=0)[:-1]
+    pairs = zip(np.split(vertices, ends[:, 0]), np.split(faces, ends[:, 1]), strict=True)
+    looks, *hulls = (_checked(Mesh(*pair)) for pair in pairs)
+    solids = [_box(row) for row in boxes.tolist()] + [Solid("mesh", (), mesh=mesh) for mesh in hulls]
+    whole = len(looks.faces) <= MOST_FACES_SEEN and solids and 0 < volume < np.inf
+    return Shape(looks, tuple(solids), float(volume)) if whole else None
+
+
+def _box(row: list[float]) -> Solid:
+    a, b, c, x, y, z, qw, qx, qy, qz = row
+    return Solid("box", (a, b, c), (x, y, z), (qw, qx, qy, qz))
+
+
+def _checked(mesh: Mesh) -> Mesh:
+    """Return a mesh that is one.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    right = mesh.vertices.shape[1:] == mesh.faces.shape[1:] == (3,) and mesh.faces.dtype.kind == "i"
+    if not (right and len(mesh.faces) and np.isfinite(mesh.vertices).all()):
+        raise ValueError("not a mesh")
+    if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
+        raise ValueError("not a mesh")
+    mesh.vertices.flags.writeable = mesh.faces.flags.writeable = False
+    return mesh

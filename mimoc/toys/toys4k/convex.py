@@ -1,0 +1,135 @@
+"""Convex shapes that together are nearly a mesh, for what touches it."""
+
+import io
+import math
+from importlib.util import find_spec
+
+import numpy as np
+
+from mimoc.toys.model import FloatArray, IntArray, Mesh, Solid
+from mimoc.toys.shaping import mesh_volume
+from mimoc.toys.toys4k.subprocesses import ApartError, LateError, do_apart
+
+MOST_PARTS = 10
+MOST_CORNERS = 64
+"""Of a part."""
+MOST_FACES = 2000
+"""Of what is given to coacd."""
+LIMIT_S = 60
+"""What coacd may take: it needs 1 s to 10 s."""
+COVER = 0.1
+"""By how much the reach of all parts may differ from that of the mesh, whose longest side is 1."""
+THIN = 0.01
+"""Of its longest side: what is thinner gets a box as thick, as its hull would be all rounding or none at all."""
+LEAST_VOLUME = 1e-6
+"""Of a part of a mesh whose longest side is 1: MuJoCo refuses meshes of 1e-15 m³."""
+
+_CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+_FACES: IntArray = np.array([corners for a, b, c, d in _SIDES for corners in ((a, b, c), (a, c, d))])
+"""Of a box with those corners."""
+
+
+def has_coacd() -> bool:
+    """Tell whether meshes are taken apart; without it, each gets its convex hull."""
+    return find_spec("coacd") is not None
+
+
+def convex_parts(mesh: Mesh, *, simple: bool) -> tuple[list[Mesh], bool]:
+    """Return convex meshes, and whether they would be the same the next time.
+
+    Args:
+        mesh: Of no more than `MOST_FACES`, whose longest side is 1, not flat.
+        simple: It is one closed shell; anything else is first made into one, which rounds its edges off.
+    """
+    whole = [hull(mesh.vertices)]
+    if not has_coacd():
+        return whole, True
+    content = io.BytesIO()
+    np.savez(content, vertices=mesh.vertices, faces=mesh.faces)
+    preprocessing = "auto" if simple else "on"
+    try:
+        found = do_apart("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
+    except ApartError as error:
+        return whole, not isinstance(error, LateError)
+    corners = np.split(found["corners"], np.cumsum(found["counts"])[:-1])
+    parts = [hull(each) for each in corners if np.isfinite(each).all() and not is_thin(each, THIN / 10)]
+    parts = [part for part in parts if mesh_volume(part) > LEAST_VOLUME]
+    return (parts if len(parts) <= MOST_PARTS and _reaches_as_far(parts, mesh) else whole), True
+
+
+def _reaches_as_far(parts: list[Mesh], mesh: Mesh) -> bool:
+    if not parts:
+        return False
+    corners = np.concatenate([part.vertices for part in parts])
+    low, high = corners.min(axis=0) - mesh.vertices.min(axis=0), corners.max(axis=0) - mesh.vertices.max(axis=0)
+    return bool(max(np.abs(low).max(), np.abs(high).max()) < COVER)
+
+
+def hull(points: FloatArray, most_corners: int = MOST_CORNERS) -> Mesh:
+    """Return the convex hull of points that are not in a plane, or of those furthest out, if there are too many."""
+    around = _hull(points)
+    return around if len(around.vertices) <= most_corners else _hull(_furthest(around.vertices, most_corners))
+
+
+def is_thin(points: FloatArray, thickness: float = THIN) -> bool:
+    """Tell whether points lie nearly in a plane or on a line."""
+    return len(points) < 4 or np.ptp(points @ _axes(points), axis=0).min() < thickness
+
+
+def thin_box(points: FloatArray) -> Mesh:
+    """Return the smallest box around what is thin, made thick enough; `box_of` makes a box of it again."""
+    axes = _axes(points)
+    boxes = [_turned(axes, degrees) for degrees in range(90)]
+    box_axes = min(boxes, key=lambda box: math.prod(np.maximum(np.ptp(points @ box[:, :2], axis=0), THIN)))
+    low, high = (points @ box_axes).min(axis=0), (points @ box_axes).max(axis=0)
+    corners = (low + high) / 2 + _CORNERS * np.maximum(high - low, THIN) / 2
+    return Mesh(corners @ box_axes.T, _FACES)
+
+
+def box_of(mesh: Mesh) -> Solid:
+    """Return the box whose corners `thin_box` gave, wherever they are now."""
+    from trimesh.transformations import quaternion_from_matrix
+
+    edges = mesh.vertices[[4, 2, 1]] - mesh.vertices[0]
+    lengths = np.linalg.norm(edges, axis=1)
+    placement = np.eye(4)
+    placement[:3, :3] = (edges / lengths[:, None]).T
+    w, x, y, z = quaternion_from_matrix(placement).tolist()
+    half_x, half_y, half_z = (lengths / 2).tolist()
+    at_x, at_y, at_z = mesh.vertices.mean(axis=0).tolist()
+    return Solid("box", (half_x, half_y, half_z), (at_x, at_y, at_z), (w, x, y, z))
+
+
+def _hull(points: FloatArray) -> Mesh:
+    from trimesh.convex import convex_hull
+
+    around = convex_hull(points, repair=False)  # To repair takes networkx, which need not be there.
+    vertices, faces = np.asarray(around.vertices, float), np.asarray(around.faces, np.intp)
+    a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
+    inwards = np.einsum("ij,ij->i", np.cross(a, b), c) < 0
+    return Mesh(vertices, np.where(inwards[:, None], faces[:, ::-1], faces))
+
+
+def _furthest(points: FloatArray, most: int) -> FloatArray:
+    """Return no more than some points, each of which is the furthest out in a direction."""
+    even = np.arange(most - 6) + 0.5
+    height, angle = 1 - 2 * even / len(even), even * math.pi * (1 + 5**0.5)  # Fibonacci's spiral on a sphere.
+    width = np.sqrt(1 - height**2)
+    around = np.stack([width * np.cos(angle), width * np.sin(angle), height], axis=1)
+    directions = np.concatenate([np.eye(3), -np.eye(3), around])
+    scaled = points / np.maximum(np.ptp(points, axis=0), THIN / 10)
+    return points[np.unique((scaled @ directions.T).argmax(axis=0))]
+
+
+def _axes(points: FloatArray) -> FloatArray:
+    """Return the rotation whose columns are where points spread the most to where they spread the least."""
+    middle = points - points.mean(axis=0)
+    axes = np.linalg.eigh(middle.T @ middle)[1][:, ::-1]
+    return axes * np.sign(np.linalg.det(axes))
+
+
+def _turned(axes: FloatArray, degrees: float) -> FloatArray:
+    """Return axes turned about the last of them."""
+    cos, sin = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return axes @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,110 @@
+"""From the content of a mesh file to the shape of a toy."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.errors import ToyError
+from mimoc.toys.model import FloatArray, Mesh, Solid
+from mimoc.toys.shaping import join, mesh_volume
+from mimoc.toys.toys4k.cleaning import clean, only_used
+from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
+from mimoc.toys.toys4k.decimating import decimate
+from mimoc.toys.toys4k.resting import TOPS, planes, set_down
+from mimoc.toys.toys4k.subprocesses import ApartError, do_apart
+from mimoc.toys.toys4k.winding import Surface, face_outwards, from_both_sides
+
+VERSION = 1
+"""Of the processing; higher with each change of what comes out."""
+MOST_FACES_SEEN = 5000
+MOST_FACES_READ = 4_000_000
+READING_LIMIT_S = 90
+LEAST_FILLED = 0.05
+"""Of the volume of its convex parts: a closed mesh that holds less is the skin of something."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """What is taken from a mesh file: a toy without a name. Lengths are in units of its longest side."""
+
+    looks: Mesh
+    solids: tuple[Solid, ...]
+    volume: float
+    lasting: bool = True
+    """It would be the same the next time; it is not if something took too long."""
+
+
+def process(content: bytes, kind: str) -> Shape:
+    """Return the shape of a toy, set on z = 0 in its steadiest upright pose, its middle over the origin.
+
+    Args:
+        content: Of a mesh file.
+        kind: Its format; see `mimoc.toys.toys4k.dataset.FORMATS`.
+
+    Raises:
+        ToyError: If nothing can be made of it; the message is the end of a sentence about the mesh.
+    """
+    try:
+        arrays = do_apart("read", content, kind, MOST_FACES_READ, limit_s=READING_LIMIT_S)
+    except ApartError as error:
+        raise ToyError(str(error)) from None
+    surface = face_outwards(clean(arrays["vertices"], arrays["faces"]))
+    whole = bool(surface.closed.all())
+    once, looks = _looks(surface)
+    flat = is_thin(looks.vertices)
+    if flat:
+        parts, lasting = [thin_box(looks.vertices)], True
+    else:
+        parts, lasting = convex_parts(decimate(once, MOST_FACES), simple=whole and not surface.shells.any())
+    volume = _volume(surface.mesh if whole else None, parts)
+    rotation = _rotation(parts, TOPS[kind])
+    low, high = np.min(looks.vertices @ rotation.T, axis=0), np.max(looks.vertices @ rotation.T, axis=0)
+    scale, middle = 1 / float((high - low).max()), (low + high) / 2
+    ground = min(float((part.vertices @ rotation[2]).min()) for part in parts)
+    placed = [_placed(part, rotation, np.array([middle[0], middle[1], ground]), scale) for part in parts]
+    return Shape(
+        looks=_placed(looks, rotation, np.array([middle[0], middle[1], low[2]]), scale),
+        solids=tuple(box_of(part) if flat else Solid("mesh", (), mesh=part) for part in placed),
+        volume=volume * scale**3,
+        lasting=lasting,
+    )
+
+
+def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
+    """Return a mesh of few enough faces, and it again with its open shells seen from both sides."""
+    mesh = surface.mesh
+    whole, torn = (only_used(mesh.vertices, mesh.faces[which]) for which in (surface.closed, ~surface.closed))
+    share = MOST_FACES_SEEN / max(len(whole.faces) + 2 * len(torn.faces), MOST_FACES_SEEN)
+    whole, torn = (decimate(each, max(int(len(each.faces) * share), 1)) for each in (whole, torn))
+    return join([whole, torn]), join([whole, from_both_sides(torn)])
+
+
+def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
+    """Return the volume of a closed mesh, or else of its convex parts, which count once what shells have in common."""
+    of_parts = sum(map(mesh_volume, parts))
+    within = mesh_volume(closed) if closed else 0.0
+    return min(within, of_parts) if within >= LEAST_FILLED * of_parts else of_parts
+
+
+def _rotation(parts: Sequence[Mesh], top: str) -> FloatArray:
+    """Return what sets some parts of one density down on a side of their common hull."""
+    weights = np.array([mesh_volume(part) for part in parts])
+    centre = weights @ np.stack([_centre(part) for part in parts]) / weights.sum()
+    corners = np.concatenate([part.vertices for part in parts])
+    around = parts[0] if len(parts) == 1 else hull(corners, len(corners))
+    return set_down(*planes(around.vertices, around.faces, centre), top)
+
+
+def _centre(part: Mesh) -> FloatArray:
+    """Return the centre of mass of what is within a mesh, from the tetrahedra between its faces and its middle."""
+    middle = part.vertices.mean(axis=0)
+    a, b, c = (part.vertices[part.faces[:, corner]] - middle for corner in range(3))
+    volumes = np.einsum("ij,ij->i", np.cross(a, b), c)
+    return middle + volumes @ (a + b + c) / (4 * volumes.sum())
+
+
+def _placed(mesh: Mesh, rotation: FloatArray, origin: FloatArray, scale: float) -> Mesh:
+    vertices = (mesh.vertices @ rotation.T - origin) * scale
+    vertices.flags.writeable = False
+    return Mesh(vertices, mesh.faces)

@@ -1,0 +1,62 @@
+"""What every actuation model keeps to, with either hands."""
+
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import mimoc
+from mimoc.actuation.binding import ACTUATIONS
+from mimoc.runtime.check import MAX_ENERGY_J_PER_KG, check_stability
+
+NO_STRENGTH = {"strength": dict.fromkeys(("neck", "trunk", "eyes", "arms", "hands", "legs"), 0)}
+EVERYTHING_FELT = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
+
+
+@pytest.fixture(params=["mitten", "five_finger"])
+def hands(request):
+    return request.param
+
+
+def infant(model, hands, age_months=9, **actuation):
+    spec = {
+        "mimoc": 1,
+        "name": "x",
+        "age_months": age_months,
+        "body": {"hands": hands},
+        "actuation": {"model": model, **actuation},
+        "senses": EVERYTHING_FELT,
+    }
+    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("model", ACTUATIONS)
+def test_gymnasium_has_nothing_against_it(model, hands):
+    check_env(mimoc.make(infant(model, hands)).unwrapped)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("model", ACTUATIONS)
+def test_an_infant_without_any_strength_is_an_environment_too(model, hands):
+    env = mimoc.make(infant(model, hands, **NO_STRENGTH))
+    check_env(env.unwrapped)
+    env.reset(seed=0)
+    env.step(env.action_space.high)
+    assert env.unwrapped.effort() == 0
+
+
+@pytest.mark.parametrize("age_months", [0, 1, 3, 6, 12, 18, 24])
+@pytest.mark.parametrize("model", ACTUATIONS)
+def test_random_control_is_calm_from_every_pose(model, hands, age_months):
+    for check in check_stability(infant(model, hands, age_months)):
+        assert check.warnings == (), check
+        assert check.energy_j_per_kg < MAX_ENERGY_J_PER_KG, check
+
+
+@pytest.mark.parametrize("age_months", [0, 9, 24])
+def test_muscles_move_an_infant_no_faster_than_motors_do(hands, age_months):
+    """Twice the energy at most; little damping is left to the joints, but muscles that are fast pull less."""
+    fastest = {
+        model: max(check.energy_j_per_kg for check in check_stability(infant(model, hands, age_months)))
+        for model in ("torque", "muscle")
+    }
+    assert fastest["muscle"] < 2 * fastest["torque"]

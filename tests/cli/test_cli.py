@@ -1,0 +1,472 @@
+import json
+import os
+import pty
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+import mimoc
+from mimoc import cli
+from mimoc.bundle import folder
+from mimoc.compiler import validation
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SPEC = str(CONFIGS / "nine_months.yaml")
+PNG = b"\x89PNG\r\n\x1a\n"
+COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
+ESCAPE = "\x1b"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command did."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def invoke(monkeypatch, capfd) -> Callable[..., Outcome]:
+    """Return what runs a command in this process."""
+
+    def run(*arguments: object) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["mimoc", *map(str, arguments)])
+        capfd.readouterr()
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as exit_:
+            code = exit_.code or 0
+        sys.stdout.flush()
+        return Outcome(code, *capfd.readouterr())
+
+    return run
+
+
+def process(*arguments: object, **options) -> subprocess.Popen:
+    """Start a command in a process of its own."""
+    command = [sys.executable, "-m", "mimoc", *map(str, arguments)]
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
+    return subprocess.Popen(command, **pipes | {"preexec_fn": heeding} | options)
+
+
+def finished(*arguments: object, **environment: str) -> Outcome:
+    """Return what a command in a process of its own did, under some environment variables."""
+    running = process(*arguments, env=os.environ | environment)
+    out, err = running.communicate()
+    return Outcome(running.returncode, out, err)
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> Path:
+    """Return the folder of a bundle, which is only to be read."""
+    compiled = mimoc.build(mimoc.load_spec(SPEC))
+    return mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "nine_months")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch) -> Path:
+    """Return an empty folder that is the working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# What the commands do.
+
+
+def test_build_writes_a_bundle_and_says_where_and_what(invoke, here):
+    done = invoke("build", SPEC, "-o", "out")
+    assert (done.code, done.err) == (0, "")
+    child = mimoc.read_bundle("out").manifest.child
+    for said in ("nine_months, 9 months", f"{child.length_cm:.2f}", f"{child.weight_kg:.2f}", "WHO percentile"):
+        assert said in done.out
+    assert "out: open out/scene.xml with MuJoCo, or try: mimoc run out" in done.out
+
+
+def test_build_replaces_a_bundle_only_with_force(invoke, here):
+    assert invoke("build", SPEC, "-o", "out").code == 0
+    before = {path: path.read_bytes() for path in (here / "out").rglob("*") if path.is_file()}
+    refused = invoke("build", CONFIGS / "newborn.yaml", "-o", "out")
+    assert refused.code == 2
+    assert "--force" in refused.err
+    assert {path: path.read_bytes() for path in (here / "out").rglob("*") if path.is_file()} == before
+    assert invoke("build", CONFIGS / "newborn.yaml", "-o", "out", "--force").code == 0
+    assert mimoc.read_bundle("out").manifest.name == "newborn"
+
+
+def test_validate_prints_every_month_and_a_verdict(invoke, here):
+    done = invoke("validate")
+    assert (done.code, done.err) == (0, "")
+    for indicator in ("length", "weight", "head circumference", "arm circumference"):
+        assert f"{indicator} [" in done.out
+    assert len(re.findall(r"^│ +\d+ ", done.out, re.MULTILINE)) == 3 * 25 + 22
+    assert "ok: within one SD" in done.out
+
+
+def test_validate_gives_numbers_to_other_programs(invoke, here):
+    done = invoke("validate", SPEC, "--json", "--plot", "growth.png")
+    report = json.loads(done.out)
+    assert (done.code, done.err, report["within_one_sd"]) == (0, "", True)
+    assert {"length_cm", "weight_kg", "head_circumference_cm"} <= report["worst"].keys()
+    assert Path("growth.png").read_bytes().startswith(PNG)
+
+
+def test_validate_fails_outside_one_sd(invoke, monkeypatch):
+    row = validation.Row(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
+    monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))
+    done = invoke("validate")
+    assert done.code == 1
+    assert re.search(r"\+1\.20\* .*outside *│$", done.out, re.MULTILINE)
+    verdict = "failed: not within one SD of the mean of WHO's boys and girls at every age: weight_kg"
+    assert " ".join(done.out.split()).endswith(verdict)
+    assert invoke("validate", "--json").code == 1
+
+
+@pytest.mark.parametrize("policy", ["random", "zero"])
+def test_run_sums_up_what_happened(invoke, built, policy):
+    done = invoke("run", built, "--policy", policy, "--steps", 30)
+    assert (done.code, done.err) == (0, "")
+    assert "30 control steps, 0.3 s simulated" in done.out
+    assert re.search(r"^\d+ steps/s, [\d.]+ times real time$", done.out, re.MULTILINE)
+
+
+def test_run_tells_of_episodes_where_there_is_a_goal(invoke, built, here):
+    (here / "turning.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\ntask: {kind: rollover, steps: 20}\n")
+    assert invoke("build", "turning.yaml", "-o", "turning").code == 0
+    for steps, told in ((10, "0 of 0 episodes"), (40, "0 of 2 episodes (0%)")):
+        assert told in invoke("run", "turning", "--steps", str(steps)).out
+    assert "successes" not in invoke("run", str(built), "--steps", "10").out
+
+
+def test_run_with_the_same_seed_prints_the_same_but_for_the_speed(invoke, built):
+    def numbers(seed):
+        return invoke("run", built, "--steps", 50, "--seed", seed).out.splitlines()[:-1]
+
+    assert numbers(1) == numbers(1) != numbers(2)
+
+
+def test_check_passes_a_whole_and_calm_bundle(invoke, built):
+    done = invoke("check", built)
+    assert (done.code, done.err) == (0, "")
+    words = [line.split(maxsplit=1)[0] for line in done.out.splitlines()]
+    assert words == ["ok"] * 5
+
+
+def test_check_fails_an_unstable_bundle(invoke, built, here):
+    """Whole, for it was sealed so, but with motors like those of a crane."""
+    files = dict(mimoc.read_bundle(built).files)
+    files["infant.xml"] = re.sub(rb'gear="[^"]+"', b'gear="1e9"', files["infant.xml"])
+    files.pop(folder.LOCK)
+    mimoc.write_bundle(folder.seal(files, versions={}, inputs={}), "crane")
+    done = invoke("check", "crane")
+    assert (done.code, done.err) == (1, "")
+    assert "failed supine: BADQ" in done.out
+    assert os.listdir() == ["crane"]  # No log of MuJoCo's.
+
+
+def test_explain_tells_a_number_from_the_xml_back_to_the_table(invoke, built):
+    done = invoke("explain", built, "body.left_foot.mass")
+    assert (done.code, done.err) == (0, "")
+    assert done.out.startswith("body.left_foot.mass = ")
+    for said in ("written to infant.xml", "anthrokids.csv:", "spec.yaml:"):
+        assert said in done.out
+
+
+def test_render_draws_a_picture_of_the_size_and_pose_asked_for(invoke, built, here):
+    done = invoke("render", built, "-o", "sitting.png", "--width", 64, "--height", 48)
+    assert (done.code, done.out, done.err) == (0, "sitting.png\n", "")
+    assert invoke("render", built, "-o", "prone.png", "--pose", "prone", "--width", 64, "--height", 48).code == 0
+    pictures = [Path(name).read_bytes() for name in ("sitting.png", "prone.png")]
+    assert pictures[0] != pictures[1]
+    for picture in pictures:
+        assert picture.startswith(PNG)
+        assert [int.from_bytes(picture[start : start + 4]) for start in (16, 20)] == [64, 48]
+
+
+def test_import_replaces_a_spec_only_with_force(invoke, here):
+    (here / "baby.yml").write_text("touch: true\n")
+    (here / "mine.yaml").write_text("mine")
+    done = invoke("import", "babybench", "baby.yml", "-o", "mine.yaml")
+    assert (done.code, done.err) == (
+        2,
+        "mine.yaml: is there already; choose another place, or replace it with --force\n",
+    )
+    assert (here / "mine.yaml").read_text() == "mine"
+    assert invoke("import", "babybench", "baby.yml", "-o", "mine.yaml", "--force").code == 0
+    assert "touch" in (here / "mine.yaml").read_text()
+
+
+def test_import_writes_a_spec_and_says_what_has_no_counterpart(invoke, here):
+    Path("baby.yml").write_text("scene: crib\nsave_dir: results\n")
+    done = invoke("import", "babybench", "baby.yml", "-o", "spec.yaml")
+    *_, note, written = done.out.splitlines()
+    assert (done.code, done.err) == (0, "")
+    assert note.startswith("baby.yml:2:1: save_dir: no counterpart; ")
+    assert written == "spec.yaml: try it with: mimoc build spec.yaml -o out/baby"
+    assert mimoc.load_spec("spec.yaml").scene.kind == "crib"
+
+
+# Help.
+
+
+def test_the_commands_are_those_of_the_issue():
+    drawing, running = (
+        ["explain", "render", "see", "rooms"],
+        ["build", "validate", "run", "train", "experiment", "check"],
+    )
+    assert list(COMMANDS) == [*running, *drawing, "import"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_the_help_of_each_command_has_an_example(invoke, command, option):
+    done = invoke(command, option)
+    assert (done.code, done.err) == (0, "")
+    assert f"Example: mimoc {command} " in " ".join(done.out.split())
+
+
+def test_the_examples_work_as_they_are_printed(invoke, here):
+    (here / "configs").symlink_to(CONFIGS)
+    for command in COMMANDS.values():
+        program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
+        done = invoke(*arguments)
+        assert (program, done.code, done.err) == ("mimoc", 0, "")
+    assert sorted(os.listdir()) == [
+        "configs",
+        "growth.png",
+        "nine_months.png",
+        "out",
+        "rooms.png",
+        "runs",
+        "seen.png",
+        "self_touch.yaml",
+    ]
+
+
+def test_the_command_alone_is_help(invoke):
+    done = invoke()
+    assert "Start with" in done.out + done.err
+    for command in COMMANDS:
+        assert command in done.out + done.err
+
+
+def test_the_version_is_told(invoke):
+    assert invoke("--version") == Outcome(0, f"mimoc {mimoc.__version__}\n", "")
+
+
+def test_python_dash_m_is_the_same_command(invoke, built, here):
+    assert finished("--version") == invoke("--version")
+    assert finished("explain", built, "body.left_foot.mass") == invoke("explain", built, "body.left_foot.mass")
+
+
+# Bad input.
+
+BAD_INPUT = {
+    "a bad spec": ("build bad.yaml -o new", "bad.yaml:3:13: age_months: "),
+    "a task for another body": (
+        "build handless.yaml -o new",
+        "handless.yaml:5:14: task.kind: 'reach' needs right_fingers",
+    ),
+    "a missing spec": ("build nowhere.yaml -o new", "nowhere.yaml:1:1: there is no such file"),
+    "a spec that is a folder": ("build folder -o new", "folder:1:1: "),
+    "no spec": ("build -o new", "Missing argument 'SPEC'"),
+    "no place to write to": (f"build {SPEC}", "Missing option '-o'"),
+    "a file to write to": (f"build {SPEC} -o bad.yaml", "bad.yaml: this is a file"),
+    "a folder to write to that is something else": (f"build {SPEC} -o folder", "folder: this folder is not a bundle"),
+    "a place under a file": (f"build {SPEC} -o bad.yaml/new", "bad.yaml/new: cannot be written"),
+    "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
+    "an unknown standard": ("validate --against cdc", "'cdc' is not a growth standard; choose from who"),
+    "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: there is no such file"),
+    "a plot into a missing folder": ("validate --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
+    "no bundle": ("run nowhere", "nowhere: there is no such folder"),
+    "a folder that is no bundle": ("check folder", "folder: this is not a bundle"),
+    "a file for a bundle": (
+        "explain folder/thesis.tex body.head.mass",
+        "folder/thesis.tex: this is a file; name the folder",
+    ),
+    "a damaged bundle": ("run damaged", "damaged: infant.xml was changed"),
+    "a bundle that lacks a file": ("check lacking", "lacking: scene.xml is missing"),
+    "an unknown policy": ("run out --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
+    "seeds that are none": (
+        "rooms configs/playroom.yaml --seeds 7:7 -o rooms.png",
+        "'7:7' names 0 seeds; give 1 to 400",
+    ),
+    "seeds in words": ("rooms configs/playroom.yaml --seeds many -o rooms.png", "'many' names no seeds"),
+    "no steps": ("run out --steps 0", "'--steps'"),
+    "steps that are no number": ("run out --steps many", "'--steps'"),
+    "a seed below zero": ("run out --seed -1", "'--seed'"),
+    "a misspelt number": ("explain out body.left_fot.mass", "did you mean 'body.left_foot.mass'"),
+    "a number that there is none of": ("explain out xyzzy", "without one, `mimoc explain` lists them all"),
+    "a bad spec for a bundle": ("run bad.yaml", "bad.yaml:3:13: age_months: "),
+    "a picture in no format": ("render out -o x.doc", "end it in .png, .jpg, "),
+    "a sight in no format": ("see out -o x", "end it in .png, .jpg, "),
+    "rooms in no format": ("rooms out -o x.mp3", "end it in .png, .jpg, "),
+    "a plot in no format": ("validate --plot x.doc", "end it in .png, .svg, "),
+    "rooms where there is none": (
+        "rooms calm.yaml -o x.png",
+        "calm.yaml:4:15: scene.kind: 'crib' without toys is the same",
+    ),
+    "rooms of a bundle without one": (
+        "rooms out -o x.png",
+        "scene.kind: 'flat' without toys is the same for every seed",
+    ),
+    "an unknown pose": ("render out -o x.png --pose sit", "'sit' is not a pose; "),
+    "another pose for several": ("render out out -o x.png --pose prone", "'prone' is not a pose for several infants"),
+    "a picture into a missing folder": ("render out -o nowhere/x.png", "nowhere/x.png: cannot be written"),
+    "a picture over a folder": ("render out -o folder.png", "folder.png: cannot be written"),
+    "a skin that feels nothing": ("render out -o x.png --skin", "'nine_months' has no sense of touch"),
+    "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),
+    "an unknown format": ("import babybnch bad.yaml -o x.yaml", "'babybnch' is not a format to import from; did you"),
+    "no configuration": ("import babybench nowhere.yml -o x.yaml", "nowhere.yml:1:1: there is no such file"),
+    "a bad configuration": (
+        "import babybench baby.yml -o x.yaml",
+        "baby.yml:1:8: touch: 'maybe' is not true or false;",
+    ),
+    "a spec over its configuration": ("import babybench calm.yml -o ./calm.yml", "calm.yml: this is the configuration"),
+    "a spec into a missing folder": ("import babybench calm.yml -o no/x.yaml", "no/x.yaml: cannot be written"),
+    "an unknown command": ("biuld", "No such command 'biuld'"),
+    "an unknown option": ("run out --step 3", "No such option: --step"),
+}
+
+
+def everything_in(folder):
+    return {path.relative_to(folder): path.is_file() and path.read_bytes() for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("case", BAD_INPUT)
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built):
+    (here / "bad.yaml").write_text("mimoc: 1\nname: x\nage_months: 99\n")
+    (here / "handless.yaml").write_text(
+        "mimoc: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
+    )
+    (here / "baby.yml").write_text("touch: maybe\n")
+    (here / "calm.yml").write_text("touch: true\n")
+    (here / "calm.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: crib}\n")
+    (here / "folder").mkdir()
+    (here / "folder" / "thesis.tex").touch()
+    (here / "folder.png").mkdir()
+    for name in ("out", "damaged", "lacking"):
+        shutil.copytree(built, here / name)
+    with (here / "damaged" / "infant.xml").open("a") as file:
+        file.write("\n")
+    (here / "lacking" / "scene.xml").unlink()
+    before = everything_in(here)
+    command, message = BAD_INPUT[case]
+    done = invoke(*shlex.split(command))
+    assert done.code == 2
+    assert message in " ".join(done.err.replace("│", " ").split())
+    assert "Traceback" not in done.err
+    assert len(done.err.splitlines()) == 1 or done.err.startswith("Usage: ")
+    assert not done.out or case == "a plot into a missing folder"
+    assert everything_in(here) == before
+
+
+def test_every_problem_of_a_spec_has_its_line(invoke, here):
+    Path("spec.yaml").write_text("mimoc: 1\nname: X\nage_months: 99\nbody: {hands: miten}\n")
+    lines = invoke("build", "spec.yaml", "-o", "out").err.splitlines()
+    assert [line.split(": ")[0] for line in lines] == ["spec.yaml:2:7", "spec.yaml:3:13", "spec.yaml:4:15"]
+
+
+def test_a_fault_of_mimocs_own_is_not_hidden(invoke, monkeypatch):
+    monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        invoke("validate")
+
+
+# Terminals, pipes and signals.
+
+
+@pytest.mark.parametrize("arguments", ["run {built} --steps 1000000000", "validate"])
+def test_control_c_ends_a_command_at_once_and_quietly(arguments, built):
+    """In a terminal, once its progress bar has moved."""
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "80"}
+    with process(*shlex.split(arguments.format(built=built)), stderr=theirs, env=environment) as running:
+        os.close(theirs)
+        shown = b""
+        while not re.search(rb"\d/\d", shown):
+            shown += os.read(ours, 1024)
+        running.send_signal(signal.SIGINT)
+        out = running.stdout.read()
+        shown += drained(ours)
+    os.close(ours)
+    assert (running.returncode, out) == (130, "")
+    assert b"Traceback" not in shown
+
+
+def drained(terminal: int) -> bytes:
+    """Return what is left to read of a terminal that nobody writes to any more."""
+    left = b""
+    try:
+        while some := os.read(terminal, 1024):
+            left += some
+    except OSError:
+        pass  # Linux's way of saying that it is at its end.
+    return left
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    ["validate --json", "validate", "explain {built} body.left_foot.mass", "run {built} --steps 3", "check {built}"],
+)
+def test_a_reader_that_has_gone_is_no_fault(arguments, built):
+    with process(*shlex.split(arguments.format(built=built))) as running:
+        running.stdout.close()
+        errors = running.stderr.read()
+    assert errors == ""
+    assert running.returncode == 141  # As of what SIGPIPE ends.
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}],
+    ids=["ascii", "C locale"],
+)
+def test_a_terminal_of_few_letters_is_no_fault(environment, built, here):
+    for arguments in (["build", SPEC, "-o", "säugling"], ["run", built, "--steps", 3], ["build", "--help"]):
+        done = finished(*arguments, **environment)
+        assert (done.code, done.err) == (0, "")
+        assert done.out
+    refused = finished("check", "söugling", **environment)
+    assert refused.code == 2
+    assert len(refused.err.splitlines()) == 1
+    assert mimoc.read_bundle("säugling")
+
+
+@pytest.mark.parametrize("command", ["validate", "run {built} --steps 3", "check {built}", "explain {built} spec.name"])
+def test_a_pipe_gets_plain_text(invoke, command, built):
+    done = invoke(*shlex.split(command.format(built=built)))
+    assert done.out
+    assert ESCAPE not in done.out + done.err
+
+
+def test_colours_are_for_terminals_that_want_them(invoke, built, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    colour = re.compile(r"\x1b\[[\d;]*3\d")
+    assert colour.search(invoke("check", built).out)
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert not colour.search(invoke("check", built).out)
+
+
+@pytest.mark.parametrize("library", ["junk", "egl"])
+def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp_path):
+    """MuJoCo refuses to be imported then, also by commands that draw nothing."""
+    for name in ("libEGL.so", "libEGL.so.1"):
+        (tmp_path / name).write_text("not a library")
+    done = finished("check", built, MUJOCO_GL=library, LD_LIBRARY_PATH=str(tmp_path))
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(f"MuJoCo does not start with MUJOCO_GL={library} (")
+    assert len(done.err.splitlines()) == 1

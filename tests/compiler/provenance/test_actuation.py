@@ -1,0 +1,101 @@
+"""What drives an infant says where its numbers come from, and they are those in the model."""
+
+import json
+import re
+from graphlib import TopologicalSorter
+
+import pytest
+from lxml import etree
+
+import mimoc
+from mimoc.actuation.drives import DRIVES
+
+STRENGTH = {"strength": {"arms": 2, "left_arm": 3}, "strength_age_months": 18}
+PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")
+
+
+@pytest.fixture(scope="module", params=DRIVES)
+def bundle(request):
+    spec = {
+        "mimoc": 1,
+        "name": "x",
+        "age_months": 9,
+        "actuation": {"model": request.param, **STRENGTH},
+        "body": {"remove": ["right_hand"]},
+    }
+    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+
+
+@pytest.fixture
+def entries(bundle):
+    return json.loads(bundle.files["provenance.json"])
+
+
+def written(bundle, tag):
+    """Return the attributes of each element of a kind, by its name."""
+    elements = etree.fromstring(bundle.files["infant.xml"]).iter(tag)
+    return {element.get("name"): dict(element.attrib) for element in elements if element.get("name")}
+
+
+def numbers(text):
+    return [float(word) for word in text.split()]
+
+
+@pytest.mark.parametrize("tag", ["general", "joint"])
+def test_every_number_is_the_one_in_the_xml(bundle, entries, tag):
+    elements, found = written(bundle, tag), 0
+    for key, entry in entries.items():
+        place = PLACE.fullmatch(entry.get("xml", ""))
+        if place and place[2] == tag:
+            value = entry["value"] if isinstance(entry["value"], list) else [entry["value"]]
+            assert numbers(elements[place[3]][place[4]]) == pytest.approx(value, rel=1e-8), key
+            found += 1
+    assert found >= len(elements)
+
+
+def test_every_strength_of_an_actuator_has_an_entry(bundle, entries):
+    """All its numbers but those that say how it is commanded: its control range, and the sign of a muscle."""
+    model = bundle.manifest.actuation.model
+    told = {"name", "class", "joint", "ctrlrange"} | (set() if model == "torque" else {"gear"})
+    for name, attributes in written(bundle, "general").items():
+        for attribute in attributes.keys() - told:
+            assert f"actuator.{name}.{attribute}" in entries
+
+
+def test_sources_exist_and_never_lead_in_a_circle(entries):
+    graph = {key: entry.get("from", ()) for key, entry in entries.items()}
+    assert {source for sources in graph.values() for source in sources} <= graph.keys()
+    assert len(list(TopologicalSorter(graph).static_order())) == len(entries)
+
+
+def test_a_gear_names_what_made_it_stronger(bundle, entries):
+    keys = {"left": "spec.actuation.strength.left_arm", "right": "spec.actuation.strength.arms"}
+    for side, factor in (("left", 3), ("right", 2)):
+        gear = entries[f"actuator.act:{side}_elbow.gear"]
+        assert gear["from"][1:] == [keys[side], "spec.actuation.strength_age_months"]
+        assert f"x {factor} ({keys[side]})" in gear["rule"]
+
+
+def test_a_servo_leads_back_to_the_gear(bundle, entries):
+    if bundle.manifest.actuation.model == "position":
+        limits = entries["actuator.act:left_elbow.forcerange"]
+        gear_nm = entries["actuator.act:left_elbow.gear"]["value"]
+        assert limits["value"] == pytest.approx([-gear_nm, 0.83 * gear_nm])
+        assert limits["from"] == ["actuator.act:left_elbow.gear"]
+        assert "actuator.act:left_elbow.gear" in entries["joint.robot:left_elbow.damping"]["from"]
+
+
+def test_a_joint_says_why_it_is_harder_to_swing(bundle, entries):
+    """Its arm is made two or three times as strong as that of 18 months."""
+    for side, factor in (("left", 3), ("right", 2)):
+        armature = entries[f"joint.robot:{side}_elbow.armature"]
+        assert armature["value"] == pytest.approx(factor * 0.002)
+        assert f"x {factor}, by which its motor is stronger" in armature["rule"]
+        assert armature["from"] == [f"actuator.act:{side}_elbow.gear"]
+
+
+def test_a_muscle_leads_back_to_the_gear(bundle, entries):
+    if bundle.manifest.actuation.model == "muscle":
+        flexor = entries["actuator.act:left_elbow_negative.gainprm"]
+        assert flexor["value"][2] == pytest.approx(1.07 * entries["actuator.act:left_elbow.gear"]["value"])
+        assert "actuator.act:left_elbow.gear" in flexor["from"]

@@ -1,0 +1,23 @@
+"""Every number of a task says what it is."""
+
+import json
+from typing import get_args
+
+import pytest
+
+import mimoc
+from mimoc.compiler.explain import explain
+from mimoc.schema import TaskSpec
+
+KINDS = [kind for kind in get_args(TaskSpec.model_fields["kind"].annotation) if kind != "free"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_number_of_a_task_can_be_explained(kind):
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "task": {"kind": kind}}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    numbers = {name: value for name, value in bundle.manifest.task.model_dump().items() if isinstance(value, float)}
+    for name, value in numbers.items():
+        explained = explain(bundle, f"task.{kind}.{name}")
+        assert str(explained)
+        assert json.loads(bundle.files["provenance.json"])[f"task.{kind}.{name}"]["value"] == value

@@ -1,0 +1,225 @@
+import json
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from mimoc import body, fits
+from mimoc.body.stature import Stature, stature
+from mimoc.compiler import validation
+from mimoc.compiler.validation import (
+    GrowthReport,
+    Row,
+    compare_with_who,
+    compile_infant,
+    grow_against_who,
+    measure_compiled,
+)
+from mimoc.errors import Problem, SpecError
+from mimoc.schema import InfantSpec
+from mimoc.units import DAYS_PER_MONTH
+
+MITTEN = body.assemble("mitten", False)
+LAW = {"length_cm": 0.8, "weight_kg": 0.8, "head_circumference_cm": 0.8, "arm_circumference_cm": 1.0}
+"""How far the average child may be from the mean of WHO's boys and girls, in standard deviations."""
+
+SOME_DAYS = (1, 7, 11, 52, 91, 114, 128, 400, 652, 730)
+"""Between the months, and where the curves stray furthest."""
+AGES_MONTHS = sorted({*range(25), *(day / DAYS_PER_MONTH for day in SOME_DAYS)})
+
+
+@pytest.fixture(scope="module")
+def report() -> GrowthReport:
+    return grow_against_who(months=AGES_MONTHS)
+
+
+def infant(age_months: float) -> InfantSpec:
+    return InfantSpec(mimoc=1, name="one", age_months=age_months)
+
+
+def row(z_mean: float, age_months: float = 6, indicator: str = "length_cm") -> Row:
+    return Row(age_months, indicator, 65.0, {"male": z_mean - 0.4, "female": z_mean + 0.4, "mean": z_mean})
+
+
+@pytest.mark.parametrize("indicator", LAW)
+def test_the_body_stays_near_who_on_every_day_of_two_years(indicator, daily_rows):
+    """|z| against the mean of boys and girls, from birth (arm: from day 91) to day 730."""
+    rows = [row for row in daily_rows if row.indicator == indicator]
+    assert len(rows) == (640 if indicator == "arm_circumference_cm" else 731)
+    assert max(abs(row.z["mean"]) for row in rows) <= LAW[indicator]
+
+
+@pytest.fixture(scope="module")
+def daily_rows() -> list[Row]:
+    ages_months = [day / DAYS_PER_MONTH for day in range(731)]
+    return [row for age in ages_months for row in compare_with_who(age, stature(body.grow(fits.measure(age), MITTEN)))]
+
+
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+def test_either_kind_of_hands_is_within_one_sd(hands):
+    anatomy = body.assemble(hands, True)
+    for age_months in range(25):
+        for row in compare_with_who(age_months, stature(body.grow(fits.measure(age_months), anatomy))):
+            assert abs(row.z["mean"]) <= LAW[row.indicator], row
+
+
+def test_the_compiled_body_stays_near_who(report):
+    for row in report.rows:
+        assert abs(row.z["mean"]) <= LAW[row.indicator], row
+
+
+def test_compiled_measures_are_those_of_the_body_tree(report):
+    """MuJoCo's model and mimoc's own kinematics agree to the digits that files hold."""
+    for age_months, rows in report.by_age():
+        expected = stature(body.grow(fits.measure(age_months), MITTEN))
+        for indicator, row in rows.items():
+            assert row.value == pytest.approx(expected[indicator], rel=1e-6)
+
+
+def test_the_average_child_is_measured_at_every_month():
+    report = grow_against_who()
+    assert [age_months for age_months, _ in report.by_age()] == list(range(25))
+    assert report.within_one_sd
+
+
+def test_arms_are_compared_from_three_months_on(report):
+    for age_months, rows in report.by_age():
+        assert {"length_cm", "weight_kg", "head_circumference_cm"} <= rows.keys()
+        assert ("arm_circumference_cm" in rows) == (age_months >= 91 / DAYS_PER_MONTH)
+
+
+def test_an_infant_is_measured_at_its_own_age_too():
+    report = grow_against_who(infant(9.3), months=(9, 10))
+    assert [age_months for age_months, _ in report.by_age()] == [9, 9.3, 10]
+
+
+def test_an_infant_of_a_whole_month_is_measured_once():
+    report = grow_against_who(infant(9), months=(9, 10))
+    assert [age_months for age_months, _ in report.by_age()] == [9, 10]
+
+
+def test_growing_an_infant_leaves_its_spec_alone():
+    spec = infant(9.3)
+    grow_against_who(spec, months=(0,))
+    assert spec == infant(9.3)
+
+
+def test_a_spec_that_cannot_be_built_is_refused(monkeypatch):
+    """Rather than measured as if it asked for nothing."""
+
+    def refuse(spec: InfantSpec) -> None:
+        raise SpecError([Problem("one.yaml", 1, 1, "body", "not today")])
+
+    monkeypatch.setattr(validation, "refuse_unavailable", refuse)
+    with pytest.raises(SpecError, match="not today"):
+        grow_against_who(infant(9))
+
+
+def test_progress_is_told_after_each_age():
+    told = []
+    grow_against_who(months=(0, 1, 2), progress=lambda done, total: told.append((done, total)))
+    assert told == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_z_scores_and_percentiles_are_against_boys_girls_and_their_mean():
+    """A boy of WHO's median length is tall among girls."""
+    median_cm = fits.load_tables().who["length_cm"].value(0, 12, "male")
+    measures = Stature(length_cm=median_cm, weight_kg=9, head_circumference_cm=45, arm_circumference_cm=14)
+    length = next(row for row in compare_with_who(12, measures) if row.indicator == "length_cm")
+    assert length.z["male"] == pytest.approx(0, abs=1e-9)
+    assert length.percentile["male"] == pytest.approx(50)
+    assert length.z["female"] > length.z["mean"] > 0
+    assert length.percentile["female"] > 70
+
+
+def test_a_report_marks_what_lies_outside_one_sd():
+    report = GrowthReport((row(-0.99), row(1.01, 7), row(-1.5, 8), row(1.0, 9)))
+    assert [row.outside for row in report.rows] == [False, True, True, False]
+    assert not report.within_one_sd
+    assert report.worst["length_cm"].age_months == 8
+
+
+def test_being_outside_is_about_the_mean_of_the_sexes():
+    """A z of -1.3 among boys and -0.5 among girls is inside."""
+    assert GrowthReport((row(-0.9),)).within_one_sd
+
+
+def test_a_child_too_small_is_outside():
+    newborn_at_six_months = measure_compiled(compile_infant(infant(0)))
+    assert all(row.outside for row in compare_with_who(6, newborn_at_six_months))
+
+
+def test_the_worst_row_is_known_by_indicator(report):
+    for indicator, worst in report.worst.items():
+        rows = [row for row in report.rows if row.indicator == indicator]
+        assert abs(worst.z["mean"]) == max(abs(row.z["mean"]) for row in rows)
+
+
+def test_a_report_is_the_same_after_a_trip_through_json(report):
+    data = report.to_data()
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
+    assert data["within_one_sd"] is True
+    assert data["worst"].keys() == LAW.keys()
+    for told, row in zip(data["rows"], report.rows, strict=True):
+        assert (told["age_months"], told["indicator"]) == (pytest.approx(row.age_months), row.indicator)
+        assert told["value"] == pytest.approx(row.value, rel=1e-8)
+        assert told["z"] == pytest.approx(dict(row.z), rel=1e-8)
+        assert told["percentile"] == pytest.approx(dict(row.percentile), rel=1e-8)
+        assert told["outside_one_sd"] is row.outside
+
+
+def test_series_hold_every_value_by_indicator(report):
+    assert sum(map(len, report.series.values())) == len(report.rows)
+    assert report.series["weight_kg"][0] == (0, report.rows[1].value)
+
+
+DOLL = """
+<mujoco>
+  <worldbody>
+    <geom name="floor" type="plane" size="0 0 1"/>
+    <geom name="wall" type="box" size="1 1 5"/>
+    <body name="hip" pos="0 0 3">
+      <freejoint/>
+      <geom {hip} mass="2"/>
+      <body pos="0 0 .1">
+        <geom name="head" type="sphere" size=".05" mass="1"/>
+        <geom name="left_uarm1" type="sphere" size=".02" mass="1"/>
+        <geom name="hat" type="sphere" size=".5" mass="0" group="1"/>
+      </body>
+    </body>
+    <body name="toy" pos="0 0 9"><freejoint/><geom type="sphere" size="1" mass="9"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("hip", "reach_m"),
+    [
+        ('type="sphere" size=".06"', 0.06),
+        ('type="ellipsoid" size=".01 .02 .06"', 0.06),
+        ('type="ellipsoid" size=".01 .06 .02" euler="90 0 0"', 0.06),
+        ('type="capsule" size=".02 .04"', 0.06),
+        ('type="capsule" size=".06 .04" euler="90 0 0"', 0.06),
+        ('type="cylinder" size=".02 .06"', 0.06),
+        ('type="cylinder" size=".06 .02" euler="0 90 0"', 0.06),
+        ('type="cylinder" size=".06 .02" euler="0 45 0"', 0.08 * 0.5**0.5),
+        ('type="box" size=".01 .02 .06"', 0.06),
+        ('type="box" size=".03 .02 .03" euler="0 45 0"', 0.06 * 0.5**0.5),
+    ],
+)
+def test_a_model_is_measured_without_its_world(hip, reach_m):
+    """From the top of the head to the lowest point of the infant's own solids; hats, walls and toys do not count."""
+    measures = measure_compiled(mujoco.MjModel.from_xml_string(DOLL.format(hip=hip)))
+    assert measures["length_cm"] == pytest.approx(100 * (0.05 + 0.1 + reach_m))
+    assert measures["weight_kg"] == pytest.approx(4)
+    assert measures["head_circumference_cm"] == pytest.approx(31.4159, abs=1e-3)
+    assert measures["arm_circumference_cm"] == pytest.approx(12.5664, abs=1e-3)
+
+
+def test_readme_says_how_short_the_average_infant_is_among_boys_alone(report):
+    """Four months is where it is shortest; against the mean of boys and girls it is well within one SD."""
+    (row,) = (row for row in report.rows if (row.indicator, row.age_months) == ("length_cm", 4.0))
+    assert "at z = -1.15" in (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    assert row.z["male"] == pytest.approx(-1.15, abs=0.01)
+    assert abs(row.z["mean"]) < 0.75

@@ -1,0 +1,322 @@
+import gc
+
+import mujoco
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.errors import RenderingError, UnknownNameError
+from mimoc.render.camera import FROM_BEFORE, FROM_THE_SIDE, Balls, Walls, frame, towards
+from mimoc.render.opengl import open_context
+from mimoc.render.portrait import ROW_LENS_DEG, Painter, lineup, portrait
+from mimoc.render.touch_markers import MOST, RESTING, skin_beads
+from mimoc.senses.touch import run
+
+
+def share_of(picture, colour):
+    """Return how much of a picture has the hue of a colour, in whatever light."""
+    pixels = picture.reshape(-1, 3) + 1e-9
+    hues = pixels / pixels.sum(axis=1, keepdims=True)
+    return (np.abs(hues - colour / colour.sum()).max(axis=1) < 0.02).mean()
+
+
+@pytest.fixture
+def open_painter():
+    """Return what opens the painter of a model."""
+    painters = []
+
+    def open_one(model, width, height, *view):
+        painters.append(Painter(model, ["hip"], width, height, *view))
+        return painters[-1]
+
+    yield open_one
+    for painter in painters:
+        painter.close()
+
+
+def posed(bundle, pose, shadows=False):
+    """Return a model and its state; shadows take time to draw."""
+    model = load_model(bundle)
+    model.vis.quality.shadowsize *= shadows
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def test_a_portrait_shows_skin_and_clothes(config):
+    picture, model = portrait(config, width=160, height=120), load_model(config)
+    assert (picture.shape, picture.dtype) == ((120, 160, 3), np.uint8)
+    for material in ("skin", "pants_up"):
+        assert share_of(picture, model.material(material).rgba[:3]) > 0.01
+
+
+@pytest.mark.parametrize(("width", "height"), [(120, 120), (200, 120), (120, 200)])
+@pytest.mark.parametrize("pose", ["supine", "prone", "sitting", "standing"])
+def test_all_of_the_infant_is_in_the_picture_and_fills_it(bundle, pose, width, height, open_painter):
+    """It is where the picture changes when the infant is taken out of it."""
+    model, data = posed(bundle, pose)
+    painter = open_painter(model, width, height)
+    with_infant = painter.paint(data).astype(int)
+    model.mat_rgba[model.geom_matid[model.geom_bodyid > 0], 3] = 0
+    shown = np.abs(with_infant - painter.paint(data)).max(axis=2) > 20
+    assert not shown[[0, -1]].any()
+    assert not shown[:, [0, -1]].any()
+    assert max(np.ptp(np.nonzero(shown)[0]) / height, np.ptp(np.nonzero(shown)[1]) / width) > 0.65
+
+
+def test_the_same_state_is_the_same_picture_whatever_was_drawn_before(bundle, open_painter):
+    model, data = posed(bundle, "prone", shadows=True)
+    painter = open_painter(model, 64, 64)
+    first = painter.paint(data)
+    painter.paint(posed(bundle, "standing")[1])
+    assert np.array_equal(painter.paint(data), first)
+
+
+def test_the_pose_is_that_of_the_bundle_unless_another_is_asked_for(bundle):
+    usual, sitting, prone = (portrait(bundle, pose, 64, 64) for pose in (None, "sitting", "prone"))
+    assert np.array_equal(usual, sitting)
+    assert not np.array_equal(usual, prone)
+
+
+def test_an_unknown_pose_is_refused(bundle):
+    with pytest.raises(UnknownNameError, match="'handstand' is not a pose; "):
+        portrait(bundle, "handstand")
+
+
+@pytest.mark.parametrize(("width", "height"), [(16, 16), (31, 77), (1280, 960)])
+def test_a_picture_has_the_size_that_is_asked_for(bundle, width, height):
+    """Also one that is larger than MuJoCo's usual 640 x 480, and one whose rows are not whole words."""
+    picture = portrait(bundle, width=width, height=height)
+    assert picture.shape == (height, width, 3)
+    assert len(np.unique(picture[:, -1].reshape(-1, 3), axis=0)) > 1
+
+
+def test_an_environment_draws_what_happens(open_env):
+    env = open_env(render_mode="rgb_array")
+    env.model.vis.quality.shadowsize = 0
+    env.reset(seed=0)
+    before = env.render()
+    for _ in range(20):
+        env.step(env.action_space.high)
+    after = env.render()
+    assert before.shape == after.shape == (480, 480, 3)
+    assert not np.array_equal(before, after)
+    assert not np.shares_memory(before, after)
+
+
+def test_drawing_changes_nothing_of_what_happens(open_env):
+    drawn, alone = open_env(render_mode="rgb_array"), open_env()
+    for env in (drawn, alone):
+        env.model.vis.quality.shadowsize = 0
+        env.reset(seed=0)
+        for _ in range(3):
+            env.step(env.action_space.high)
+            env.render()
+    assert np.array_equal(drawn.data.qpos, alone.data.qpos)
+
+
+def test_an_environment_can_draw_again_after_it_was_closed(open_env):
+    env = open_env(render_mode="rgb_array")
+    env.model.vis.quality.shadowsize = 0
+    env.reset(seed=0)
+    picture = env.render()
+    env.close()
+    env.close()
+    assert np.array_equal(env.render(), picture)
+
+
+def test_painters_side_by_side_do_not_disturb_each_other(bundle, bundle_at, open_painter):
+    """Each keeps its own textures, size and picture, whatever becomes of the other."""
+    subjects = [(posed(bundle, "prone", shadows=True), 64), (posed(bundle_at(0), "supine", shadows=True), 96)]
+    alone = []
+    for (model, data), size in subjects:
+        painter = open_painter(model, size, size)
+        alone.append(painter.paint(data))
+        painter.close()
+    together = [open_painter(model, size, size) for (model, _), size in subjects]
+    for _ in range(2):
+        for painter, ((_, data), _), picture in zip(together, subjects, alone, strict=True):
+            assert np.array_equal(painter.paint(data), picture)
+    together[0].close()
+    assert np.array_equal(together[1].paint(subjects[1][0][1]), alone[1])
+
+
+class CountedContext:
+    """An OpenGL context that counts how often it is freed."""
+
+    def __init__(self, width, height):
+        self.context, self.freed = open_context(width, height), 0
+
+    def make_current(self):
+        self.context.make_current()
+
+    def free(self):
+        self.freed += 1
+        self.context.free()
+
+
+@pytest.fixture
+def contexts(monkeypatch):
+    """Return the contexts that are opened from now on."""
+    opened = []
+
+    def open_counted(width, height):
+        opened.append(CountedContext(width, height))
+        return opened[-1]
+
+    monkeypatch.setattr("mimoc.render.portrait.open_context", open_counted)
+    return opened
+
+
+def test_a_context_is_freed_once_however_often_it_is_closed(bundle, contexts, open_env):
+    env = open_env(render_mode="rgb_array")
+    env.reset(seed=0)
+    assert not contexts
+    env.render()
+    env.render()
+    assert [context.freed for context in contexts] == [0]
+    env.close()
+    env.close()
+    assert [context.freed for context in contexts] == [1]
+
+
+def test_a_context_that_is_forgotten_is_freed_too(bundle, contexts):
+    env = mimoc.InfantEnv(bundle, render_mode="rgb_array")
+    env.reset(seed=0)
+    env.render()
+    del env
+    gc.collect()
+    assert [context.freed for context in contexts] == [1]
+
+
+def test_a_portrait_frees_its_context_even_if_it_fails(bundle, contexts, monkeypatch):
+    portrait(bundle, width=16, height=16)
+    monkeypatch.setattr(mujoco, "mjr_render", lambda *args: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        portrait(bundle, width=16, height=16)
+    assert [context.freed for context in contexts] == [1, 1]
+
+
+def test_infants_in_a_row_are_to_scale():
+    """Their trousers reach from knee to waist: what shows of them is in proportion to the children."""
+    infants = [mimoc.build(mimoc.InfantSpec(mimoc=1, name="infant", age_months=age)) for age in (2, 20)]
+    picture = lineup(infants, width=400, height=300)
+    assert picture.shape == (300, 400, 3)
+    trousers = load_model(infants[0]).material("pants_leg").rgba[:3]
+    hues = picture / (picture.sum(axis=2, keepdims=True) + 1e-9)
+    shown = np.abs(hues - trousers / trousers.sum()).max(axis=2) < 0.02
+    heights_px = [np.ptp(np.flatnonzero(half.any(axis=1))) for half in (shown[:, :200], shown[:, 200:])]
+    lengths_cm = [infant.manifest.child.length_cm for infant in infants]
+    assert heights_px[1] / heights_px[0] == pytest.approx(lengths_cm[1] / lengths_cm[0], rel=0.2)
+
+
+def test_faces_at_the_ends_of_a_row_do_not_turn_away():
+    """The camera sees each from within 10 degrees of straight ahead."""
+    standing = Balls(np.array([[0.0, y, z] for y in np.arange(5) * 0.4 for z in (0.1, 0.4, 0.7)]), np.full(15, 0.1))
+    walls = Walls(np.empty((0, 3)), np.empty((0, 3)))
+    place_m = frame(standing, walls, FROM_BEFORE, 2.5, ROW_LENS_DEG).place_m
+    angles_deg = np.degrees(np.arctan2(np.abs(standing.centres_m[:, 1] - place_m[1]), place_m[0]))
+    assert angles_deg.max() < 10
+
+
+@pytest.mark.parametrize("months", [0, 9, 24])
+def test_an_infant_on_its_back_shows_its_face(months, bundle_at, open_painter):
+    """It looks at the camera from less than 60 degrees away."""
+    model, data = posed(bundle_at(months), "supine")
+    place_m = open_painter(model, 16, 16, towards(FROM_THE_SIDE, data, "hip")).shot(data).place_m
+    way = place_m - data.body("head").xpos
+    ahead = data.body("head").xmat.reshape(3, 3)[:, 0]
+    assert ahead @ way > 0.5 * np.linalg.norm(way)
+
+
+@pytest.mark.parametrize("pose", ["supine", "sitting", "standing"])
+def test_nothing_of_an_infant_is_burnt_out(bundle, pose):
+    """Its skin has its own colour wherever it is brightest: only red comes to the end of its range."""
+    model = load_model(bundle)
+    picture = portrait(bundle, pose, 320, 240)
+    hues = picture / (picture.sum(axis=2, keepdims=True) + 1e-9)
+    skin = np.abs(hues - model.material("skin").rgba[:3] / model.material("skin").rgba[:3].sum()).max(axis=2) < 0.02
+    assert skin.sum() > 300
+    brightest = picture[skin].max(axis=0)
+    assert brightest[0] > 220
+    assert brightest[1] < 240
+    assert brightest[2] < 215
+
+
+def test_infants_of_any_kind_stand_in_one_row(bundle):
+    """Their names do not clash, whatever hands and muscles they have."""
+    other = {"body": {"hands": "five_finger", "remove": ["left_eye"]}, "actuation": {"model": "muscle"}}
+    spec = {"mimoc": 1, "name": "other", "age_months": 12, **other}
+    picture = lineup([bundle, mimoc.build(mimoc.InfantSpec.model_validate(spec)), bundle], width=90, height=60)
+    assert picture.std() > 10
+
+
+@pytest.fixture(scope="module")
+def feeling():
+    """Return a standing infant that feels touch, and its model and state."""
+    spec = {"mimoc": 1, "name": "feeling", "age_months": 9, "senses": {"touch": {"density": 0.3}}}
+    spec |= {"scene": {"pose": "standing"}}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    return bundle, *posed(bundle, "standing")
+
+
+def share_of_skin_points(picture):
+    """Return how much of a picture is the blue of points that feel nothing, and the red of those that do.
+
+    Nothing else is as much more blue than red, or red than green.
+    """
+    red, green, blue = picture.astype(int).transpose(2, 0, 1)
+    return (blue - red > 80).mean(), (red - green > 80).mean()
+
+
+def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_colour(feeling):
+    bundle, *_ = feeling
+    bare, skin = (portrait(bundle, width=320, height=240, skin=show) for show in (False, True))
+    assert skin.shape == bare.shape
+    assert share_of_skin_points(bare) == (0, 0)
+    assert share_of_skin_points(skin)[0] > 0.001
+    assert share_of_skin_points(skin)[1] > 0.0001
+
+
+def test_the_points_that_are_pressed_are_larger_and_the_one_most_so_has_the_strongest_colour(feeling):
+    beads = skin_beads(*feeling)
+    bundle, model, data = feeling
+    state = run.bind(bundle.manifest.senses.touch, bundle, model).skin_state(data)
+    forces_n = np.linalg.norm(state.forces, axis=1)
+    assert np.array_equal(beads.positions, state.positions)
+    assert set(state.bodies[forces_n > 0]) <= {"left_foot", "right_foot", "left_toes", "right_toes"}
+    assert beads.radii_m[forces_n > 0].min() > 1.2 * beads.radii_m[forces_n == 0].max()
+    assert beads.colours[forces_n.argmax()] == pytest.approx(MOST)
+    assert beads.colours[forces_n == 0] == pytest.approx(np.tile(RESTING, ((forces_n == 0).sum(), 1)))
+
+
+def test_where_nothing_is_felt_all_points_are_alike(feeling):
+    bundle, model, _ = feeling
+    data = mujoco.MjData(model)
+    data.qpos[2] += 1
+    mujoco.mj_forward(model, data)
+    assert len(np.unique(skin_beads(bundle, model, data).colours, axis=0)) == 1
+
+
+def test_skin_points_are_in_one_picture_only(feeling, open_painter):
+    bundle, model, data = feeling
+    painter = open_painter(model, 64, 64)
+    first = painter.paint(data)
+    assert not np.array_equal(painter.paint(data, skin_beads(bundle, model, data)), first)
+    assert np.array_equal(painter.paint(data), first)
+
+
+def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
+    bundle, *_ = feeling
+    bare, skin = (lineup([bundle, bundle], width=320, height=240, skin=show) for show in (False, True))
+    assert share_of_skin_points(bare) == (0, 0)
+    for half in (skin[:, :160], skin[:, 160:]):
+        assert min(share_of_skin_points(half)) > 0.0003
+
+
+@pytest.mark.parametrize("draw", [portrait, lambda bundle, skin: lineup([bundle, bundle], skin=skin)])
+def test_an_infant_without_touch_has_no_skin_to_show(bundle_at, draw):
+    with pytest.raises(RenderingError, match=r"'infant' has no sense of touch.* add `senses: \{touch: \{\}\}`"):
+        draw(bundle_at(9), skin=True)

@@ -1,0 +1,103 @@
+"""A process can draw and learn, in both orders; with torch builds for CUDA, each brings an LLVM of its own."""
+
+import ctypes
+import os
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+from mimoc.render import opengl
+from mimoc.render.triton import keep_apart
+
+EYES = {"vision": {"width_px": 16, "height_px": 16}}
+SEE = f"""
+import mimoc
+env = mimoc.make(mimoc.InfantSpec(mimoc=1, name="infant", age_months=9, senses={EYES}))
+env.reset(seed=0)
+"""
+LEARN = """
+import torch
+weights = torch.nn.Linear(2, 2)
+learner = torch.optim.Adam(weights.parameters())
+weights(torch.ones(2)).sum().backward()
+learner.step()
+"""
+
+
+def python(code: str, *path: Path) -> subprocess.CompletedProcess:
+    """Run a program in a Python of its own, with some folders before all others to import from."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, path))}
+    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def triton(tmp_path) -> Path:
+    """Return the library of something called triton, in `tmp_path`, which fails if it is imported."""
+    library = tmp_path / "triton" / "_C" / "libtriton.so"
+    library.parent.mkdir(parents=True)
+    (tmp_path / "triton" / "__init__.py").write_text("raise SystemExit('imported')")
+    return library
+
+
+@pytest.mark.parametrize("steps", [(SEE, LEARN), (LEARN, SEE)], ids=["eyes first", "torch first"])
+def test_a_process_can_see_and_learn_and_ends_quietly(steps):
+    """It died when the first optimizer was made, or told at its end that EGL was gone."""
+    done = python("".join(steps) + "env.step(env.action_space.sample())\nlearner.step()")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.fixture
+def loaded(monkeypatch, tmp_path) -> list:
+    """Return what is loaded from now on, and how, on a Linux that finds things in `tmp_path` first."""
+    calls = []
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(os, "RTLD_DEEPBIND", 8, raising=False)
+    monkeypatch.setattr(sys, "modules", {name: m for name, m in sys.modules.items() if "triton" not in name})
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(ctypes, "CDLL", lambda *call: calls.append(call))
+    return calls
+
+
+def test_tritons_library_is_loaded_by_itself_and_looks_at_itself_first(triton, loaded):
+    triton.touch()
+    keep_apart()
+    assert loaded == [(str(triton), os.RTLD_LAZY | os.RTLD_LOCAL | os.RTLD_DEEPBIND)]
+    assert "triton" not in sys.modules
+
+
+def test_a_triton_that_is_in_use_is_left_alone(triton, loaded):
+    triton.touch()
+    sys.modules["triton._C.libtriton"] = types.ModuleType("libtriton")
+    keep_apart()
+    assert loaded == []
+
+
+def test_other_systems_keep_libraries_apart_themselves(triton, loaded, monkeypatch):
+    triton.touch()
+    monkeypatch.setattr(sys, "platform", "darwin")
+    keep_apart()
+    assert loaded == []
+
+
+def test_it_is_loaded_before_opengl_is(monkeypatch):
+    order = []
+    monkeypatch.setattr(opengl.triton, "keep_apart", lambda: order.append("triton"))
+    monkeypatch.setattr(opengl, "_open", lambda *_: order.append("OpenGL"))
+    opengl.open_context(8, 8)
+    assert order == ["triton", "OpenGL"]
+
+
+@pytest.mark.parametrize("content", [b"", b"no library", None], ids=["empty", "broken", "missing"])
+def test_a_triton_that_cannot_be_loaded_is_no_hindrance_to_drawing(triton, tmp_path, content):
+    if content is not None:
+        triton.write_bytes(content)
+    done = python(SEE, tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_something_else_called_triton_is_no_hindrance_either():
+    done = python("import sys, types; sys.modules['triton'] = types.ModuleType('triton')" + SEE)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

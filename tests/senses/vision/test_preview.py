@@ -1,0 +1,102 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.bundle.manifest import VisionEntry
+from mimoc.bundle.model import load_model
+from mimoc.compiler import pipeline
+from mimoc.errors import UnknownNameError
+from mimoc.senses.vision.blur import blur, contrast_gain
+from mimoc.senses.vision.preview import glimpse
+
+PLAYROOM = Path(__file__).parents[3] / "configs" / "playroom.yaml"
+DRAWN = VisionEntry(
+    cameras=("eye_left",),
+    width_px=48,
+    height_px=48,
+    supersample=1,
+    acuity_cpd=None,
+    foveation=0,
+    foveation_radius="border",
+    unseen=("head", "left_eye", "right_eye"),
+)
+BLURRED = DRAWN.model_copy(update={"acuity_cpd": 0.3})
+
+
+def test_each_sight_shows_the_same_view(bundle):
+    """The infant need not have a sense of vision."""
+    assert bundle.manifest.senses.vision is None
+    ((drawn, again), (blurred,)) = glimpse(bundle, [[DRAWN, DRAWN], [BLURRED]], "sitting", 50)
+    assert drawn.std() > 10
+    assert np.array_equal(drawn, again)
+    by_hand = blur(drawn.astype(np.float32), contrast_gain(48, 48, 60.0, 0.3))
+    assert np.array_equal(blurred, np.rint(by_hand))
+
+
+def test_it_is_what_the_environment_observes(bundle):
+    """Straight ahead, in the pose of the reset."""
+    vision = {"width_px": 48, "height_px": 48, "acuity": {"cpd": 0.3}}
+    spec = {"mimoc": 1, "name": "infant", "age_months": 9, "scene": {"pose": "sitting"}, "senses": {"vision": vision}}
+    env = mimoc.InfantEnv(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
+    observed = env.reset(seed=0)[0]["eye_left"]
+    env.close()
+    assert np.array_equal(glimpse(bundle, [[BLURRED]], down_deg=0)[0][0], observed)
+
+
+def test_an_eye_that_looks_down_sees_things_higher_up(bundle):
+    """The horizon rises, and is gone at last."""
+    shares = []
+    for down_deg in (-10, 0, 10, 20, 60):
+        ((picture,),) = glimpse(bundle, [[DRAWN]], "standing", down_deg)
+        is_sky = picture[..., 2].astype(int) > picture[..., 0]
+        shares.append(is_sky.mean())
+    assert shares == sorted(shares, reverse=True)
+    assert shares[0] > 0.6
+    assert shares[-1] == 0
+
+
+def test_the_pose_is_that_of_the_bundle_unless_another_is_asked_for(bundle):
+    usual, sitting, prone = (glimpse(bundle, [[DRAWN]], pose)[0][0] for pose in (None, "sitting", "prone"))
+    assert np.array_equal(usual, sitting)
+    assert not np.array_equal(usual, prone)
+
+
+def test_unknown_poses_and_eyes_are_refused(bundle):
+    with pytest.raises(UnknownNameError, match="'sit' is not a pose; did you mean 'sitting'"):
+        glimpse(bundle, [[DRAWN]], "sit")
+    missing = DRAWN.model_copy(update={"cameras": ("eye_middle",)})
+    with pytest.raises(UnknownNameError, match="'eye_middle' is not a camera of this infant"):
+        glimpse(bundle, [[missing]])
+
+
+def share_of_colour(picture, colour):
+    """Return how much of the middle of a picture, an eighth of it each way, has the hue of a colour."""
+    middle = picture[21:27, 21:27].reshape(-1, 3) + 1e-9
+    hues = middle / middle.sum(axis=1, keepdims=True)
+    return (np.abs(hues - np.divide(colour, sum(colour))).max(axis=1) < 0.05).mean()
+
+
+def test_an_eye_looks_at_the_toy_that_it_sees_best():
+    """Its strongest colour is in the middle, where straight ahead it is not."""
+    bundle = pipeline.builder(pipeline.load_spec(PLAYROOM))(1, check=False)
+    model = load_model(bundle)
+    (car,) = (toy for toy in bundle.manifest.toys if toy.object == "car")
+    geoms = model.geom_bodyid == model.body(car.body).id
+    colour = max(model.mat_rgba[model.geom_matid[geoms], :3], key=np.ptp)
+    shares = []
+    for down_deg in (None, 0.0):
+        ((picture,),) = glimpse(bundle, [[DRAWN]], None, down_deg, 10.0)
+        shares.append(share_of_colour(picture, colour))
+    assert shares[0] > 0.3
+    assert shares[1] < 0.1
+
+
+def test_the_narrower_the_field_the_larger_what_is_in_its_middle(bundle):
+    wide, narrow = (glimpse(bundle, [[DRAWN]], "sitting", 40.0, fovy_deg)[0][0] for fovy_deg in (60.0, 30.0))
+    own = glimpse(bundle, [[DRAWN]], "sitting", 40.0)[0][0]
+    assert np.array_equal(wide, own)
+    half = np.tan(np.radians(15)) / np.tan(np.radians(30)) * 24
+    inner = wide[round(24 - half) : round(24 + half), round(24 - half) : round(24 + half)].astype(float)
+    assert narrow.mean(axis=(0, 1)) == pytest.approx(inner.mean(axis=(0, 1)), abs=4)

@@ -1,0 +1,23 @@
+"""Compiled infants by actuation model."""
+
+from collections.abc import Callable
+from functools import cache
+
+import mujoco
+import pytest
+
+import mimoc
+from mimoc.compiler.validation import compile_infant
+
+
+@cache
+def _driven(model: str, age_months: float, hands: str) -> mujoco.MjModel:
+    body = {"hands": hands, "chest_joint": hands == "five_finger"}
+    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": body, "actuation": {"model": model}}
+    return compile_infant(mimoc.InfantSpec.model_validate(spec))
+
+
+@pytest.fixture(scope="session")
+def driven() -> Callable[[str, float, str], mujoco.MjModel]:
+    """Return the compiled average child of an actuation model, an age, and hands; shared, so never to be written to."""
+    return _driven

@@ -1,0 +1,58 @@
+"""Touch the plain way, contact by contact over all points of the skin: what `mimoc.senses.touch.run` must equal."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+
+@dataclass(frozen=True)
+class TouchLoop:
+    """What each point of a skin feels, shape (n * 3,), or (n,) if that is pressure."""
+
+    model: mujoco.MjModel
+    bodies: np.ndarray
+    """Shape (n,)."""
+    points_m: np.ndarray
+    """Shape (n, 3), in the frames of the bodies."""
+    spacing_m: dict[int, float]
+    quantity: str
+    response: str
+
+    def __call__(self, data: mujoco.MjData) -> np.ndarray:
+        felt = np.zeros((len(self.bodies), 1 if self.quantity == "normal" else 3))
+        for index in range(data.ncon):
+            contact, wrench = data.contact[index], np.zeros(6)
+            mujoco.mj_contactForce(self.model, data, index, wrench)
+            frame = contact.frame.reshape(3, 3)
+            for side, sign in enumerate((-1, 1)):
+                body = self.model.geom_bodyid[contact.geom[side]]
+                if body in self.spacing_m:
+                    place = contact.pos + sign * frame[0] * contact.dist / 2
+                    push = wrench[0] if self.quantity == "normal" else sign * frame.T @ wrench[:3]
+                    self._push(felt, data, body, place, push)
+        return felt.ravel()
+
+    def _push(self, felt, data, body, place, push):
+        world_from_body = data.xmat[body].reshape(3, 3)
+        if self.quantity == "force_vector":
+            push = world_from_body.T @ push
+        away_m = self.points_m - world_from_body.T @ (place - data.xpos[body])
+        distances_m = np.where(self.bodies == body, np.sqrt(np.sum(away_m**2, axis=1)), np.inf)
+        weights = np.maximum(1 - distances_m / (2 * self.spacing_m[body]), 0)
+        if self.response == "nearest" or not weights.any():
+            weights = np.arange(len(self.bodies)) == np.argmin(distances_m)
+        felt += np.outer(weights / weights.sum(), push)
+
+
+def touch_loop(entry, bundle, model) -> TouchLoop:
+    """Return the loop that feels what *entry* says."""
+    skin = sorted((model.body(body).id, points) for body, points in entry.points_m.items())
+    return TouchLoop(
+        model=model,
+        bodies=np.array([body for body, points in skin for _ in points]),
+        points_m=np.array([point for _, points in skin for point in points]),
+        spacing_m={model.body(body).id: entry.spacing_m[body] for body in entry.points_m},
+        quantity=entry.quantity,
+        response=entry.response,
+    )
