@@ -1,6 +1,6 @@
 """What can go wrong, said so that a user knows where and what to do."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -63,6 +63,10 @@ class DataError(MimocError):
     """A table that came with mimoc is missing or damaged."""
 
 
+class KindError(MimocError):
+    """A record of a sense, a task or another kind that cannot be registered."""
+
+
 class BundleError(MimocError):
     """A folder that is not a bundle, or not the one that was written."""
 
@@ -91,6 +95,15 @@ class ToyError(MimocError):
         super().__init__(message)
         self.name = name
         """Of the object or category, if one is meant."""
+
+
+class UnknownToysError(ToyError):
+    """Toys that are not among those of a source."""
+
+    def __init__(self, messages: Mapping[str, str]):
+        super().__init__("\n".join(messages.values()))
+        self.messages = messages
+        """What is wrong with each name."""
 
 
 class TrainingError(MimocError):

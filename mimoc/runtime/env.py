@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.binding import ACTUATIONS, Actuation
+from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.bundle.folder import Bundle, read_bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
@@ -270,7 +270,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
         """Find everything the manifest names in the model, once, and start; senses from before are taken along."""
         self.data = mujoco.MjData(self.model)
-        self._act = ACTUATIONS[self.manifest.actuation.model](self.manifest.actuation, self.model)
+        self._act = bind_actuation(self.manifest.actuation, self.model)
         self._senses = bind_senses(self.bundle, self.model, former)
         self._fastenings = Fastenings(self.manifest.fastenings, self.model)
         self._task = bind_task(self.bundle, self.model, self._fastenings)

@@ -13,9 +13,21 @@ class ControlSpec(Model):
     """How often physics is computed, and how often an action is taken."""
 
     step_ms: Annotated[Milliseconds, Field(ge=0.1, le=1000)] = 10.0
-    """One control step; a whole number of physics steps."""
+    """One control step, a whole number of physics steps; left out, that of the task, else 10 ms."""
     timestep_ms: Annotated[Milliseconds, Field(ge=0.1, le=20)] = 5.0
     """One physics step."""
+
+    def with_default_step(self, step_ms: float) -> Self:
+        """Return the clock with another control step, which counts as left out.
+
+        Raises:
+            KeyedError: If that is not a whole number of physics steps.
+        """
+        return (
+            type(self)
+            .model_construct(self.model_fields_set, step_ms=step_ms, timestep_ms=self.timestep_ms)
+            ._steps_fit()
+        )
 
     @model_validator(mode="after")
     def _steps_fit(self) -> Self:

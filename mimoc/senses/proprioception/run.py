@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import ActuationEntry, ProprioceptionEntry
+from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray, Vector
 
 LIMIT_MARGIN_RAD = 0.035

@@ -11,10 +11,10 @@ import numpy.typing as npt
 from gymnasium.spaces import Box
 
 from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import TouchEntry
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Reading
 from mimoc.senses.touch.contacts import Pushes, feeling_bodies, find_pushes, rotated
 from mimoc.senses.touch.receptors import Skin, bind_skin
+from mimoc.senses.touch.spec import TouchEntry
 
 MAX_FORCE_N = 1e4
 """Bound of the observation; an infant weighs a hundred."""

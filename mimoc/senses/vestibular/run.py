@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import VestibularEntry
 from mimoc.senses.sense import FloatArray, IntArray, Vector
+from mimoc.senses.vestibular.spec import VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4
 """Bound of the observation; hard knocks of the head reach some hundreds."""

@@ -1,0 +1,9 @@
+"""An endless floor."""
+
+from mimoc.kinds import SceneKind
+
+FLAT = SceneKind(
+    name="flat",
+    about="An endless floor.",
+    build="mimoc.scenes.flat.build",
+)
