@@ -1,6 +1,6 @@
 """The `delays` of a spec and of a manifest: one for each sense there is, and one for the motors."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
 
 from pydantic import Field
 from pydantic.fields import FieldInfo
@@ -22,8 +22,9 @@ def channels() -> tuple[str, ...]:
 
 def _delay_fields() -> dict[str, FieldInfo]:
     about = {name: f"Delay of {name}." for name in SENSES} | {MOTOR: "Delay from command to actuator."}
+    annotation: Any = Optional[Delay]  # noqa: UP045 - A type checker knows no `|` of this.
     return {
-        f"{name}_ms": FieldInfo.from_annotated_attribute(Delay | None, Field(default=None, description=about[name]))
+        f"{name}_ms": FieldInfo.from_annotated_attribute(annotation, Field(default=None, description=about[name]))
         for name in channels()
     }
 

@@ -1,6 +1,6 @@
 """The `scene` of a spec: the world an infant is in."""
 
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
@@ -54,3 +54,8 @@ class SceneSpec(Model):
         if self.toys and not SCENES[self.kind].has_floor:
             raise KeyedError(("toys",), "toys need a floor, and an empty world has none; use another kind of scene")
         return self
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the section of a kind of scene, such as `room`."""

@@ -65,7 +65,8 @@ def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
 
 def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
     """Return a field that names one of the kinds there are."""
-    return FieldInfo(annotation=Literal[tuple(kinds)], default=default, description=about)
+    annotation: Any = Literal[tuple(kinds)]
+    return FieldInfo(annotation=annotation, default=default, description=about)
 
 
 def _compose(section: type[Model], fields: Fields | None) -> None:

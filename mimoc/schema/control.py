@@ -23,14 +23,16 @@ class ControlSpec(Model):
         Raises:
             KeyedError: If that is not a whole number of physics steps.
         """
-        return (
-            type(self)
-            .model_construct(self.model_fields_set, step_ms=step_ms, timestep_ms=self.timestep_ms)
-            ._steps_fit()
-        )
+        clock = self.model_construct(self.model_fields_set, step_ms=step_ms, timestep_ms=self.timestep_ms)
+        clock.check_steps()
+        return clock
 
-    @model_validator(mode="after")
-    def _steps_fit(self) -> Self:
+    def check_steps(self) -> None:
+        """Pass a clock whose control step is a whole number of physics steps.
+
+        Raises:
+            KeyedError: If it is not.
+        """
         keys = ("step_ms", "timestep_ms") if "step_ms" in self.model_fields_set else ("timestep_ms", "step_ms")
         try:
             if self.step_ms < self.timestep_ms:
@@ -41,4 +43,8 @@ class ControlSpec(Model):
             to_steps(self.step_ms, self.timestep_ms)
         except ValueError as error:
             raise KeyedError(keys[:1], f"a control step of {error}", against=keys[1:]) from None
+
+    @model_validator(mode="after")
+    def _steps_fit(self) -> Self:
+        self.check_steps()
         return self

@@ -79,9 +79,10 @@ class InfantKeys(Model):
     def _task_sets_the_clock(self) -> Self:
         if self.task and "step_ms" not in self.control.model_fields_set:
             try:
-                self.__dict__["control"] = self.control.with_default_step(TASKS[self.task.kind].step_ms)
+                clock = self.control.with_default_step(TASKS[self.task.kind].step_ms)
             except KeyedError as error:
                 raise KeyedError(("control", *error.key), str(error), against=("task", "kind")) from None
+            object.__setattr__(self, "control", clock)
         return self
 
     @model_validator(mode="after")

@@ -1,6 +1,6 @@
 """What all tasks declare."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -14,8 +14,8 @@ Range = tuple[float, float]
 class TaskSpec(Model):
     """A goal with its reward and its end."""
 
-    kind: str
-    """Which task this is."""
+    kind: Any
+    """Which task this is: a `Literal` of its name."""
     steps: Annotated[Whole, Field(ge=1, le=10**9)] | None = None
     """Control steps of an episode; left out, as many as MIMo's task has, and `free` has no end."""
 
@@ -23,8 +23,8 @@ class TaskSpec(Model):
 class TaskEntry(Model):
     """What the runtime must know of a task."""
 
-    kind: str
-    """Which task this is."""
+    kind: Any
+    """Which task this is: a `Literal` of its name."""
     steps: int | None
     """Control steps of an episode; None is no end."""
 
