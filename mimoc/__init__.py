@@ -23,7 +23,7 @@ _HOMES = {
     "Bundle": "mimoc.bundle.folder",
     "Gains": "mimoc.control",
     "InfantEnv": "mimoc.runtime",
-    "InfantSpec": "mimoc.schema",
+    "InfantSpec": "mimoc.schema.infant",
     "InverseDynamics": "mimoc.control",
     "LookAt": "mimoc.control",
     "MimocError": "mimoc.errors",
