@@ -27,8 +27,7 @@ def composed(fields: Fields | None = None) -> Callable[[M], M]:
 
     def decorate(section: M) -> M:
         _FIELDS[section] = fields
-        if fields:
-            _compose(section, fields)
+        _compose(section, fields)
         return section
 
     return decorate
@@ -38,6 +37,7 @@ def recompose() -> None:
     """Put all sections together again, after a kind was added."""
     for section, fields in _FIELDS.items():
         _compose(section, fields)
+        section.model_rebuild(force=True)
     for watcher in _WATCHERS:
         watcher()
 
@@ -79,4 +79,3 @@ def _compose(section: type[Model], fields: Fields | None) -> None:
     for name, info in found.items():
         section.__annotations__[name] = info.annotation
         section.model_fields[name] = info
-    section.model_rebuild(force=True)
