@@ -1,4 +1,4 @@
-"""All that the runtime knows of an infant: the contract between the wing that compiles and the wing that runs."""
+"""The manifest: everything that the runtime knows about an infant, and its only interface with the compiler."""
 
 from typing import Annotated, Literal
 
@@ -9,44 +9,44 @@ from mimoc.senses.spec import FoveationRadius, TouchQuantity, TouchResponse
 from mimoc.tasks.entries import FreeEntry, GoalEntry
 
 MANIFEST_VERSION = 1
-"""Raised when the meaning of a field changes; a new field with a default does not raise it."""
+"""Incremented when the meaning of a field changes; a new field with a default does not need a new version."""
 
 
 class ActuatorEntry(Model):
-    """One actuator of the model, as the action sees it."""
+    """One actuator of the model, and its component of the action."""
 
     name: str
     """Name in the model."""
     mimo_actuator: str
-    """The actuator of MIMo that it stands for, alone or with others."""
+    """MIMo's actuator that it corresponds to, alone or together with others."""
     joint: str
-    """The hinge it moves."""
+    """The hinge joint that it drives."""
     action_low: float
-    """Least command."""
+    """Lower bound of its command."""
     action_high: float
-    """Largest command."""
+    """Upper bound of its command."""
     commanded: bool = True
-    """Whether the action has a command for it; else it rests."""
+    """Whether the action has a component for it; otherwise it stays at rest."""
 
 
 class ActuationEntry(Model):
-    """How the infant is moved."""
+    """The infant's actuation."""
 
     model: Literal["torque", "muscle", "position"] = "torque"
     """Actuation model."""
     actuators: tuple[ActuatorEntry, ...]
-    """In the order of the model; of those that are commanded, of the action."""
+    """All actuators in the model's order; the commanded ones make up the action, in the same order."""
 
 
 class ProprioceptionEntry(Model):
-    """The sense of where one's limbs are and what they do."""
+    """Proprioception: joint positions and, if included, velocities, torques, limits and actuation."""
 
     kind: Literal["proprioception"] = "proprioception"
     """Which sense this is."""
     include: tuple[Literal["velocity", "torque", "limits", "actuation"], ...]
-    """What is felt besides joint angles, in this order."""
+    """What is observed besides joint angles, in this order."""
     joints: tuple[str, ...]
-    """Hinges, in the order of the observation."""
+    """Hinge joints, in the order of the observation."""
     torque_sensors: tuple[str, ...]
     """Three-axis torque sensors, in the order of the observation."""
 
@@ -57,9 +57,9 @@ class VestibularEntry(Model):
     kind: Literal["vestibular"] = "vestibular"
     """Which sense this is."""
     accelerometer: str | None = None
-    """Sensor of the head's specific force, m/s², if that is felt."""
+    """Sensor of the head's specific force, m/s², if observed."""
     gyro: str | None = None
-    """Sensor of the head's angular velocity, rad/s, if that is felt."""
+    """Sensor of the head's angular velocity, rad/s, if observed."""
 
 
 class TouchEntry(Model):
@@ -68,13 +68,13 @@ class TouchEntry(Model):
     kind: Literal["touch"] = "touch"
     """Which sense this is."""
     quantity: TouchQuantity
-    """What each skin point feels: a force in its body's frame, in the world's, or only how hard it is pressed."""
+    """What each skin point observes: force in the frame of its body or of the world, or normal force only."""
     response: TouchResponse
-    """Whether the skin points around a contact feel it, or only the nearest."""
+    """Whether a contact is spread over the skin points around it or assigned to the nearest one."""
     points_m: Annotated[dict[str, tuple[tuple[float, float, float], ...]], Field(repr=False)]
-    """The skin points by body, in its frame; the observation has them in this order, bodies in that of the model."""
+    """Skin points by body, in the body's frame; observed in this order, bodies in the model's order."""
     spacing_m: dict[str, float]
-    """Distance of neighbouring skin points by body; a contact is felt within twice that."""
+    """Distance between neighbouring skin points by body; a contact reaches points within twice this distance."""
 
 
 class VisionEntry(Model):
@@ -83,34 +83,34 @@ class VisionEntry(Model):
     kind: Literal["vision"] = "vision"
     """Which sense this is."""
     cameras: tuple[str, ...]
-    """One for each eye; the pictures are observed under these names."""
+    """One camera for each eye; images are observed under these names."""
     width_px: int
-    """Width of a picture."""
+    """Width of an image."""
     height_px: int
-    """Height of a picture."""
+    """Height of an image."""
     supersample: int
-    """How many times larger it is drawn before it is averaged down."""
+    """Factor by which images are rendered larger before they are averaged down."""
     acuity_cpd: float | None
-    """Cycles per degree of the finest grating seen; None where nothing is blurred."""
+    """Spatial frequency of the finest grating seen, in cycles per degree; None without blur."""
     foveation: float
     """Strength s of the foveation; 0 is none."""
     foveation_radius: FoveationRadius
-    """What its R reaches to."""
+    """How far the radius R of the foveation reaches in the image."""
     unseen: tuple[str, ...]
     """Bodies that the eyes do not see: the infant's own head."""
 
 
 class DelayEntry(Model):
-    """How late one kind of signal is; a whole number of physics steps."""
+    """Delay of one channel; a whole number of physics steps."""
 
     ms: float = 0.0
     """Delay."""
     legs_ms: float | None = None
-    """Delay to or from legs and feet, where it is another."""
+    """Delay to or from legs and feet, if it differs."""
 
 
 class DelaysEntry(Model):
-    """How late signals are."""
+    """Sensory and motor delays."""
 
     proprioception: DelayEntry = DelayEntry()
     """From joints and muscles."""
@@ -121,16 +121,16 @@ class DelaysEntry(Model):
     vision: DelayEntry = DelayEntry()
     """From the eyes."""
     motor: DelayEntry = DelayEntry()
-    """From command to muscle."""
+    """From command to actuator."""
     legs: tuple[str, ...] = ()
-    """Bodies that the legs begin with."""
+    """Root bodies of the legs."""
 
 
 class SensesEntry(Model):
-    """The senses of the infant; one that is None is off."""
+    """The infant's senses; a sense that is None is off."""
 
     proprioception: ProprioceptionEntry | None = None
-    """Joint angles and what else is felt of them."""
+    """Proprioception."""
     vestibular: VestibularEntry | None = None
     """Balance."""
     touch: TouchEntry | None = None
@@ -140,123 +140,123 @@ class SensesEntry(Model):
 
 
 class ChildEntry(Model):
-    """What the child measures, as its model was built."""
+    """The child's measurements, as built."""
 
     age_months: float
     """Age of the body."""
     sex: Literal["male", "female"] | None = None
-    """Which of WHO's children it stands among; None is the mean of boys and girls."""
+    """Which of WHO's standards it is compared with; None is the mean of boys and girls."""
     length_cm: float
-    """Crown to sole."""
+    """Length from crown to sole."""
     weight_kg: float
     """Mass of the whole body."""
     head_circumference_cm: float
-    """Around the head."""
+    """Head circumference."""
     arm_circumference_cm: float | None
-    """Around the upper arm, if there is one."""
+    """Upper-arm circumference, if there is an upper arm."""
 
 
 class FaceEntry(Model):
-    """What the face can show."""
+    """The face and its expressions."""
 
     geom: str
-    """The geom that shows it."""
+    """The geom whose material is the expression."""
     materials: dict[str, str]
     """Material by expression."""
 
 
 class ToyEntry(Model):
-    """A toy in the infant's world."""
+    """A toy in the infant's scene."""
 
     body: str
     """Name of its body in the model."""
     joint: str
     """Its free joint."""
     object: str
-    """What it is, such as `truck_003`."""
+    """Name of the object, such as `truck_003`."""
     category: str
-    """Of which kind, such as `truck`."""
+    """Category of the object, such as `truck`."""
     source: str
     """Where its shape comes from."""
     size_m: float
-    """Its longest side."""
+    """Length of its longest side."""
     mass_kg: float
-    """What it weighs."""
+    """Its mass."""
 
 
 class LockEntry(Model):
-    """A hinge that is kept at the angle that a reset gives it."""
+    """A hinge joint that is locked at its angle at reset."""
 
     equality: str
-    """The constraint in the model."""
+    """The equality constraint in the model."""
     joint: str
-    """The hinge."""
+    """The hinge joint."""
 
 
 class WeldEntry(Model):
-    """A part of the infant that is kept where a reset puts it."""
+    """A body that is welded to the world at its pose at reset."""
 
     equality: str
-    """The constraint in the model."""
+    """The equality constraint in the model."""
     body: str
-    """The part."""
+    """The body."""
 
 
 class FasteningsEntry(Model):
-    """What of the infant is kept as it starts."""
+    """Joints and bodies that are held in place by equality constraints."""
 
     locks: tuple[LockEntry, ...] = ()
-    """Joints."""
+    """Locked joints."""
     welds: tuple[WeldEntry, ...] = ()
-    """Parts."""
+    """Welded bodies."""
 
 
 class Manifest(Model):
-    """What travels from the compiler to the runtime."""
+    """All that the compiler passes on to the runtime."""
 
     manifest: Literal[1] = MANIFEST_VERSION
     """Version of this file."""
     name: str
-    """Name of the infant spec."""
+    """Name of the infant, from its spec."""
     child: ChildEntry
-    """What the child measures."""
+    """The child's measurements."""
     scene: str = "scene.xml"
     """Entry point of the model."""
     root_body: str
-    """The body that moves freely."""
+    """The root body of the infant, which has a free joint."""
     root_joint: str
-    """Its free joint."""
+    """That free joint."""
     timestep_ms: float
-    """One physics step."""
+    """Duration of a physics step."""
     step_ms: float
-    """One control step, a whole number of physics steps."""
+    """Duration of a control step, a whole number of physics steps."""
     pose: str
-    """The keyframe a reset starts from."""
+    """Keyframe that an episode starts from by default."""
     poses: tuple[str, ...]
-    """Every keyframe."""
+    """All keyframes."""
     actuation: ActuationEntry
-    """How it is moved."""
+    """Actuation model and actuators."""
     senses: SensesEntry
-    """What it senses."""
+    """The senses."""
     delays: DelaysEntry = DelaysEntry()
-    """How late it senses and moves."""
+    """Sensory and motor delays."""
     fastenings: FasteningsEntry = FasteningsEntry()
-    """What is kept as it starts."""
+    """Locked joints and welded bodies."""
     task: GoalEntry = FreeEntry()
-    """What it is to achieve."""
+    """The task."""
     face: FaceEntry | None = None
-    """What its face can show."""
+    """The face and its expressions."""
     seed: int = 0
-    """Of its scene."""
+    """Seed of the scene."""
     toys: tuple[ToyEntry, ...] = ()
-    """What there is to play with."""
+    """The toys in the scene."""
     notes: tuple[str, ...] = ()
-    """What its user should know of how it was built."""
+    """Notes on the build for its user."""
     keypoints: tuple[str, ...] = ()
-    """The BODY_25 sites, in BODY_25's order; of limbs it does not have too."""
+    """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
 
     def __repr__(self) -> str:
-        """Return who it tells of: the whole of it is long."""
+        """Return name and age only: the whole manifest is long."""
         return f"Manifest({self.name!r}, {self.child.age_months:g} months)"
 
     __str__ = __repr__

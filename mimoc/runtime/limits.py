@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from mimoc.actuation.binding import ACTUATIONS
-from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import ActuationEntry
 from mimoc.bundle.model import load_model
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.senses.nothing import nothing
 from mimoc.senses.sense import Sense
 

@@ -5,7 +5,7 @@ from importlib import import_module
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.tasks.task import Task, Verdict
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ActuationEntry
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.tasks.entries import StandupEntry
