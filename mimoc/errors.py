@@ -1,6 +1,6 @@
 """The errors of mimoc: each says where the problem is, what is wrong and what to do."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -63,6 +63,10 @@ class DataError(MimocError):
     """A data table of mimoc is missing or damaged."""
 
 
+class KindError(MimocError):
+    """A sense, a task or another kind that cannot be registered or passed."""
+
+
 class BundleError(MimocError):
     """A folder is not a bundle, or its files were changed."""
 
@@ -91,6 +95,15 @@ class ToyError(MimocError):
         super().__init__(message)
         self.name = name
         """Name of the object or category, if the problem concerns one."""
+
+
+class UnknownToysError(ToyError):
+    """Toys that are not among those of a source."""
+
+    def __init__(self, messages: Mapping[str, str]):
+        super().__init__("\n".join(messages.values()))
+        self.messages = messages
+        """What is wrong with each name."""
 
 
 class TrainingError(MimocError):

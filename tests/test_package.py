@@ -66,7 +66,7 @@ def test_importing_mimoc_loads_nothing_heavy():
 def test_loading_a_spec_loads_no_mathematics_and_no_mujoco(folder):
     loaded = python(
         "from mimoc.schema import read_spec",
-        "from mimoc.source import read",
+        "from mimoc.schema.source import read",
         f"read_spec(read({str(folder / 'spec.yaml')!r}))",
         f"print(json.dumps([m for m in {HEAVY} if m in sys.modules]))",
     )
@@ -80,9 +80,7 @@ def test_running_a_bundle_loads_nothing_that_compiles(folder):
         f"print(json.dumps([m for m in sys.modules if m in {HEAVY} or m.startswith('mimoc.')]))",
     )
     assert not {"scipy", "jinja2", "lxml", "trimesh", "PIL", "typer", "rich", "matplotlib"} & set(loaded)
-    assert not {"mimoc.body", "mimoc.mjcf", "mimoc.fits", "mimoc.compiler"} & set(
-        loaded
-    )
+    assert not {"mimoc.body", "mimoc.mjcf", "mimoc.fits", "mimoc.compiler"} & set(loaded)
 
 
 # Gymnasium.

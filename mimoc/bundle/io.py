@@ -17,6 +17,7 @@ from typing import Any
 
 from mimoc.bundle.atomic_swap import swap_folders
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
+from mimoc.bundle.plugins_needed import check_plugins
 from mimoc.errors import BundleError
 
 MANIFEST, LOCK = "manifest.json", "lock.json"
@@ -155,8 +156,11 @@ def _read_folder(folder: Path) -> Bundle:
     if missing or changed:
         raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimoc build --force'")
     try:
+        check_plugins(json.loads(files[MANIFEST]))
         manifest = _manifest(files[MANIFEST])
-    except ValueError:
+    except BundleError as error:
+        raise BundleError(f"{folder}: {error}") from None
+    except (ValueError, RecursionError):
         raise BundleError(
             f"{folder}: this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"
         ) from None

@@ -1,142 +1,21 @@
 """The manifest: everything that the runtime knows about an infant, and its only interface with the compiler."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
+from mimoc.actuation.spec import ActuationEntry
+from mimoc.delays.spec import DelaysEntry
+from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model
-from mimoc.senses.spec import FoveationRadius, TouchQuantity, TouchResponse
-from mimoc.tasks.entries import FreeEntry, GoalEntry
+from mimoc.schema.composition import composed
+from mimoc.senses.spec import SensesEntry
+from mimoc.tasks.base import TaskEntry
+from mimoc.tasks.free.spec import FreeEntry
+from mimoc.tasks.spec import task_entry_field
 
 MANIFEST_VERSION = 1
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""
-
-
-class ActuatorEntry(Model):
-    """One actuator of the model, and its component of the action."""
-
-    name: str
-    """Name in the model."""
-    mimo_actuator: str
-    """MIMo's actuator that it corresponds to, alone or together with others."""
-    joint: str
-    """The hinge joint that it drives."""
-    action_low: float
-    """Lower bound of its command."""
-    action_high: float
-    """Upper bound of its command."""
-    commanded: bool = True
-    """Whether the action has a component for it; otherwise it stays at rest."""
-
-
-class ActuationEntry(Model):
-    """The infant's actuation."""
-
-    model: Literal["torque", "muscle", "position"] = "torque"
-    """Actuation model."""
-    actuators: tuple[ActuatorEntry, ...]
-    """All actuators in the model's order; the commanded ones make up the action, in the same order."""
-
-
-class ProprioceptionEntry(Model):
-    """Proprioception: joint positions and, if included, velocities, torques, limits and actuation."""
-
-    kind: Literal["proprioception"] = "proprioception"
-    """Which sense this is."""
-    include: tuple[Literal["velocity", "torque", "limits", "actuation"], ...]
-    """What is observed besides joint angles, in this order."""
-    joints: tuple[str, ...]
-    """Hinge joints, in the order of the observation."""
-    torque_sensors: tuple[str, ...]
-    """Three-axis torque sensors, in the order of the observation."""
-
-
-class VestibularEntry(Model):
-    """The sense of balance."""
-
-    kind: Literal["vestibular"] = "vestibular"
-    """Which sense this is."""
-    accelerometer: str | None = None
-    """Sensor of the head's specific force, m/s², if observed."""
-    gyro: str | None = None
-    """Sensor of the head's angular velocity, rad/s, if observed."""
-
-
-class TouchEntry(Model):
-    """The sense of touch."""
-
-    kind: Literal["touch"] = "touch"
-    """Which sense this is."""
-    quantity: TouchQuantity
-    """What each skin point observes: force in the frame of its body or of the world, or normal force only."""
-    response: TouchResponse
-    """Whether a contact is spread over the skin points around it or assigned to the nearest one."""
-    points_m: Annotated[dict[str, tuple[tuple[float, float, float], ...]], Field(repr=False)]
-    """Skin points by body, in the body's frame; observed in this order, bodies in the model's order."""
-    spacing_m: dict[str, float]
-    """Distance between neighbouring skin points by body; a contact reaches points within twice this distance."""
-
-
-class VisionEntry(Model):
-    """The sense of sight."""
-
-    kind: Literal["vision"] = "vision"
-    """Which sense this is."""
-    cameras: tuple[str, ...]
-    """One camera for each eye; images are observed under these names."""
-    width_px: int
-    """Width of an image."""
-    height_px: int
-    """Height of an image."""
-    supersample: int
-    """Factor by which images are rendered larger before they are averaged down."""
-    acuity_cpd: float | None
-    """Spatial frequency of the finest grating seen, in cycles per degree; None without blur."""
-    foveation: float
-    """Strength s of the foveation; 0 is none."""
-    foveation_radius: FoveationRadius
-    """How far the radius R of the foveation reaches in the image."""
-    unseen: tuple[str, ...]
-    """Bodies that the eyes do not see: the infant's own head."""
-
-
-class DelayEntry(Model):
-    """Delay of one channel; a whole number of physics steps."""
-
-    ms: float = 0.0
-    """Delay."""
-    legs_ms: float | None = None
-    """Delay to or from legs and feet, if it differs."""
-
-
-class DelaysEntry(Model):
-    """Sensory and motor delays."""
-
-    proprioception: DelayEntry = DelayEntry()
-    """From joints and muscles."""
-    vestibular: DelayEntry = DelayEntry()
-    """From the inner ear."""
-    touch: DelayEntry = DelayEntry()
-    """From the skin."""
-    vision: DelayEntry = DelayEntry()
-    """From the eyes."""
-    motor: DelayEntry = DelayEntry()
-    """From command to actuator."""
-    legs: tuple[str, ...] = ()
-    """Root bodies of the legs."""
-
-
-class SensesEntry(Model):
-    """The infant's senses; a sense that is None is off."""
-
-    proprioception: ProprioceptionEntry | None = None
-    """Proprioception."""
-    vestibular: VestibularEntry | None = None
-    """Balance."""
-    touch: TouchEntry | None = None
-    """Touch."""
-    vision: VisionEntry | None = None
-    """Sight."""
 
 
 class ChildEntry(Model):
@@ -211,6 +90,7 @@ class FasteningsEntry(Model):
     """Welded bodies."""
 
 
+@composed(lambda: {"task": task_entry_field()})
 class Manifest(Model):
     """All that the compiler passes on to the runtime."""
 
@@ -242,8 +122,10 @@ class Manifest(Model):
     """Sensory and motor delays."""
     fastenings: FasteningsEntry = FasteningsEntry()
     """Locked joints and welded bodies."""
-    task: GoalEntry = FreeEntry()
+    task: TaskEntry = FreeEntry()
     """The task."""
+    plugins: dict[str, str] = Field(default_factory=dict)
+    """Distribution of each kind that is not mimoc's own, by section and name, such as `senses.sound`."""
     face: FaceEntry | None = None
     """The face and its expressions."""
     seed: int = 0
@@ -260,3 +142,6 @@ class Manifest(Model):
         return f"Manifest({self.name!r}, {self.child.age_months:g} months)"
 
     __str__ = __repr__
+
+
+load_plugins()

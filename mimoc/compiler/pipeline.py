@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +11,18 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
+from mimoc.actuation.drives import build_drive
 from mimoc.body.provenance import trace_body
 from mimoc.bundle.io import Bundle, read_bundle, seal
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
-from mimoc.compiler.compose import compose
+from mimoc.compiler.compose import compose, place_senses
 from mimoc.compiler.describe import describe, describe_toys
 from mimoc.compiler.diagnosis import blame
-from mimoc.compiler.furnish import Supplies, furnish, outline, set_stage
+from mimoc.compiler.furnish import Supplies, furnish, outline, set_up_task
 from mimoc.compiler.provenance.actuation import trace_drive
 from mimoc.compiler.provenance.child import trace_child
-from mimoc.compiler.provenance.senses import trace_senses
+from mimoc.compiler.provenance.delays import trace_delays
 from mimoc.compiler.provenance.task import trace_task
 from mimoc.compiler.provenance.world import trace_world
 from mimoc.compiler.scene_assets import gather, notes
@@ -41,7 +42,8 @@ from mimoc.mjcf.conventions import find_convention
 from mimoc.mjcf.tree import SceneTree
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
-from mimoc.tasks.setup import Stage
+from mimoc.tasks.setup import TaskSetup
+from mimoc.units import ms_to_s
 from mimoc.version import __version__
 
 SPEC_FILE = "spec.yaml"
@@ -99,7 +101,7 @@ class Builder:
     tree: body.BodyTree
     infant: SceneTree
     """In no world yet."""
-    stage: Stage
+    stage: TaskSetup
     """What its task needs."""
     discs: npt.NDArray[np.float64]
     """What it takes up of the floor."""
@@ -142,7 +144,7 @@ class Builder:
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
         toys = tuple(ToyEntry.model_validate(printing.rounded(toy.model_dump())) for toy in describe_toys(furnished))
-        changes = {"seed": seed, "toys": toys, "notes": notes(spec, toys, self.convention)}
+        changes = {"seed": seed, "toys": toys, "notes": notes(spec, self.supplies.toybox, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
         changed = printing.json_members(manifest.model_dump(include=set(changes)))
         own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
@@ -181,9 +183,11 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
     except (GeometryError, IndividualError) as error:
         raise SpecError([blame(error, spec, written)]) from None
     try:
-        staged, stage = set_stage(compose(spec, tree), spec, tree)
+        drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+        senses = place_senses(spec, tree)
+        staged, stage = set_up_task(compose(spec, tree, drive, senses), spec, tree, drive)
         infant = wanted.infant(staged, spec.actuation.model)
-        described = describe(spec, tree, infant, stage)
+        described = describe(spec, tree, infant, senses, stage)
     except UnplayableError as error:
         raise SpecError([written.problem(error.key, str(error))]) from None
     manifest = Manifest.model_validate(printing.rounded(described.model_dump()))
@@ -193,8 +197,9 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
     origins = {
         **trace_body(measurements, anatomy, tree, scaled),
-        **trace_drive(spec.actuation.model, anatomy, tree, infant.actuators),
-        **trace_senses(spec, manifest),
+        **trace_drive(spec.actuation.model, anatomy, tree, replace(drive, actuators=infant.actuators)),
+        **dict(trace_delays(spec, manifest.delays)),
+        **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
         **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
     }

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
+from mimoc.actuation.drives import build_drive
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose
@@ -20,7 +21,7 @@ from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.mjcf import printing
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec, validated
-from mimoc.units import m_to_cm
+from mimoc.units import m_to_cm, ms_to_s
 
 MONTHS = range(25)
 """The whole ages that mimoc builds."""
@@ -162,7 +163,8 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
-    infant = furnish(compose(plain, tree), plain, tree, Supplies())
+    drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+    infant = furnish(compose(plain, tree, drive, {}), plain, tree, Supplies())
     return compile_model(printing.render_scene(infant))
 
 

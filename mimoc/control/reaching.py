@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -82,7 +83,7 @@ class Reaching:
             ControlError: If the infant has servos, or no hand.
         """
         gains = gains or (GAIN_SETS[GENTLE] if _sits_freely(env) else ReachGains())
-        task = env.manifest.task
+        task: Any = env.manifest.task
         self._env, self._ball = env, task.ball.body if task.kind == "reach" else None
         self._places = Reachable(env)
         self._reaches = [Reach(hand, env.data.body(hand).xipos, gains.hands) for hand in self._places.hands]

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.bundle.manifest import DelayEntry, Manifest
+from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.delays.line import DelayLine
+from mimoc.delays.spec import DelayEntry
 from mimoc.senses.binding import Sense
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Reading
 from mimoc.units import to_steps

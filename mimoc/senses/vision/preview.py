@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.manifest import VisionEntry
 from mimoc.bundle.model import load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.run import filters, perceive
+from mimoc.senses.vision.spec import VisionEntry
 
 FloatArray = npt.NDArray[np.float64]
 

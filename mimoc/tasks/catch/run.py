@@ -10,7 +10,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.catch.ball_size import Marble
-from mimoc.tasks.entries import CatchEntry
+from mimoc.tasks.catch.spec import CatchEntry
 from mimoc.tasks.task import Task, Verdict
 
 HAND, BALL = 1, 2

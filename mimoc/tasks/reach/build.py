@@ -9,9 +9,9 @@ from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, resting_state
 from mimoc.body.tree import Vec3
 from mimoc.tasks.ball import BALL, ball
-from mimoc.tasks.entries import GazeEntry, ReachEntry
-from mimoc.tasks.setup import Side, Stage, middle_finger, one_armed, require
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.base import GazeEntry
+from mimoc.tasks.reach.spec import ReachEntry, ReachSpec
+from mimoc.tasks.setup import Side, TaskSetup, middle_finger, one_armed, require
 from mimoc.units import deg_to_rad
 
 STEPS = 1000
@@ -25,7 +25,7 @@ ELEVATION_DEG = (-45.0, 25.0)
 LOOKERS = ("left_eye", "right_eye")
 
 
-def stage_reach(task: TaskSpec, tree: BodyTree) -> Stage:
+def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     """Return the stage of `reach`.
 
     Raises:

@@ -9,8 +9,8 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import FloatArray
-from mimoc.tasks.entries import ReachEntry
 from mimoc.tasks.gaze import Gaze
+from mimoc.tasks.reach.spec import ReachEntry
 from mimoc.tasks.task import Task, Verdict
 
 STILL_M = 1e-4

@@ -13,11 +13,10 @@ from mimoc.body.stature import stature
 from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
 from mimoc.scenes.crib.build import RAIL_RADIUS_M
-from mimoc.tasks.entries import StandupEntry
-from mimoc.tasks.setup import Hold, Side, Stage, joints_of, require
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
 from mimoc.tasks.standup.rail import Rail, half_span, rail_height
+from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 from mimoc.units import cm_to_m, deg_to_rad
 
 STEPS = 500
@@ -65,7 +64,7 @@ class Seat:
         return self.turn.T @ (place_m - (0.0, 0.0, self.height_m))
 
 
-def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
+def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     """Return the stage of `standup`.
 
     Raises:
@@ -77,7 +76,7 @@ def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
     rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))
     fingers = {joint for side in SIDES for joint in _fingers(tree, side)}
-    return Stage(
+    return TaskSetup(
         goal=_goal(task, tree),
         start=_start(tree, seat, rail, grips),
         commanded=joints_of(tree, *COMMANDED),
@@ -88,7 +87,7 @@ def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
     )
 
 
-def _goal(task: TaskSpec, tree: BodyTree) -> StandupEntry:
+def _goal(task: StandupSpec, tree: BodyTree) -> StandupEntry:
     standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
     return StandupEntry(
         steps=task.steps or STEPS,

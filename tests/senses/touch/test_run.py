@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 from support.touch_oracle import touch_loop
 
 import mimoc
-from mimoc.bundle.manifest import TouchEntry
 from mimoc.bundle.model import load_model
 from mimoc.senses.spec import TouchQuantity, TouchResponse
 from mimoc.senses.touch.run import MAX_FORCE_N, QUANTITIES, RESPONSES, Touch, bind
+from mimoc.senses.touch.spec import TouchEntry
 
 G_M_S2 = 9.81
 WORLD = """

@@ -1,0 +1,38 @@
+"""The infant and what belongs to it, put somewhere else on the floor."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from mimoc.body.kinematics import FloatArray
+from mimoc.mjcf.tree import Keyframe, Prop
+from mimoc.scenes.setting import Placement
+
+
+def put(pose: Keyframe, start: Placement) -> Keyframe:
+    """Return a pose somewhere else on the floor, turned about the vertical."""
+    x, y, z, w, i, j, k = pose.qpos[:7]
+    cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
+    half_cos, half_sin = math.cos(start.yaw_rad / 2), math.sin(start.yaw_rad / 2)
+    place = (start.x_m + cos * x - sin * y, start.y_m + sin * x + cos * y, z)
+    turn = (
+        half_cos * w - half_sin * k,
+        half_cos * i - half_sin * j,
+        half_cos * j + half_sin * i,
+        half_cos * k + half_sin * w,
+    )
+    return Keyframe(pose.name, (*place, *turn, *pose.qpos[7:]), pose.settings)
+
+
+def put_prop(prop: Prop, start: Placement) -> Prop:
+    """Return a prop somewhere else on the floor; it is a ball, or looks the same from all sides."""
+    (x, y, _), z = moved(np.array([prop.pos_m]), start)[0].tolist(), prop.pos_m[2]
+    return replace(prop, pos_m=(x, y, z))
+
+
+def moved(discs: FloatArray, start: Placement) -> FloatArray:
+    """Return discs somewhere else on the floor, turned about the vertical with what is at the origin."""
+    cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
+    places = discs[:, :2] @ np.array([[cos, sin], [-sin, cos]]) + (start.x_m, start.y_m)
+    return np.column_stack([places, discs[:, 2]])
