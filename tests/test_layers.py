@@ -259,7 +259,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
         ("mimoc.scenes.crib.build", "def f():\n    from mimoc import compiler", "build may not import compiler"),
         ("mimoc.body.grow", "if TYPE_CHECKING:\n    from mimoc.mjcf.tree import SceneTree", "body may not import mjcf"),
-        ("mimoc.bundle.files", "from mimoc.bundle.folder import Bundle", "files may not import bundle"),
+        ("mimoc.bundle.files", "from mimoc.bundle.io import Bundle", "files may not import bundle"),
         ("mimoc.compiler.pipeline", "from mimoc.runtime import make", "compiler may not import runtime"),
         ("mimoc.schema.base", "from mimoc.schema.infant import InfantSpec", "language may not import schema"),
         ("mimoc.schema.infant", "import mimoc", "schema may not import mimoc"),
@@ -278,4 +278,4 @@ def test_a_module_that_breaks_the_table_is_found(module, source, reason):
 def test_what_only_a_type_checker_sees_is_free_in_the_cli():
     source = "if TYPE_CHECKING:\n    import mujoco\nelse:\n    import yaml"
     assert [each.name for each in imports("mimoc.cli.console", source)] == ["yaml"]
-    assert [each.name for each in imports("mimoc.bundle.folder", source)] == ["mujoco", "yaml"]
+    assert [each.name for each in imports("mimoc.bundle.io", source)] == ["mujoco", "yaml"]

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 import mimoc
 from mimoc import plugins
-from mimoc.bundle.folder import digests
+from mimoc.bundle.io import digests
 from mimoc.errors import BundleError, KindError
 from mimoc.kinds import PolicyKind, SenseKind, TaskKind
 from mimoc.senses import SENSES

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.gains import Gains
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.limbs import TRUNK, chest_of
@@ -230,6 +230,6 @@ def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) ->
     model = env.model
     found = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names]
     here = [body for body in found if body > 0]
-    chosen = hanging_on(model, here) if with_limbs else np.isin(np.arange(model.nbody), here)
+    chosen = in_subtrees(model, here) if with_limbs else np.isin(np.arange(model.nbody), here)
     moved = dict.fromkeys(model.actuator_trnid[env.actuation.actuators, 0].tolist())
     return [model.joint(joint).name for joint in moved if chosen[model.jnt_bodyid[joint]]]

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.delays.spec import DelayEntry
 from mimoc.errors import KindError
 from mimoc.senses.sense import IntArray, Observation, Reading
