@@ -103,6 +103,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """What turns actions into controls: its actuators, in the order of the action, and their limits."""
         return self._act
 
+    @property
+    def max_steps(self) -> int | None:
+        """Control steps after which an episode is truncated; None is never."""
+        return self._task.steps
+
     def layout(self, sense: str) -> tuple[str, ...]:
         """Return what each number of a sense is, with its unit, in the order of the observation.
 

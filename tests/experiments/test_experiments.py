@@ -2,6 +2,7 @@
 
 import re
 import sys
+from functools import partial
 from importlib import import_module
 
 import pytest
@@ -12,11 +13,19 @@ from mimoc import cli
 from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.experiments import EXPERIMENTS, run_experiment
 
+SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})
 SMALL = {
     "growth": {"QUICK_MONTHS": (0, 6, 18)},
     "strength": {"PAPER_MONTHS": (3, 18)},
     "acuity": {"PAPER_MONTHS": (1, 6), "QUICK_SIZE_PX": 32},
-    "delays": {"QUICK_STEPS": 4096, "QUICK_SEEDS": (1,), "DELAYS_MS": (0, 50), "EPISODES": 2, "SHOWN": 1},
+    "delays": {
+        "train": SHORT_ROUNDS,
+        "QUICK_STEPS": 1024,
+        "QUICK_SEEDS": (1,),
+        "DELAYS_MS": (0, 50),
+        "EPISODES": 2,
+        "SHOWN": 1,
+    },
     "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
     "rooms": {"QUICK_SEEDS": range(2), "PICTURE_PX": (64, 48)},
 }
