@@ -42,7 +42,7 @@ def train(
         typer.Option(
             "--task",
             metavar="MODULE:CLASS",
-            help="Reward the infant by a class of your own, imported from this folder.",
+            help="Take rewards from a class of your own, in a module of this folder.",
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (

@@ -103,7 +103,7 @@ UNVALIDATED = {
     "a section made so": ({"body": BodySpec.model_construct(hands="fist")}, "body.hands: 'fist' is not a choice"),
     "keys against each other": (
         {"body": BodySpec(remove=("left_eye", "right_eye"))},
-        "senses.vision: 'vision' requires",
+        "senses.vision: 'vision' req",
     ),
 }
 TAKERS = {
