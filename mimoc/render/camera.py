@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from mimoc.geometry.rotations import FloatArray, direction
 
 View = tuple[float, float]
 """Azimuth and elevation of the direction that a camera looks in, [deg]."""
@@ -172,6 +172,6 @@ def walls_of(model: mujoco.MjModel, data: mujoco.MjData) -> Walls:
 def camera_axes(view: View) -> FloatArray:
     """Return the unit vectors ahead, right and up of a camera, in rows."""
     azimuth, elevation = np.radians(view)
-    ahead = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
-    right = [np.sin(azimuth), -np.cos(azimuth), 0.0]
+    ahead = direction(azimuth, elevation)
+    right = direction(azimuth - np.pi / 2, 0.0)
     return np.array([ahead, right, np.cross(right, ahead)])

@@ -1,6 +1,5 @@
 """What is around an infant, before toys are put there."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -9,6 +8,7 @@ import numpy as np
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.stature import stature
+from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.mjcf.tree import Ground, Keyframe, Light, Prop, World
 from mimoc.random_streams import stream
 from mimoc.scenes.crib.build import crib
@@ -18,6 +18,7 @@ from mimoc.scenes.spec import SceneSpec
 from mimoc.units import cm_to_m
 
 WEIGHTLESS = (0.0, 0.0, 0.0)
+UP = (0.0, 0.0, 1.0)
 ENDLESS_M = (1e3, 1e3)
 """Half size of a floor without walls."""
 
@@ -80,17 +81,11 @@ WORLDS: Mapping[str, Callable[[SceneSpec, Decor, BodyTree, FloatArray], Setting]
 
 def put(pose: Keyframe, start: Placement) -> Keyframe:
     """Return a pose somewhere else on the floor, turned about the vertical."""
-    x, y, z, w, i, j, k = pose.qpos[:7]
-    cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
-    half_cos, half_sin = math.cos(start.yaw_rad / 2), math.sin(start.yaw_rad / 2)
-    place = (start.x_m + cos * x - sin * y, start.y_m + sin * x + cos * y, z)
-    turn = (
-        half_cos * w - half_sin * k,
-        half_cos * i - half_sin * j,
-        half_cos * j + half_sin * i,
-        half_cos * k + half_sin * w,
-    )
-    return Keyframe(pose.name, (*place, *turn, *pose.qpos[7:]), pose.settings)
+    x, y, z, *turn = pose.qpos[:7]
+    ((x, y, z),) = moved(np.array([(x, y, z)]), start).tolist()
+    w, i, j, k = turn
+    turned = quaternion_product(quaternion_from_axis(UP, start.yaw_rad), (w, i, j, k))
+    return Keyframe(pose.name, (x, y, z, *turned, *pose.qpos[7:]), pose.settings)
 
 
 def put_prop(prop: Prop, start: Placement) -> Prop:
@@ -101,6 +96,5 @@ def put_prop(prop: Prop, start: Placement) -> Prop:
 
 def moved(discs: FloatArray, start: Placement) -> FloatArray:
     """Return discs somewhere else on the floor, turned about the vertical with what is at the origin."""
-    cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
-    places = discs[:, :2] @ np.array([[cos, sin], [-sin, cos]]) + (start.x_m, start.y_m)
+    places = discs[:, :2] @ matrix_from_axis(UP, start.yaw_rad)[:2, :2].T + (start.x_m, start.y_m)
     return np.column_stack([places, discs[:, 2]])
