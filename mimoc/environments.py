@@ -12,6 +12,7 @@ from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.yaml_scalars import dump
 
 RESOLVED = "resolved.yaml"
 """The file of a bundle that holds its whole spec."""
@@ -115,7 +116,7 @@ def _child(
         "control": {"step_ms": STEP_MS.get(kind, 10.0)},
         "task": task,
     }
-    return read_spec(source.parse(source.dump(data), f"<{kind}>"))
+    return read_spec(source.parse(dump(data), f"<{kind}>"))
 
 
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:

@@ -10,8 +10,9 @@ from mimoc.body import assemble, grow_child, measure_child
 from mimoc.body.child import replace_given
 from mimoc.errors import GeometryError, IndividualError, Problem
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.names import unsided
-from mimoc.schema.source import KeyPath, Source
+from mimoc.schema.source import Source
 from mimoc.units import m_to_cm
 
 PRECISION = 1e-7

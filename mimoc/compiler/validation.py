@@ -19,6 +19,7 @@ from mimoc.compiler.pipeline import compile_model
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import Kind, extents
 from mimoc.mjcf import printing
+from mimoc.rounding import rounded
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.units import m_to_cm
@@ -105,7 +106,7 @@ class GrowthReport:
         `rows` are as in `Row`, with `outside_one_sd` for `outside`; `worst` holds one of them for each
         indicator; `z` and `percentile` have the keys `male`, `female` and `mean`.
         """
-        return printing.rounded(
+        return rounded(
             {
                 "standard": "WHO Child Growth Standards",
                 "within_one_sd": self.within_one_sd,

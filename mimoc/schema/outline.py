@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from mimoc.schema.source import KeyPath
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.spec import InfantKeys
 
 
