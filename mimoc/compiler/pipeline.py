@@ -14,6 +14,7 @@ from mimoc import body, fits
 from mimoc.actuation.drives import build_drive
 from mimoc.body.provenance import trace_body
 from mimoc.bundle.io import Bundle, read_bundle, seal
+from mimoc.bundle.json_text import join_json, json_members
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose, place_senses
@@ -40,8 +41,10 @@ from mimoc.fits.who import percentile
 from mimoc.mjcf import printing
 from mimoc.mjcf.conventions import find_convention
 from mimoc.mjcf.tree import SceneTree
+from mimoc.rounding import rounded
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
+from mimoc.schema.yaml_scalars import dump
 from mimoc.tasks.setup import TaskSetup
 from mimoc.units import ms_to_s
 from mimoc.version import __version__
@@ -143,18 +146,18 @@ class Builder:
             )
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
-        toys = tuple(ToyEntry.model_validate(printing.rounded(toy.model_dump())) for toy in describe_toys(furnished))
+        toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished))
         changes = {"seed": seed, "toys": toys, "notes": notes(spec, self.supplies.toybox, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
-        changed = printing.json_members(manifest.model_dump(include=set(changes)))
+        changed = json_members(manifest.model_dump(include=set(changes)))
         own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
         files = {
             **self.files,
             **printing.render_world(furnished),
             SPEC_FILE: written.text.encode(),
-            "resolved.yaml": source.dump(printing.rounded(to_data(spec))).encode(),
-            "provenance.json": printing.join_json({**printing.json_members(own_origins), **self.origin_members}),
-            "manifest.json": printing.join_json({**self.manifest_members, **changed}),
+            "resolved.yaml": dump(rounded(to_data(spec))).encode(),
+            "provenance.json": join_json({**json_members(own_origins), **self.origin_members}),
+            "manifest.json": join_json({**self.manifest_members, **changed}),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
         try:
@@ -190,7 +193,7 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         described = describe(spec, tree, infant, senses, stage)
     except UnplayableError as error:
         raise SpecError([written.problem(error.key, str(error))]) from None
-    manifest = Manifest.model_validate(printing.rounded(described.model_dump()))
+    manifest = Manifest.model_validate(rounded(described.model_dump()))
     scaled: dict[str, tuple[str, ...]] = {}
     for name, part in spec.body.parts.items():
         keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
@@ -213,9 +216,9 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         supplies=gather(spec, written),
         files=printing.render_infant(infant),
         manifest=manifest,
-        manifest_members=printing.json_members(manifest.model_dump()),
+        manifest_members=json_members(manifest.model_dump()),
         origins=origins,
-        origin_members=printing.json_members(origins),
+        origin_members=json_members(origins),
     )
 
 

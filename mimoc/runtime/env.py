@@ -18,9 +18,7 @@ from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.delays.schedule import Nerves
 from mimoc.errors import KindError, UnknownNameError
-from mimoc.render.camera import FROM_THE_SIDE, towards
-from mimoc.render.opengl import has_screen
-from mimoc.render.portrait import Painter
+from mimoc.render.environment import MODES, EnvRenderer, available_modes
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.binding import Sense, bind_senses
 from mimoc.senses.custom import CustomSense
@@ -30,8 +28,7 @@ from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NOTHING_EARNED
 from mimoc.units import ms_to_s
 
-if TYPE_CHECKING:  # Both need libraries that most environments do without.
-    from mimoc.render.window import Window
+if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -49,7 +46,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     `is_success`, the terms that add up to the reward as `reward_terms`, and `unstable`.
     """
 
-    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
+    metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
 
     def __init__(
         self,
@@ -79,12 +76,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             UnknownNameError: If there is no such render mode.
             KindError: If a sense that is passed has the name of one that the infant has.
         """
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise UnknownNameError("render mode", str(render_mode), self.metadata["render_modes"])
+        if render_mode not in (None, *MODES):
+            raise UnknownNameError("render mode", str(render_mode), MODES)
         self.bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
         self.render_mode = render_mode
         self.metadata = {
-            "render_modes": [mode for mode in self.metadata["render_modes"] if mode != "human" or has_screen()],
+            "render_modes": available_modes(),
             "render_fps": round(1 / ms_to_s(self.manifest.step_ms)),
         }
         self.model = load_model(self.bundle)
@@ -171,7 +168,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if "scene_seed" in options:
             self._change_scene(options["scene_seed"])
         observation = self._start(pose)
-        self._show()
+        self._renderer.show()
         return observation, {"is_success": False, "reward_terms": {}, "unstable": False}
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -188,7 +185,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if unstable:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
-        self._show()
+        self._renderer.show()
         late = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.terms), "unstable": unstable}
         return observation, verdict.reward, verdict.ends or unstable, late, info
@@ -246,27 +243,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             RenderingError: If there is no OpenGL here.
         """
-        if self.render_mode != "rgb_array":
-            return None
-        if self._painter is None:
-            view = towards(FROM_THE_SIDE, self.data, self.manifest.root_body)
-            self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size, view)
-            self._painter.turn(self.data)
-        return self._painter.paint(self.data)
+        return self._renderer.render()
 
     def close(self) -> None:
         """Free the OpenGL contexts and close the window, if there are any."""
         for sense in self._senses.values():
             sense.close()
-        self._close_pictures()
-
-    def _close_pictures(self) -> None:
-        if self._painter is not None:
-            self._painter.close()
-            self._painter = None
-        if self._window is not None:
-            self._window.close()
-            self._window = None
+        self._renderer.close()
 
     def __getstate__(self) -> dict[str, Any]:
         """Let the environment be copied and sent to other processes: what is bound to this one is left out."""
@@ -294,9 +277,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
-        self._painter: Painter | None = None
         self._start(self.manifest.pose)
-        self._window = self._open_window() if self.render_mode == "human" else None
+        root_body = self.manifest.root_body
+        self._renderer = EnvRenderer(self.render_mode, self.model, self.data, root_body, self._picture_size)
         low, high = (bound.astype(np.float32) for bound in (self._act.low, self._act.high))
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         spaces = {name: space for part in (*self._senses.values(), self._task) for name, space in part.spaces.items()}
@@ -320,7 +303,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if self._next_bundle is not None and seed != self.manifest.seed:
             bundle = self._next_bundle(int(seed))
             model = load_model(bundle)
-            self._close_pictures()
+            self._renderer.close()
             self.bundle, self.model = bundle, model
             self._bind(self._senses)
 
@@ -340,23 +323,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         observation = self._nerves.observe()
         return {**observation, **self._task.observe()} if self._task.spaces else observation
 
-    def _open_window(self) -> "Window":
-        from mimoc.render.window import Window
-
-        return Window(self.model, self.data, self.manifest.root_body)
-
-    def _show(self) -> None:
-        """Show the infant in its window, if it has one."""
-        if self._window is not None:
-            self._window.show()
-
     def _sense(self, name: str) -> Sense:
         if name not in self._senses:
             raise UnknownNameError("sense of this infant", name, self._senses)
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_nerves", "_keypoints", "_painter", "_window"}
+BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_nerves", "_keypoints", "_renderer"}
 """What an environment cannot give to a copy of itself."""
 
 

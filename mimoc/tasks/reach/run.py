@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
+from mimoc.geometry.rotations import direction
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.gaze import Gaze
@@ -64,10 +65,8 @@ class Reach(Task):
         entry = self._entry
         ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
         distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
-        level = np.cos(elevation)
-        direction = np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
         trunk = data.xmat[self._trunk].reshape(3, 3)
-        return data.xpos[self._shoulder] + trunk @ (distance_m * direction)
+        return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
 
 
 def bind(entry: ReachEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Reach:
