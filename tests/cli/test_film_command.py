@@ -6,7 +6,6 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc import cli
 from mimoc.runtime.rollout import POLICIES, random_policy
 
 
@@ -19,21 +18,9 @@ def built(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def run(monkeypatch, capfd, tmp_path, built):
-    """Return what runs `mimoc run` in an empty folder: exit code, output, errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def invoke(arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["mimoc", "run", str(built), *shlex.split(arguments)])
-        capfd.readouterr()
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as exit_:
-            code = exit_.code or 0
-        return code, *capfd.readouterr()
-
-    return invoke
+def run(invoke, here, built):
+    """Return what runs `mimoc run` in an empty folder."""
+    return lambda arguments: invoke("run", built, *shlex.split(arguments))
 
 
 def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
@@ -41,8 +28,8 @@ def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
     assert (code, err) == (0, "")
     assert "9 control steps" in out
     assert out.endswith("film.gif\n")
-    film = Image.open("film.gif")
-    assert (film.size, film.n_frames) == ((85 + 4 + 30, 64), 5)
+    with Image.open("film.gif") as film:
+        assert (film.size, film.n_frames) == ((85 + 4 + 30, 64), 5)
 
 
 @pytest.mark.parametrize(
@@ -79,4 +66,5 @@ def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, monkeypatch)
     assert (code, out) == (130, "")
     assert err.startswith("stopped; film.gif shows what happened until then\n")
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
-    assert Image.open("film.gif").n_frames == 4
+    with Image.open("film.gif") as film:
+        assert film.n_frames == 4
