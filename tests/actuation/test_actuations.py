@@ -35,13 +35,11 @@ def infant(model, hands, age_months=9, **actuation):
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 
-@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("model", ACTUATIONS)
 def test_gymnasium_has_nothing_against_it(model, hands):
     check_env(mimoc.make(infant(model, hands)).unwrapped)
 
 
-@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("model", ACTUATIONS)
 def test_an_infant_without_any_strength_is_an_environment_too(model, hands):
     env = mimoc.make(infant(model, hands, **NO_STRENGTH))

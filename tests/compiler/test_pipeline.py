@@ -153,7 +153,8 @@ def test_only_assets_that_are_used_are_there_and_they_are_small(built, tmp_path)
     assert used == {name for name in built.files if name.startswith("assets/")}
     for name in (name for name in used if name.endswith(".png")):
         (tmp_path / "picture.png").write_bytes(built.files[name])
-        assert max(Image.open(tmp_path / "picture.png").size) <= 256, name
+        with Image.open(tmp_path / "picture.png") as picture:
+            assert max(picture.size) <= 256, name
 
 
 def test_what_mujoco_changed_between_versions_is_not_in_the_files(built):

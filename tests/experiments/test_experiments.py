@@ -9,7 +9,6 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc import cli
 from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.experiments import EXPERIMENTS, run_experiment
 
@@ -68,7 +67,8 @@ def test_every_table_has_a_heading_with_units_and_a_value_in_each_column(made):
 
 def test_every_picture_is_whole_and_small(made):
     for path in made[1][0].glob("*.png"):
-        Image.open(path).verify()
+        with Image.open(path) as picture:
+            picture.verify()
         assert path.stat().st_size < 300_000
 
 
@@ -133,25 +133,17 @@ def test_a_file_in_the_way_is_refused(tmp_path):
         (["growth", "-o", "file"], "file: is a file, not a folder; choose another place"),
     ],
 )
-def test_the_command_says_in_one_line_what_is_wrong(arguments, message, tmp_path, monkeypatch, capfd):
+def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")
-    monkeypatch.setattr(sys, "argv", ["mimoc", "experiment", *arguments])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    out, err = capfd.readouterr()
-    assert (exit_.value.code, out, err) == (2, "", message + "\n")
+    assert invoke("experiment", *arguments) == (2, "", message + "\n")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_the_command_prints_where_the_page_is(tmp_path, monkeypatch, capfd):
+def test_the_command_prints_where_the_page_is(invoke, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(import_module(EXPERIMENTS["growth"]), "QUICK_MONTHS", (6,))
-    monkeypatch.setattr(sys, "argv", ["mimoc", "experiment", "growth", "-o", "out/growth", "--quick"])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 0
-    assert capfd.readouterr() == ("out/growth/growth.md\n", "")
+    assert invoke("experiment", "growth", "-o", "out/growth", "--quick") == (0, "out/growth/growth.md\n", "")
 
 
 def test_what_was_finished_outlives_an_interruption(tmp_path, monkeypatch):
