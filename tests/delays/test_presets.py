@@ -7,12 +7,13 @@ from hypothesis import strategies as st
 
 from mimoc.body import assemble, grow
 from mimoc.body.prune import prune
-from mimoc.delays.presets import AGES_MONTHS, PHYSIOLOGICAL, PRESETS, delays
-from mimoc.delays.spec import DelayEntry, DelaysEntry, DelaysSpec
+from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, channels
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
+from mimoc.senses import SENSES
 
-SENSES = ("proprioception", "vestibular", "touch", "vision")
+TABLES = {name: SENSES[name].physiological_delay for name in SENSES} | {MOTOR: MOTOR_DELAY}
 TREE = grow(measure(9), assemble("mitten", False))
 
 
@@ -24,7 +25,8 @@ def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:
 
 def test_every_preset_of_the_language_and_every_channel_is_known():
     assert tuple(PRESETS) == DelaysSpec.model_fields["preset"].annotation.__args__
-    assert tuple(PHYSIOLOGICAL) == tuple(name for name in DelaysEntry.model_fields if name != "legs")
+    assert {f"{channel}_ms" for channel in channels()} == DelaysSpec.model_fields.keys() - {"preset", "sensory_ms"}
+    assert set(channels()) == DelaysEntry.model_fields.keys() - {"legs"}
 
 
 def test_without_a_word_nothing_is_late():
@@ -65,7 +67,7 @@ def test_physiological_delays_are_those_of_the_table(
 @given(st.floats(0, 24), st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]))
 def test_older_is_never_slower(one, other, timestep_ms):
     younger, older = (entry(age, timestep_ms, preset="physiological") for age in sorted((one, other)))
-    for channel in PHYSIOLOGICAL:
+    for channel in channels():
         young, old = getattr(younger, channel), getattr(older, channel)
         assert old.ms <= young.ms
         assert (old.legs_ms or old.ms) <= (young.legs_ms or young.ms)
@@ -74,12 +76,12 @@ def test_older_is_never_slower(one, other, timestep_ms):
 @given(st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]), st.sampled_from(sorted(PRESETS)))
 def test_presets_are_whole_steps_and_within_half_a_step_of_what_they_say(age_months, timestep_ms, preset):
     found = entry(age_months, timestep_ms, preset=preset)
-    for channel, nerve in PHYSIOLOGICAL.items():
+    for channel, table in TABLES.items():
         delay = getattr(found, channel)
-        for ms, table in ((delay.ms, nerve.ms), (delay.legs_ms or delay.ms, nerve.legs_ms or nerve.ms)):
+        for ms, measured_ms in ((delay.ms, table.ms), (delay.legs_ms or delay.ms, table.legs_ms or table.ms)):
             assert ms / timestep_ms == pytest.approx(round(ms / timestep_ms))
             if preset == "physiological":
-                assert abs(ms - np.interp(age_months, AGES_MONTHS, table)) <= timestep_ms / 2 + 1e-9
+                assert abs(ms - np.interp(age_months, table.ages_months, measured_ms)) <= timestep_ms / 2 + 1e-9
 
 
 def test_an_infant_without_a_leg_has_one_leg():

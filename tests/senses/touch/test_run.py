@@ -11,9 +11,8 @@ from support.touch_oracle import touch_loop
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.senses.spec import TouchQuantity, TouchResponse
 from mimoc.senses.touch.run import MAX_FORCE_N, QUANTITIES, RESPONSES, Touch, bind
-from mimoc.senses.touch.spec import TouchEntry
+from mimoc.senses.touch.spec import TouchEntry, TouchQuantity, TouchResponse
 
 G_M_S2 = 9.81
 WORLD = """
