@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any
 
+from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
 from mimoc.bundle.plugins_needed import check_plugins
 from mimoc.bundle.swap import exchange
@@ -35,6 +36,15 @@ class Bundle:
     """What the runtime knows of it."""
     path: Path | None
     """Folder it was read from; None if it is only in memory."""
+
+    @property
+    def arrays(self) -> Mapping[str, Array]:
+        """Its large arrays by name, such as `touch/points_m`, read-only; empty if it has none.
+
+        Raises:
+            BundleError: If the archive that holds them is damaged.
+        """
+        return MappingProxyType(unpack_arrays(self.files[ARRAYS]) if ARRAYS in self.files else {})
 
     def __repr__(self) -> str:
         """Return who it is, how much there is of it and where it was read from, in a line."""

@@ -14,6 +14,7 @@ from mimoc import body, fits
 from mimoc.actuation.drives import build_drive
 from mimoc.body.provenance import trace_body
 from mimoc.bundle import folder
+from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose, place_senses
@@ -39,6 +40,7 @@ from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.mjcf import printing
 from mimoc.mjcf.conventions import find_convention
+from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.tree import SceneTree
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
@@ -109,12 +111,8 @@ class Builder:
     files: Mapping[str, bytes]
     """Of the infant alone."""
     manifest: Manifest
-    manifest_members: Mapping[str, str]
-    """The manifest's text, by key."""
     origins: Mapping[str, Any]
     """Where the infant's numbers come from."""
-    origin_members: Mapping[str, str]
-    """The same as text, by key."""
 
     def __repr__(self) -> str:
         """Return whom it builds, in a line."""
@@ -146,15 +144,14 @@ class Builder:
         toys = tuple(ToyEntry.model_validate(printing.rounded(toy.model_dump())) for toy in describe_toys(furnished))
         changes = {"seed": seed, "toys": toys, "notes": notes(spec, self.supplies.toybox, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
-        changed = printing.json_members(manifest.model_dump(include=set(changes)))
         own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
         files = {
             **self.files,
             **printing.render_world(furnished),
             SPEC_FILE: written.text.encode(),
             "resolved.yaml": source.dump(printing.rounded(to_data(spec))).encode(),
-            "provenance.json": printing.join_json({**printing.json_members(own_origins), **self.origin_members}),
-            "manifest.json": printing.join_json({**self.manifest_members, **changed}),
+            "provenance.json": printing.render_json({**own_origins, **self.origins}),
+            "manifest.json": printing.render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
         try:
@@ -211,12 +208,20 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         stage=stage,
         discs=outline(infant, spec.scene, tree),
         supplies=gather(spec, written),
-        files=printing.render_infant(infant),
+        files={**printing.render_infant(infant), **_arrays(senses)},
         manifest=manifest,
-        manifest_members=printing.json_members(manifest.model_dump()),
         origins=origins,
-        origin_members=printing.json_members(origins),
     )
+
+
+def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:
+    """Return the file that holds the large arrays of all senses, if there are any."""
+    arrays = {
+        f"{sense}/{name}": printing.rounded_array(array)
+        for sense, placed in senses.items()
+        for name, array in placed.arrays.items()
+    }
+    return {ARRAYS: pack_arrays(arrays)} if arrays else {}
 
 
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:

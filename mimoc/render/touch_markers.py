@@ -50,7 +50,8 @@ def skin_beads(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> Be
         )
     state = bind_sense("touch", bundle, model).skin_state(data)
     forces_n = np.linalg.norm(state.forces, axis=1)
-    radii_m = np.minimum(SIZE * np.array([entry.spacing_m[body] for body in state.bodies]), MAX_RADIUS_M)
+    spacing_m = {part.body: part.spacing_m for part in entry.skin}
+    radii_m = np.minimum(SIZE * np.array([spacing_m[body] for body in state.bodies]), MAX_RADIUS_M)
     return Beads(state.positions, np.where(forces_n > 0, SWELLING, 1) * radii_m, _colours(forces_n))
 
 

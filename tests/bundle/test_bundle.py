@@ -234,7 +234,7 @@ def test_a_manifest_of_another_version_is_refused_in_words(out, manifest):
     (out / "assets").mkdir(parents=True)
     for name, content in {**files, LOCK: json.dumps({"files": digests(files)}).encode()}.items():
         (out / name).write_bytes(content)
-    with pytest.raises(BundleError, match="its manifest is not of version 1, which this mimoc reads; build it again"):
+    with pytest.raises(BundleError, match="its manifest is not of version 2, which this mimoc reads; build it again"):
         read_bundle(out)
     assert read_bundle(write_bundle(ONE, out, force=True)).files == ONE.files
 

@@ -47,12 +47,13 @@ class TouchLoop:
 
 def touch_loop(entry, bundle, model) -> TouchLoop:
     """Return the loop that feels what *entry* says."""
-    skin = sorted((model.body(body).id, points) for body, points in entry.points_m.items())
+    ids = [model.body(part.body).id for part in entry.skin]
+    assert ids == sorted(ids)
     return TouchLoop(
         model=model,
-        bodies=np.array([body for body, points in skin for _ in points]),
-        points_m=np.array([point for _, points in skin for point in points]),
-        spacing_m={model.body(body).id: entry.spacing_m[body] for body in entry.points_m},
+        bodies=np.repeat(ids, [part.points for part in entry.skin]),
+        points_m=bundle.arrays["touch/points_m"],
+        spacing_m={body: part.spacing_m for body, part in zip(ids, entry.skin, strict=True)},
         quantity=entry.quantity,
         response=entry.response,
     )

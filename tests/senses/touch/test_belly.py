@@ -70,8 +70,8 @@ def meetings(data: mujoco.MjData) -> Iterator[tuple[set[str], np.ndarray]]:
 def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_felt(age_months, hands):
     bundle = bundle_of(age_months, hands, senses={"touch": {}})
     model = with_ball(bundle)
-    data, touch = supine(bundle, model), bind(bundle.manifest.senses.touch, bundle, model)
-    on_belly = touch.skin.names == "lower_body"
+    data, touch = supine(bundle, model), bind(bundle.manifest.senses.touch, model, bundle)
+    on_belly = touch.receptors.names == "lower_body"
     pressed_n, felt_n = 0.0, 0.0
     for step in range(SETTLED + COUNTED):
         mujoco.mj_step(model, data)

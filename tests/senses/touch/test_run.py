@@ -1,7 +1,8 @@
 from collections.abc import Iterator, Mapping
 from functools import cache
 from itertools import pairwise, product
-from typing import get_args
+from types import SimpleNamespace
+from typing import Any, get_args
 
 import mujoco
 import numpy as np
@@ -12,7 +13,7 @@ from support.touch_oracle import touch_loop
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.senses.touch.run import MAX_FORCE_N, QUANTITIES, RESPONSES, Touch, bind
-from mimoc.senses.touch.spec import TouchEntry, TouchQuantity, TouchResponse
+from mimoc.senses.touch.spec import POINTS, SkinEntry, TouchEntry, TouchQuantity, TouchResponse
 
 G_M_S2 = 9.81
 WORLD = """
@@ -42,9 +43,10 @@ def skin(
     data, points_m: Mapping[str, list], spacing_m=0.01, quantity="force_vector_global", response="linear"
 ) -> Touch:
     """Return the touch of some points of some bodies."""
-    spacings_m = dict.fromkeys(points_m, spacing_m)
-    entry = TouchEntry(quantity=quantity, response=response, points_m=points_m, spacing_m=spacings_m)
-    return bind(entry, None, data.model)
+    parts = tuple(SkinEntry(body=name, points=len(points), spacing_m=spacing_m) for name, points in points_m.items())
+    entry = TouchEntry(quantity=quantity, response=response, skin=parts)
+    stand_in: Any = SimpleNamespace(arrays={POINTS: np.concatenate([np.array(points) for points in points_m.values()])})
+    return bind(entry, data.model, stand_in)
 
 
 def points(reading):
@@ -131,7 +133,7 @@ def test_both_feel_the_same_contact_each_on_its_own_surface(order):
     data = world(*[ball("low", "0 0 0.5"), ball("high", "0 0 0.596")][::order])
     near_the_surface = [(0, 0, sign * height) for sign in (-1, 1) for height in (0.05, 0.0485, 0.046)]
     touch = skin(data, {"low": near_the_surface, "high": near_the_surface}, response="nearest")
-    low, high = (points(touch(data))[touch.skin.names == name] for name in ("low", "high"))
+    low, high = (points(touch(data))[touch.receptors.names == name] for name in ("low", "high"))
     assert np.flatnonzero(low.any(axis=1)).tolist() == [3]
     assert np.flatnonzero(high.any(axis=1)).tolist() == [0]
     assert high[0, 2] > 0
@@ -230,7 +232,7 @@ def infant(age_months=9, hands="mitten", pose="supine", quantity="force_vector",
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
     mujoco.mj_forward(model, data)
     entry = bundle.manifest.senses.touch.model_copy(update={"quantity": quantity, "response": response})
-    return bind(entry, bundle, model), data, touch_loop(entry, bundle, model)
+    return bind(entry, model, bundle), data, touch_loop(entry, bundle, model)
 
 
 def tangled(data, count, height_m=0) -> Iterator[mujoco.MjData]:
@@ -257,7 +259,7 @@ def moving(data, count) -> Iterator[mujoco.MjData]:
 def by_body(touch, data):
     """Return what the points of each body feel together, shape (nbody, 3), in the world."""
     total = np.zeros((data.model.nbody, 3))
-    np.add.at(total, touch.skin.bodies, touch.skin_state(data).forces)
+    np.add.at(total, touch.receptors.bodies, touch.skin_state(data).forces)
     return total
 
 
@@ -337,7 +339,7 @@ def test_the_quantities_are_of_one_force():
     """In the body's frame, in the world's, and its part along the normal."""
     (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
     for state in tangled(data, 20):
-        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
+        world_from_body = state.xmat[on_body.receptors.bodies].reshape(-1, 3, 3)
         forces, pressures = points(in_world(state)), normal(state)
         turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
         assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
@@ -346,7 +348,7 @@ def test_the_quantities_are_of_one_force():
 
 def test_pressures_add_up_to_the_normal_forces(child):
     touch, data = child
-    normal = Touch(touch.skin, touch.feeling, QUANTITIES["normal"], touch.spread)
+    normal = Touch(touch.receptors, data.model, QUANTITIES["normal"], RESPONSES["linear"])
     skinned = np.isin(np.arange(data.model.nbody), touch.bodies)
     for state in tangled(data, 20):
         sides = skinned[state.model.geom_bodyid[state.contact.geom]].sum(axis=1)
@@ -357,7 +359,7 @@ def test_pressures_add_up_to_the_normal_forces(child):
 def test_every_number_has_a_name_a_unit_and_a_body(child):
     touch, data = child
     for quantity in QUANTITIES.values():
-        felt = Touch(touch.skin, touch.feeling, quantity, touch.spread)
+        felt = Touch(touch.receptors, data.model, quantity, RESPONSES["linear"])
         layout = felt.layout
         assert len(set(layout)) == len(layout) == len(felt.bodies) == felt.spaces["touch"].shape[0] == len(felt(data))
         assert all(name.endswith(" [N]") for name in layout)
@@ -387,11 +389,11 @@ def test_the_skin_moves_with_the_body(child):
     in_body = []
     for state in tangled(data, 3):
         positions = touch.skin_state(state).positions
-        world_from_body = state.xmat[touch.skin.bodies].reshape(-1, 3, 3)
-        in_body.append(np.einsum("nji,nj->ni", world_from_body, positions - state.xpos[touch.skin.bodies]))
+        world_from_body = state.xmat[touch.receptors.bodies].reshape(-1, 3, 3)
+        in_body.append(np.einsum("nji,nj->ni", world_from_body, positions - state.xpos[touch.receptors.bodies]))
     for once, later in pairwise(in_body):
         assert_allclose(later, once, atol=1e-12)
-    assert_allclose(in_body[0], touch.skin.points_m, atol=1e-12)
+    assert_allclose(in_body[0], touch.receptors.points_m, atol=1e-12)
 
 
 def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
@@ -405,7 +407,7 @@ def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
 
 def test_a_denser_skin_feels_more():
     coarse, fine = (built(9, "mitten", "supine", density=density) for density in (0.5, 2))
-    points = [len(bind(each.manifest.senses.touch, each, load_model(each)).skin.names) for each in (coarse, fine)]
+    points = [len(bind(each.manifest.senses.touch, load_model(each), each).receptors.names) for each in (coarse, fine)]
     assert points[1] == pytest.approx(4 * points[0], rel=0.1)
 
 
