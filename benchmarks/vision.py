@@ -117,7 +117,7 @@ def infant(size_px: int) -> tuple[VisionEntry, mujoco.MjModel, list[mujoco.MjDat
         mujoco.mj_forward(model, data)
         states.append(data)
     entry = bundle.manifest.senses.vision
-    return entry, model, states, bind(entry, bundle, model)
+    return entry, model, states, bind(entry, model, bundle)
 
 
 def usual(renderer: mujoco.Renderer, entry: VisionEntry, data: mujoco.MjData) -> list[np.ndarray]:

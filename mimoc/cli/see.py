@@ -36,11 +36,11 @@ def see(
     from mimoc.render.picture_files import check_picture_name, write_picture
     from mimoc.render.picture_grid import draw_sheet
     from mimoc.senses.vision.comparison import compare_ages, read_ages
-    from mimoc.senses.vision.preview import glimpse
+    from mimoc.senses.vision.preview import preview
 
     check_picture_name(file)
     built = take_bundle(infant)
     vision = resolved_spec(built).senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
-    pictures = glimpse(built, compared.sights, pose, down, fovy)
+    pictures = preview(built, compared.entries, pose, down, fovy)
     print(write_picture(file, draw_sheet(pictures, compared.columns, compared.rows)))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mimoc.body import assemble, grow
 from mimoc.body.prune import prune
 from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
-from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, channels
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.senses import SENSES
@@ -23,10 +23,10 @@ def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:
     return delays(InfantSpec.model_validate(spec), tree)
 
 
-def test_every_preset_of_the_language_and_every_channel_is_known():
+def test_every_preset_of_the_language_and_every_signal_is_known():
     assert tuple(PRESETS) == DelaysSpec.model_fields["preset"].annotation.__args__
-    assert {f"{channel}_ms" for channel in channels()} == DelaysSpec.model_fields.keys() - {"preset", "sensory_ms"}
-    assert set(channels()) == DelaysEntry.model_fields.keys() - {"legs"}
+    assert {f"{signal}_ms" for signal in signals()} == DelaysSpec.model_fields.keys() - {"preset", "sensory_ms"}
+    assert set(signals()) == DelaysEntry.model_fields.keys() - {"legs"}
 
 
 def test_without_a_word_nothing_is_late():
@@ -67,8 +67,8 @@ def test_physiological_delays_are_those_of_the_table(
 @given(st.floats(0, 24), st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]))
 def test_older_is_never_slower(one, other, timestep_ms):
     younger, older = (entry(age, timestep_ms, preset="physiological") for age in sorted((one, other)))
-    for channel in channels():
-        young, old = getattr(younger, channel), getattr(older, channel)
+    for signal in signals():
+        young, old = getattr(younger, signal), getattr(older, signal)
         assert old.ms <= young.ms
         assert (old.legs_ms or old.ms) <= (young.legs_ms or young.ms)
 
@@ -76,8 +76,8 @@ def test_older_is_never_slower(one, other, timestep_ms):
 @given(st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]), st.sampled_from(sorted(PRESETS)))
 def test_presets_are_whole_steps_and_within_half_a_step_of_what_they_say(age_months, timestep_ms, preset):
     found = entry(age_months, timestep_ms, preset=preset)
-    for channel, table in TABLES.items():
-        delay = getattr(found, channel)
+    for signal, table in TABLES.items():
+        delay = getattr(found, signal)
         for ms, measured_ms in ((delay.ms, table.ms), (delay.legs_ms or delay.ms, table.legs_ms or table.ms)):
             assert ms / timestep_ms == pytest.approx(round(ms / timestep_ms))
             if preset == "physiological":

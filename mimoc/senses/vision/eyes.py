@@ -1,4 +1,4 @@
-"""Cameras in an infant's head, and the OpenGL context they need."""
+"""The cameras of an infant's eyes, and the OpenGL context they draw in."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -17,9 +17,9 @@ Drawn = npt.NDArray[np.uint8]
 
 LEAST_SLICES = 12
 SLICES_PER_ROOT_PX = 2.0
-"""Sides that balls and limbs are drawn with, for each root of the picture's height, but no more than the model asks
-for: the outline of a limb half as wide as the picture then stays within a third of a pixel of a round one.
-`benchmarks/vision.py` shows what that spares, and how little it changes the pictures."""
+"""Sides of drawn balls and limbs, per square root of the picture's height in pixels, at most what the model asks for:
+the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
+`benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
 STACKS_PER_SLICE = 2 / 3
 HIDDEN_GROUP = 5
 """One of the groups of geoms that MuJoCo does not draw unless asked to."""
@@ -51,10 +51,10 @@ class Eyes:
         self._shape = len(cameras), height_px, width_px, 3
         self._options, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
         self._gl = open_context(self._whole.width, self._whole.height)
-        self._look_into(model)
+        self._set_up(model)
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
-        """Return what the cameras see."""
+        """Return what the cameras draw."""
         self._gl.make_current()
         for camera, view in zip(self._cameras, self._views, strict=True):
             self._aim(camera, data)
@@ -63,10 +63,10 @@ class Eyes:
         mujoco.mjr_readPixels(from_below, None, self._whole, self._context)
         return from_below.reshape(self._shape)[:, ::-1]
 
-    def turn_to(self, model: mujoco.MjModel) -> None:
-        """See another model from now on, in which cameras and bodies have the same names.
+    def use_model(self, model: mujoco.MjModel) -> None:
+        """Draw another model from now on, in which cameras and bodies have the same names.
 
-        In an OpenGL context that has drawn before this takes a tenth of the time that new eyes take.
+        In an OpenGL context that is in use, this takes a tenth of the time that new eyes take.
 
         Raises:
             RenderingError: If OpenGL has no room for it.
@@ -74,14 +74,14 @@ class Eyes:
         self._gl.make_current()
         self._close.detach()
         self._context.free()
-        self._look_into(model)
+        self._set_up(model)
 
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine."""
         self._close()
 
-    def _look_into(self, model: mujoco.MjModel) -> None:
-        """Make all that drawing a model takes, in the OpenGL context that is current."""
+    def _set_up(self, model: mujoco.MjModel) -> None:
+        """Make what drawing a model needs, in the current OpenGL context."""
         self._model = model
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
         bodies = enumerate(model.geom_bodyid)
@@ -114,7 +114,7 @@ def _fixed_camera(index: int) -> mujoco.MjvCamera:
 
 
 def _make_context(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int, gl: Any) -> mujoco.MjrContext:
-    """Return what MuJoCo needs to draw a model into a buffer of just the size of all pictures.
+    """Return MuJoCo's context to draw a model into a buffer of exactly the size of all pictures.
 
     Raises:
         RenderingError: If OpenGL has no room for that; its context is freed then.
@@ -129,7 +129,7 @@ def _make_context(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int, 
 
 
 def _lean(model: mujoco.MjModel, whole: mujoco.MjrRect, height_px: int) -> tuple[Setting, ...]:
-    """Return what asks MuJoCo for no more than pictures of a height need, while a context is made of a model."""
+    """Return the settings of a model with which MuJoCo makes a context for pictures of a height, and no more."""
     size, quality = model.vis.global_, model.vis.quality
     slices = max(LEAST_SLICES, math.ceil(SLICES_PER_ROOT_PX * math.sqrt(height_px)))
     return (

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
-from mimoc.senses.proprioception.run import CHANNELS, LIMIT_MARGIN_RAD, bind
+from mimoc.senses.proprioception.run import COMPONENTS, LIMIT_MARGIN_RAD, bind
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 
 LOW_RAD, HIGH_RAD, GEAR_NM = -0.5, 1.2, 3.0
@@ -39,7 +39,7 @@ def bound(*include):
     """Return an arm and the sense of it."""
     model = mujoco.MjModel.from_xml_string(ARM)
     entry = ProprioceptionEntry(include=include, joints=("elbow",), torque_sensors=("load",))
-    return model, mujoco.MjData(model), bind(entry, BUNDLE, model)
+    return model, mujoco.MjData(model), bind(entry, model, BUNDLE)
 
 
 def felt(env, quantity, observation):
@@ -50,7 +50,7 @@ def felt(env, quantity, observation):
 
 
 def test_what_can_be_felt_is_what_a_spec_can_include():
-    assert tuple(CHANNELS) == ORDER
+    assert tuple(COMPONENTS) == ORDER
 
 
 @pytest.mark.parametrize("include", SUBSETS, ids="-".join)

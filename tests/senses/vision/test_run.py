@@ -46,7 +46,7 @@ def open_sight():
 
     def open_one(bundle, model, **changes):
         entry = bundle.manifest.senses.vision.model_copy(update=changes)
-        opened.append(bind(entry, bundle, model))
+        opened.append(bind(entry, model, bundle))
         return opened[-1]
 
     yield open_one
