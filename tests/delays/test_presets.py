@@ -1,4 +1,4 @@
-"""How late signals are follows from the spec: what is given, else the preset."""
+"""The delays of an infant are those that its spec gives, else those of the preset."""
 
 import numpy as np
 import pytest
@@ -29,11 +29,11 @@ def test_every_preset_of_the_language_and_every_signal_is_known():
     assert set(signals()) == DelaysEntry.model_fields.keys() - {"legs"}
 
 
-def test_without_a_word_nothing_is_late():
+def test_there_is_no_delay_by_default():
     assert entry() == DelaysEntry(legs=("right_upper_leg", "left_upper_leg"))
 
 
-def test_what_is_more_particular_wins():
+def test_the_more_specific_key_takes_precedence():
     found = entry(preset="physiological", sensory_ms=50, vision_ms=100)
     assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100)]
     assert found.motor == entry(preset="physiological").motor
@@ -43,7 +43,7 @@ def test_no_delay_can_be_given_against_a_preset():
     assert entry(preset="paper", vision_ms=0).vision == DelayEntry(ms=0)
 
 
-def test_the_paper_is_50_ms_late_and_one_step():
+def test_the_preset_of_the_paper_is_50_ms_and_one_physics_step():
     found = entry(preset="paper")
     assert {getattr(found, sense).ms for sense in SENSES} == {50}
     assert found.motor.ms == 5

@@ -15,22 +15,23 @@ def test_every_sense_is_a_section_of_the_spec_and_of_the_manifest_and_can_be_bui
         assert callable(function_of(kind.run, "bind"))
 
 
-def test_every_sense_gives_what_it_says(env):
-    """The same whenever it is read, a new array each time, and seen within the spaces it says."""
+def test_every_sense_returns_what_it_declares(env):
+    """The same whenever it is sampled, a new array each time, and observed within the spaces that it declares."""
     for name, sense in bind_senses(env.bundle, env.model).items():
-        reading, again = sense(env.data), sense(env.data)
-        assert (reading == again).all()
-        seen = sense.observe(reading)
-        assert seen.keys() == sense.spaces.keys()
+        sample, again = sense(env.data), sense(env.data)
+        assert (sample == again).all()
+        observed = sense.observe(sample)
+        assert observed.keys() == sense.spaces.keys()
         for key, space in sense.spaces.items():
-            assert seen[key] in space
+            assert observed[key] in space
             assert np.isfinite(space.low).all()
             assert np.isfinite(space.high).all()
             assert (space.low < space.high).all()
-            assert not np.shares_memory(seen[key], reading)
-        reading[:] = 0
+            assert not np.shares_memory(observed[key], sample)
+        sample[:] = 0
         assert (sense(env.data) == again).all(), name
-        assert len(sense.bodies) == len(reading)
+        assert sense.bodies is not None
+        assert len(sense.bodies) == len(sample)
         assert sense.bodies.min() > 0
         assert sense.bodies.max() < env.model.nbody
         sense.close()

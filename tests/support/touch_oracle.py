@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class TouchLoop:
-    """What each point of a skin feels, shape (n * 3,), or (n,) if that is pressure."""
+    """The force on each point of a skin, shape (n * 3,), or (n,) if that is the normal force."""
 
     model: mujoco.MjModel
     bodies: np.ndarray
@@ -20,7 +20,7 @@ class TouchLoop:
     response: str
 
     def __call__(self, data: mujoco.MjData) -> np.ndarray:
-        felt = np.zeros((len(self.bodies), 1 if self.quantity == "normal" else 3))
+        forces = np.zeros((len(self.bodies), 1 if self.quantity == "normal" else 3))
         for index in range(data.ncon):
             contact, wrench = data.contact[index], np.zeros(6)
             mujoco.mj_contactForce(self.model, data, index, wrench)
@@ -30,10 +30,10 @@ class TouchLoop:
                 if body in self.spacing_m:
                     place = contact.pos + sign * frame[0] * contact.dist / 2
                     push = wrench[0] if self.quantity == "normal" else sign * frame.T @ wrench[:3]
-                    self._push(felt, data, body, place, push)
-        return felt.ravel()
+                    self._push(forces, data, body, place, push)
+        return forces.ravel()
 
-    def _push(self, felt, data, body, place, push):
+    def _push(self, forces, data, body, place, push):
         world_from_body = data.xmat[body].reshape(3, 3)
         if self.quantity == "force_vector":
             push = world_from_body.T @ push
@@ -42,11 +42,11 @@ class TouchLoop:
         weights = np.maximum(1 - distances_m / (2 * self.spacing_m[body]), 0)
         if self.response == "nearest" or not weights.any():
             weights = np.arange(len(self.bodies)) == np.argmin(distances_m)
-        felt += np.outer(weights / weights.sum(), push)
+        forces += np.outer(weights / weights.sum(), push)
 
 
 def touch_loop(entry, bundle, model) -> TouchLoop:
-    """Return the loop that feels what *entry* says."""
+    """Return the loop for an entry."""
     ids = [model.body(part.body).id for part in entry.skin]
     assert ids == sorted(ids)
     return TouchLoop(

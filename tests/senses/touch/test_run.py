@@ -49,9 +49,9 @@ def skin(
     return bind(entry, data.model, stand_in)
 
 
-def points(reading):
-    """Return a reading of vectors point by point."""
-    return reading.reshape(-1, 3)
+def points(sample):
+    """Return a sample of vectors point by point."""
+    return sample.reshape(-1, 3)
 
 
 def contact_forces(data):
@@ -73,7 +73,7 @@ def test_the_floor_pushes_up():
     assert force[:2] == pytest.approx([0, 0], abs=1e-9)
 
 
-def test_what_rests_feels_its_weight():
+def test_a_body_at_rest_senses_its_weight():
     data = world('<body name="box" pos="0 0 0.05"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="2"/></body>')
     corners = list(product((-0.05, 0.05), repeat=3))
     touch = skin(data, {"box": corners})
@@ -85,7 +85,7 @@ def test_what_rests_feels_its_weight():
     assert not forces[~below].any()
 
 
-def test_a_fingertip_feels_its_share_of_the_weight():
+def test_a_fingertip_senses_its_share_of_the_weight():
     """A rod that turns about one end, and rests on the floor with the other: half of its weight."""
     rod = """
     <body name="rod" pos="0 0 0.01">
@@ -99,7 +99,7 @@ def test_a_fingertip_feels_its_share_of_the_weight():
     assert points(touch(data))[:, 2] == pytest.approx([0, 0.3 * G_M_S2 / 2], rel=1e-3)
 
 
-def test_friction_is_felt_too():
+def test_friction_is_sensed_too():
     """A ball that slides along x and y is held back."""
     data = world(ball())
     touch = skin(data, {"ball": [BOTTOM]})
@@ -109,7 +109,7 @@ def test_friction_is_felt_too():
     assert force[:2] / force[2] == pytest.approx(np.array([-1, 0.5]) / np.sqrt(1.25), rel=1e-2)
 
 
-def test_without_friction_only_the_normal_is_felt():
+def test_without_friction_only_the_normal_force_is_sensed():
     """The rows of MuJoCo's forces that follow are then those of the next contact."""
     data = world(ball(geom='condim="1"'), ball("other", "1 0 0.04", geom='condim="1"'), floor='condim="1"')
     forces = points(skin(data, {"ball": [BOTTOM], "other": [BOTTOM]})(data))
@@ -118,8 +118,8 @@ def test_without_friction_only_the_normal_is_felt():
     assert forces[1, 2] > forces[0, 2] > 0
 
 
-def test_a_force_is_felt_in_the_frame_of_the_body():
-    """A ball that lies on its left side feels the floor push to its right."""
+def test_a_force_is_sensed_in_the_frame_of_the_body():
+    """A ball that lies on its left side is pushed to its right by the floor."""
     data = world(ball(euler="-90 0 0"))
     left = {"ball": [(0, 0.05, 0)]}
     force = skin(data, left, quantity="force_vector")(data)
@@ -128,7 +128,7 @@ def test_a_force_is_felt_in_the_frame_of_the_body():
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_both_feel_the_same_contact_each_on_its_own_surface(order):
+def test_both_bodies_sense_the_same_contact_each_on_its_own_surface(order):
     """A ball that is 4 mm inside another."""
     data = world(*[ball("low", "0 0 0.5"), ball("high", "0 0 0.596")][::order])
     near_the_surface = [(0, 0, sign * height) for sign in (-1, 1) for height in (0.05, 0.0485, 0.046)]
@@ -140,7 +140,7 @@ def test_both_feel_the_same_contact_each_on_its_own_surface(order):
     assert (low[3] == -high[0]).all()
 
 
-def test_the_farther_from_a_touch_the_less_is_felt_to_nothing_at_two_spacings():
+def test_a_share_falls_with_the_distance_to_nothing_at_two_spacings():
     data = world(ball())
     row = [(x, 0, -0.05) for x in (0.0, 0.01, -0.015, 0.02, 0.03)]
     forces = points(skin(data, {"ball": row}, spacing_m=0.01)(data))
@@ -148,7 +148,7 @@ def test_the_farther_from_a_touch_the_less_is_felt_to_nothing_at_two_spacings():
     assert forces.sum() == pytest.approx(data.efc_force[0])
 
 
-def test_the_nearest_point_may_feel_everything():
+def test_the_nearest_point_alone_can_respond():
     data = world(ball())
     row = [(x, 0, -0.05) for x in (0.006, -0.005, 0.01)]
     forces = points(skin(data, {"ball": row}, response="nearest")(data))
@@ -156,7 +156,7 @@ def test_the_nearest_point_may_feel_everything():
 
 
 @pytest.mark.parametrize("others", [[], [(0, 0, 0.05), (0.05, 0, 0)]])
-def test_what_is_far_from_every_point_is_felt_by_the_nearest(others):
+def test_a_contact_far_from_every_point_goes_to_the_nearest(others):
     """Also where a skin has but one."""
     data = world(ball(), ball("near", "0.2 0 0.5"))
     lonely = (0.03, 0, -0.04)
@@ -170,22 +170,22 @@ def test_two_touches_of_one_point_add_up():
     assert touch(data) == pytest.approx([data.efc_force[[0, 3]].sum()])
 
 
-def test_only_skin_feels():
-    """Not a ball without it, of which the floor feels nothing either."""
+def test_only_skin_senses():
+    """A ball without skin does not, nor does the floor."""
     data = world(ball(), ball("toy", "1 0 0.049"), ball("next", "0.91 0 0.049"))
     touch = skin(data, {"ball": [BOTTOM]})
     assert data.ncon == 4
     assert points(touch(data))[0, 2] == pytest.approx(data.efc_force[0])
 
 
-def test_what_is_only_near_is_not_felt():
+def test_what_is_only_near_is_not_sensed():
     """MuJoCo lists such contacts, but not among those that push; which they are, 3.17 sees another way."""
     gaps = [world(ball(pos="0 0 0.055"), floor=f'margin="{margin_m}" gap="0.01"') for margin_m in (0.01, 0)]
     data = next(data for data in gaps if (data.contact.efc_address == -1).any())
     assert not skin(data, {"ball": [BOTTOM]})(data).any()
 
 
-def test_cloth_is_felt():
+def test_cloth_is_sensed():
     """It has no geoms: MuJoCo counts it as geom -1, which is not the last one."""
     cloth = """<flexcomp name="cloth" type="grid" dim="2" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.005" mass="1"
                pos="0 0 0.5"><contact selfcollide="none"/></flexcomp>"""
@@ -198,19 +198,19 @@ def test_cloth_is_felt():
 
 def test_no_touch_is_all_zeros():
     data = world(ball(pos="0 0 1"))
-    reading = skin(data, {"ball": [BOTTOM, (0, 0, 0.05)]})(data)
-    assert reading.shape == (6,)
-    assert not reading.any()
+    sample = skin(data, {"ball": [BOTTOM, (0, 0, 0.05)]})(data)
+    assert sample.shape == (6,)
+    assert not sample.any()
 
 
 @pytest.mark.parametrize(("quantity", "low"), [("force_vector", -MAX_FORCE_N), ("normal", 0)])
-@pytest.mark.parametrize("felt", [1e6, -1e6])
-def test_what_is_observed_keeps_to_its_bounds(quantity, low, felt):
+@pytest.mark.parametrize("force_n", [1e6, -1e6])
+def test_what_is_observed_keeps_to_its_bounds(quantity, low, force_n):
     touch = skin(world(ball()), {"ball": [BOTTOM]}, quantity=quantity)
-    reading = np.full(touch.spaces["touch"].shape, felt)
-    observed = touch.observe(reading)["touch"]
+    sample = np.full(touch.spaces["touch"].shape, force_n)
+    observed = touch.observe(sample)["touch"]
     assert observed in touch.spaces["touch"]
-    assert (observed == np.clip(felt, low, MAX_FORCE_N)).all()
+    assert (observed == np.clip(force_n, low, MAX_FORCE_N)).all()
 
 
 # Infants.
@@ -225,7 +225,7 @@ def built(age_months, hands, pose, **touch) -> mimoc.Bundle:
 
 
 def infant(age_months=9, hands="mitten", pose="supine", quantity="force_vector", response="linear"):
-    """Return the touch of an infant, its simulation in a pose, and the loop that should feel the same."""
+    """Return the touch of an infant, its simulation in a pose, and the loop that it should equal."""
     bundle = built(age_months, hands, pose)
     model = load_model(bundle)
     data = mujoco.MjData(model)
@@ -257,7 +257,7 @@ def moving(data, count) -> Iterator[mujoco.MjData]:
 
 
 def by_body(touch, data):
-    """Return what the points of each body feel together, shape (nbody, 3), in the world."""
+    """Return the sum of the forces on the points of each body, shape (nbody, 3), in the world."""
     total = np.zeros((data.model.nbody, 3))
     np.add.at(total, touch.receptors.bodies, touch.skin_state(data).forces)
     return total
@@ -274,7 +274,7 @@ def child(request):
 @pytest.mark.parametrize(
     ("age_months", "hands", "pose"), [(0, "mitten", "supine"), (9, "five_finger", "sitting"), (24, "mitten", "prone")]
 )
-def test_it_feels_what_a_loop_over_all_points_feels(age_months, hands, pose, quantity, response):
+def test_it_equals_a_loop_over_all_points(age_months, hands, pose, quantity, response):
     touch, data, loop = infant(age_months, hands, pose, quantity=quantity, response=response)
     touched = 0
     for states in (moving(data, 40), tangled(data, 15)):
@@ -286,7 +286,7 @@ def test_it_feels_what_a_loop_over_all_points_feels(age_months, hands, pose, qua
 
 
 @pytest.mark.matrix
-def test_the_points_of_a_body_feel_together_what_touches_it(child):
+def test_the_forces_on_the_points_of_a_body_add_up_to_the_contact_forces_on_it(child):
     """In every direction, to the last digits."""
     touch, data = child
     skinned = np.unique(touch.bodies)
@@ -302,7 +302,7 @@ def test_the_points_of_a_body_feel_together_what_touches_it(child):
     assert (touched > 60).all()
 
 
-def test_touching_oneself_is_felt_twice_and_opposite(child):
+def test_a_touch_of_oneself_is_sensed_twice_with_opposite_forces(child):
     touch, data = child
     touched = 0
     for state in tangled(data, 30, height_m=10):
@@ -328,7 +328,7 @@ def test_reading_changes_nothing(child):
 
 @pytest.mark.matrix
 @pytest.mark.parametrize("pose", ["supine", "prone"])
-def test_an_infant_at_rest_feels_its_weight(pose):
+def test_an_infant_at_rest_senses_its_weight(pose):
     touch, data, _ = infant(pose=pose)
     mujoco.mj_step(data.model, data, 1500)
     weight_n = data.model.body_mass.sum() * G_M_S2
@@ -359,11 +359,13 @@ def test_pressures_add_up_to_the_normal_forces(child):
 def test_every_number_has_a_name_a_unit_and_a_body(child):
     touch, data = child
     for quantity in QUANTITIES.values():
-        felt = Touch(touch.receptors, data.model, quantity, RESPONSES["linear"])
-        layout = felt.layout
-        assert len(set(layout)) == len(layout) == len(felt.bodies) == felt.spaces["touch"].shape[0] == len(felt(data))
+        other = Touch(touch.receptors, data.model, quantity, RESPONSES["linear"])
+        layout = other.layout
+        assert (
+            len(set(layout)) == len(layout) == len(other.bodies) == other.spaces["touch"].shape[0] == len(other(data))
+        )
         assert all(name.endswith(" [N]") for name in layout)
-        assert [name.split()[0] for name in layout] == [data.model.body(body).name for body in felt.bodies]
+        assert [name.split()[0] for name in layout] == [data.model.body(body).name for body in other.bodies]
 
 
 def test_the_points_of_a_body_are_counted():
@@ -376,11 +378,11 @@ def test_the_points_of_a_body_are_counted():
 def test_what_is_observed_is_fresh_and_within_its_space(child):
     touch, data = child
     for state in moving(data, 10):
-        reading = touch(state)
-        observed = touch.observe(reading)["touch"]
+        sample = touch(state)
+        observed = touch.observe(sample)["touch"]
         assert observed in touch.spaces["touch"]
-        assert_allclose(observed, reading, rtol=1e-6)
-        assert not np.shares_memory(observed, touch.observe(reading)["touch"])
+        assert_allclose(observed, sample, rtol=1e-6)
+        assert not np.shares_memory(observed, touch.observe(sample)["touch"])
 
 
 def test_the_skin_moves_with_the_body(child):
@@ -396,7 +398,7 @@ def test_the_skin_moves_with_the_body(child):
     assert_allclose(in_body[0], touch.receptors.points_m, atol=1e-12)
 
 
-def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
+def test_the_state_of_the_skin_is_in_the_world_whatever_is_observed():
     states = [touch.skin_state(data) for touch, data, _ in (infant(quantity=quantity) for quantity in QUANTITIES)]
     for state in states:
         assert state.forces.any()
@@ -411,6 +413,6 @@ def test_a_denser_skin_feels_more():
     assert points[1] == pytest.approx(4 * points[0], rel=0.1)
 
 
-def test_every_quantity_and_response_of_the_spec_can_be_felt():
+def test_every_quantity_and_response_of_the_spec_exists():
     assert QUANTITIES.keys() == set(get_args(TouchQuantity))
     assert RESPONSES.keys() == set(get_args(TouchResponse))
