@@ -10,8 +10,8 @@ from mimoc.compiler import pipeline
 from mimoc.compiler.pipeline import Builder
 from mimoc.mjcf.tree import Keyframe
 from mimoc.scenes.footprint import floor_reach, footprint, reach_of
-from mimoc.scenes.room.build import Placement
-from mimoc.scenes.world import put
+from mimoc.scenes.placement import put
+from mimoc.scenes.setting import Placement
 
 
 def grown(age_months: float, **body) -> Builder:

@@ -7,11 +7,14 @@ import pytest
 
 import mimoc
 from mimoc.compiler import pipeline
+from mimoc.kinds import function_of
 from mimoc.mjcf.tree import Keyframe
+from mimoc.scenes import SCENES
 from mimoc.scenes.footprint import footprint
-from mimoc.scenes.room.build import CLEARANCE_M, Decor, Placement
+from mimoc.scenes.placement import moved, put
+from mimoc.scenes.room.build import CLEARANCE_M
+from mimoc.scenes.setting import Decor, Occupant, Placement, Setting
 from mimoc.scenes.spec import SceneSpec
-from mimoc.scenes.world import WORLDS, Setting, moved, put
 
 
 def compiled(kind: str) -> mujoco.MjModel:
@@ -20,7 +23,7 @@ def compiled(kind: str) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
 
 
-@pytest.mark.parametrize("kind", WORLDS)
+@pytest.mark.parametrize("kind", SCENES)
 def test_every_world_has_light_and_all_poses(kind):
     model = compiled(kind)
     assert model.nlight >= 1
@@ -57,7 +60,8 @@ def around(kind: str, age_months: float, seed: int = 0) -> tuple[pipeline.Builde
     """Return an infant, and the world around it."""
     infant = grown(age_months)
     scene = SceneSpec.model_validate({"kind": kind, "seed": seed})
-    return infant, WORLDS[kind](scene, Decor(), infant.tree, taken(age_months))
+    build = function_of(SCENES[kind].build, "build")
+    return infant, build(scene, Occupant(infant.tree, taken(age_months)), Decor())
 
 
 @cache
