@@ -8,10 +8,12 @@ from mimoc.body.poses import standing_height
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
 from mimoc.mjcf import sensor_sites
+from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon
 from mimoc.mjcf.keyframes import keyframes
 from mimoc.mjcf.keypoints import keypoint_sites
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver, World
+from mimoc.mjcf.scene import SceneTree, Solver
+from mimoc.mjcf.world import World
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s

@@ -14,7 +14,7 @@ from mimoc.looks.expressions import FACES
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks.setup import NO_TASK, TaskSetup

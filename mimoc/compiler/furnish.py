@@ -11,7 +11,8 @@ from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.errors import NoRoomError
 from mimoc.kinds import function_of
 from mimoc.mjcf.contact_pairs import barrier_pairs
-from mimoc.mjcf.tree import Keyframe, Prop, SceneTree
+from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.random_streams import stream
 from mimoc.scenes import SCENES
 from mimoc.scenes.footprint import floor_reach, footprint, reach_of
@@ -115,7 +116,7 @@ def furnish(
 
 def _toys(
     spec: SceneSpec, setting: Setting, tree: BodyTree, start: Keyframe, taken: FloatArray, toybox: Toybox
-) -> tuple[Prop, ...]:
+) -> tuple[FreeObject, ...]:
     """Return the toys of a scene, around where the infant starts and clear of the discs that are taken."""
     if spec.toys is None:
         return ()

@@ -39,7 +39,7 @@ from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.mjcf import printing
 from mimoc.mjcf.conventions import find_convention
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
 from mimoc.tasks.setup import TaskSetup

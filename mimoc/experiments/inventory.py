@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from mimoc.compiler import furnish
 from mimoc.compiler.pipeline import Builder
 from mimoc.experiments.notebook import Cell
-from mimoc.mjcf.tree import Keyframe, Prop, SceneTree
+from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.scenes.footprint import floor_reach
 from mimoc.toys.placing import Reach
 
@@ -118,7 +119,7 @@ def _heading_rad(start: Keyframe) -> float:
     return math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
 
 
-def _seen_from(prop: Prop, reach: Reach, heading_rad: float) -> ToyPlace:
+def _seen_from(prop: FreeObject, reach: Reach, heading_rad: float) -> ToyPlace:
     x_m, y_m = (place - centre for place, centre in zip(prop.pos_m, reach.centre_m, strict=False))
     cos, sin = math.cos(heading_rad), math.sin(heading_rad)
     return ToyPlace(

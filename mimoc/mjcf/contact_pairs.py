@@ -8,8 +8,11 @@ nothing. A listed pair goes past the tree and costs a hundredth of a microsecond
 from collections.abc import Iterable, Iterator, Sequence
 
 from mimoc.body.tree import Vec3
+from mimoc.mjcf.constraints import Pair
 from mimoc.mjcf.furniture import SOLID, WorldGeom
-from mimoc.mjcf.tree import Node, Pair, PrintedGeom, PropGeom, World
+from mimoc.mjcf.infant import Node, PrintedGeom
+from mimoc.mjcf.objects import ObjectGeom
+from mimoc.mjcf.world import World
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
@@ -31,7 +34,7 @@ def _geoms(nodes: Iterable[Node]) -> Iterator[PrintedGeom]:
         yield from _geoms(node.children)
 
 
-def _pair(barrier: WorldGeom, geom: PrintedGeom | PropGeom) -> Pair:
+def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
     """Return a contact with what MuJoCo mixes of two geoms that are equally soft."""
     sliding, spinning, rolling = _larger(barrier.friction, geom.friction)
     return Pair(

@@ -8,7 +8,7 @@ from mimoc.body import BodyTree
 from mimoc.errors import UnknownNameError
 from mimoc.mjcf.mimo.body import as_mimos
 from mimoc.mjcf.mimo.model import fit_infant, fit_world
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
 
 
 @dataclass(frozen=True, slots=True)

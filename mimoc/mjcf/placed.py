@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from mimoc.mjcf.tree import Camera, Sensor, Site
+from mimoc.mjcf.infant import Camera, Sensor, Site
 from mimoc.schema.base import Model
 
 

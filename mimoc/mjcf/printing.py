@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from lxml import etree
 
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
 
 SIGNIFICANT_DIGITS = 9
 """Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""

@@ -1,7 +1,7 @@
 """Where an infant's senses sit: the sites, cameras and MuJoCo sensors of its body."""
 
 from mimoc.body import BodyTree
-from mimoc.mjcf.tree import Camera, Sensor, Site
+from mimoc.mjcf.infant import Camera, Sensor, Site
 from mimoc.units import deg_to_rad
 
 SITE_RADIUS_M = 0.01

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from mimoc.body.kinematics import FloatArray
-from mimoc.mjcf.tree import Keyframe, Prop
+from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.scene import Keyframe
 from mimoc.scenes.setting import Placement
 
 
@@ -25,7 +26,7 @@ def put(pose: Keyframe, start: Placement) -> Keyframe:
     return Keyframe(pose.name, (*place, *turn, *pose.qpos[7:]), pose.settings)
 
 
-def put_prop(prop: Prop, start: Placement) -> Prop:
+def put_prop(prop: FreeObject, start: Placement) -> FreeObject:
     """Return a prop somewhere else on the floor; it is a ball, or looks the same from all sides."""
     (x, y, _), z = moved(np.array([prop.pos_m]), start)[0].tolist(), prop.pos_m[2]
     return replace(prop, pos_m=(x, y, z))

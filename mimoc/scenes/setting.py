@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS, Wallpaper
-from mimoc.mjcf.furniture import Headlight
-from mimoc.mjcf.tree import Light, World
+from mimoc.mjcf.lights import DirectionalLight, Headlight
+from mimoc.mjcf.world import World
 
 WEIGHTLESS = (0.0, 0.0, 0.0)
 ENDLESS_M = (1e3, 1e3)
 """Half size of a floor without walls."""
 HEADLIGHT = Headlight((0.66, 0.66, 0.66), (0.08, 0.08, 0.08))
 
-SUN = Light("sun", (1.8, -0.9, 2.4), (-0.6, 0.3, -0.8), (0.46, 0.46, 0.46), castshadow=True)
-WINDOW = Light("window", (1.2, -0.6, 3.0), (-0.4, 0.2, -1.0), (0.3, 0.3, 0.3), castshadow=True)
+SUN = DirectionalLight("sun", (1.8, -0.9, 2.4), (-0.6, 0.3, -0.8), (0.46, 0.46, 0.46), castshadow=True)
+WINDOW = DirectionalLight("window", (1.2, -0.6, 3.0), (-0.4, 0.2, -1.0), (0.3, 0.3, 0.3), castshadow=True)
 """The sun indoors."""
 
 

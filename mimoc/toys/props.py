@@ -5,8 +5,9 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 
-from mimoc.mjcf.furniture import FIRM, SOLID, UNTOUCHED, WorldMaterial
-from mimoc.mjcf.tree import MeshFile, Prop, PropGeom
+from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED
+from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.objects import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
 from mimoc.toys.model import Mesh, Solid
 from mimoc.toys.solids import solid_volume
@@ -30,7 +31,7 @@ SOLIDS_GROUP = 3
 """MuJoCo draws this group only if it is asked to."""
 
 
-def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
+def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
     """Return a toy that stands on the floor.
 
     Args:
@@ -43,7 +44,7 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
     materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
     looks = list(_looks(toy, name, number))
     solids = list(_solids(toy, name, number))
-    return Prop(
+    return FreeObject(
         name=name,
         object=toy.model.name,
         category=toy.model.category,
@@ -66,12 +67,12 @@ def mjcf_name(text: str) -> str:
     return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
-def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFile]]:
+def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
     """Yield what is seen of a toy, and cannot be felt."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
         yield (
-            PropGeom(
+            ObjectGeom(
                 name=f"{name}_looks_{part.tint}",
                 type="mesh",
                 names=(("mesh", mesh.name),),
@@ -84,14 +85,14 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFil
                 conaffinity=UNTOUCHED,
                 condim=1,
                 friction=FRICTION,
-                solmix=FIRM,
+                solmix=DOMINANT_SOLMIX,
                 group=LOOKS_GROUP,
             ),
             mesh,
         )
 
 
-def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFile | None]]:
+def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
     """Yield what is felt of a toy, and not seen; its mass is theirs, by volume."""
     volumes = [solid_volume(solid) for solid in toy.model.solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
@@ -99,7 +100,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
         mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, toy.size_m, "convex") if solid.mesh else None
         x, y, z = (toy.size_m * offset for offset in solid.pos)
         yield (
-            PropGeom(
+            ObjectGeom(
                 name=f"{name}_solid{index}",
                 type=solid.type,
                 names=(("mesh", mesh.name),) if mesh else (),
@@ -112,7 +113,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
                 conaffinity=SOLID,
                 condim=CONDIM[solid.type],
                 friction=FRICTION,
-                solmix=FIRM,
+                solmix=DOMINANT_SOLMIX,
                 group=SOLIDS_GROUP,
             ),
             mesh,
@@ -121,9 +122,9 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
         yield _ballast(toy, name, ballast_kg), None
 
 
-def _ballast(toy: Toy, name: str, mass_kg: float) -> PropGeom:
+def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
     """Return what moves the centre of mass of a toy a little to one side, and is neither seen nor felt."""
-    return PropGeom(
+    return ObjectGeom(
         name=f"{name}_ballast",
         type="sphere",
         names=(),
@@ -136,7 +137,7 @@ def _ballast(toy: Toy, name: str, mass_kg: float) -> PropGeom:
         conaffinity=UNTOUCHED,
         condim=1,
         friction=FRICTION,
-        solmix=FIRM,
+        solmix=DOMINANT_SOLMIX,
         group=SOLIDS_GROUP,
     )
 

@@ -11,7 +11,7 @@ import mimoc
 from mimoc.compiler import pipeline
 from mimoc.compiler.furnish import Supplies, furnish
 from mimoc.errors import NoRoomError
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
 from mimoc.scenes.footprint import floor_reach, footprint
 from mimoc.toys.placing import GAP_M
 

@@ -8,7 +8,7 @@ import mimoc
 from mimoc.body.poses import POSES
 from mimoc.compiler import pipeline
 from mimoc.compiler.pipeline import Builder
-from mimoc.mjcf.tree import Keyframe
+from mimoc.mjcf.scene import Keyframe
 from mimoc.scenes.footprint import floor_reach, footprint, reach_of
 from mimoc.scenes.placement import put
 from mimoc.scenes.setting import Placement

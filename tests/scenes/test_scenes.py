@@ -8,7 +8,7 @@ import pytest
 import mimoc
 from mimoc.compiler import pipeline
 from mimoc.kinds import function_of
-from mimoc.mjcf.tree import Keyframe
+from mimoc.mjcf.scene import Keyframe
 from mimoc.scenes import SCENES
 from mimoc.scenes.footprint import footprint
 from mimoc.scenes.placement import moved, put

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.compiler.furnish import BUILTIN_TOYS
-from mimoc.mjcf.tree import Prop
+from mimoc.mjcf.objects import FreeObject
 from mimoc.toys.choosing import Toy, choose_toys
 from mimoc.toys.props import make_prop
 from mimoc.toys.spec import ToysSpec
@@ -111,7 +111,7 @@ def post(model: mujoco.MjModel, data: mujoco.MjData, place: np.ndarray) -> int:
     return found
 
 
-def compiled(props: list[Prop]) -> mujoco.MjModel:
+def compiled(props: list[FreeObject]) -> mujoco.MjModel:
     """Return props on a floor, without their looks."""
 
     def text(numbers) -> str:

@@ -5,7 +5,9 @@ from collections.abc import Iterator
 
 from mimoc.body.provenance import Entry
 from mimoc.mjcf.furniture import WorldGeom
-from mimoc.mjcf.tree import Prop, SceneTree, World
+from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.world import World
 from mimoc.scenes.crib.build import LENGTH_IN_CHILDREN, RAIL_IN_CHILDREN
 from mimoc.schema.infant import InfantSpec
 
@@ -109,7 +111,7 @@ def _trace_crib(world: World) -> Iterator[tuple[str, Entry]]:
     yield "crib.rail_height", {"value": height_m, "unit": "m", "rule": rule, "from": ["child.length_cm"]}
 
 
-def _trace_toy(toy: Prop) -> Iterator[tuple[str, Entry]]:
+def _trace_toy(toy: FreeObject) -> Iterator[tuple[str, Entry]]:
     key, at = f"toy.{toy.name}", f"scene.xml: body[@name='{toy.name}']"
     rule = _drawn(f"from the toys there are: {toy.source}", "toys.choice")
     yield f"{key}.object", {"value": toy.object, "rule": rule, "from": [SEED]}
@@ -129,7 +131,7 @@ def _trace_toy(toy: Prop) -> Iterator[tuple[str, Entry]]:
         yield f"{key}.colour_{tint}", {"value": material.rgba, "rule": rule, "from": [SEED], "xml": xml}
 
 
-def _trace_apparatus(prop: Prop) -> Iterator[tuple[str, Entry]]:
+def _trace_apparatus(prop: FreeObject) -> Iterator[tuple[str, Entry]]:
     key, at = f"apparatus.{prop.name}", f"scene.xml: body[@name='{prop.name}']"
     sources = ["spec.task.kind", "spec.age_months"]
     yield f"{key}.size", {"value": prop.size_m, "unit": "m", "rule": "that of MIMo's task", "from": sources}
@@ -138,7 +140,7 @@ def _trace_apparatus(prop: Prop) -> Iterator[tuple[str, Entry]]:
     yield f"{key}.pos", {"value": prop.pos_m, "unit": "m", "rule": rule, "from": sources, "xml": f"{at}/@pos"}
 
 
-def _mass(prop: Prop, sources: list[str]) -> Entry:
+def _mass(prop: FreeObject, sources: list[str]) -> Entry:
     volume_cm3 = 1e6 * prop.mass_kg / prop.density_kg_m3
     rule = f"the volume of its shape at this size, {volume_cm3:.4g} cm3, x {prop.density_kg_m3:g} kg/m3"
     xml = f"scene.xml: body[@name='{prop.name}']/geom/@mass"

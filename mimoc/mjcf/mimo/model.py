@@ -7,9 +7,11 @@ what every bundle has: `lookups` has that. `docs/compatibility.md` says what was
 import math
 from dataclasses import replace
 
+from mimoc.mjcf.infant import Camera, Node
 from mimoc.mjcf.mimo.effectors import with_effectors
 from mimoc.mjcf.mimo.servos import by_angle, pose_by_angle
-from mimoc.mjcf.tree import Camera, Mark, Node, SceneTree
+from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.world import Mark
 
 LOCATION = "mimo_location"
 """The body that the infant is in; its free joint has the same name."""

@@ -8,8 +8,9 @@ import numpy as np
 
 from mimoc.body.stature import stature
 from mimoc.looks.wallpaper import WALLS
-from mimoc.mjcf.furniture import FIRM, UNTOUCHED, Furniture, WorldGeom, WorldMaterial, WorldTexture
-from mimoc.mjcf.tree import Ground, World
+from mimoc.mjcf.furniture import DOMINANT_SOLMIX, UNTOUCHED, Furniture, WorldGeom
+from mimoc.mjcf.materials import WorldMaterial, WorldTexture
+from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.setting import HEADLIGHT, WINDOW, Decor, Occupant, Setting
 from mimoc.scenes.spec import SceneSpec
 from mimoc.units import cm_to_m
@@ -128,7 +129,7 @@ def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
         "crib_sheet",
         solref=SOFT_SOLREF,
         solimp=SOFT_SOLIMP,
-        solmix=FIRM,
+        solmix=DOMINANT_SOLMIX,
     )
     return mattress, sheet
 

@@ -1,6 +1,6 @@
 """Nothing at all: the infant floats."""
 
-from mimoc.mjcf.tree import World
+from mimoc.mjcf.world import World
 from mimoc.scenes.setting import SUN, WEIGHTLESS, Decor, Occupant, Setting
 from mimoc.scenes.spec import SceneSpec
 

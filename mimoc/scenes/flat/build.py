@@ -1,6 +1,6 @@
 """An endless floor."""
 
-from mimoc.mjcf.tree import Ground, World
+from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.setting import SUN, Decor, Occupant, Setting
 from mimoc.scenes.spec import SceneSpec
 

@@ -9,17 +9,10 @@ import numpy as np
 from mimoc.body.tree import Vec3
 from mimoc.looks.appearance import UNTINTED
 from mimoc.looks.wallpaper import Wallpaper
-from mimoc.mjcf.furniture import (
-    SOLID,
-    UNTOUCHED,
-    Furniture,
-    Headlight,
-    WorldGeom,
-    WorldLight,
-    WorldMaterial,
-    WorldTexture,
-)
-from mimoc.mjcf.tree import World
+from mimoc.mjcf.furniture import SOLID, UNTOUCHED, Furniture, WorldGeom
+from mimoc.mjcf.lights import Headlight, SpotLight
+from mimoc.mjcf.materials import WorldMaterial, WorldTexture
+from mimoc.mjcf.world import World
 from mimoc.random_streams import between, pick, shuffled, stream, whole_between
 from mimoc.scenes.footprint import reach_of
 from mimoc.scenes.setting import HEADLIGHT, OWN_DECOR, Decor, Occupant, Placement, Setting
@@ -208,7 +201,7 @@ def _hung(name: str, wall: _Side, picture: Wallpaper, sideways: float, eye_heigh
 
 def _lamps(
     generator: np.random.Generator, depth: float, width: float, height: float
-) -> tuple[tuple[WorldGeom, ...], tuple[WorldLight, ...]]:
+) -> tuple[tuple[WorldGeom, ...], tuple[SpotLight, ...]]:
     """Return lamps on the ceiling, in a row along the longer side, and their light."""
     count = whole_between(generator, *LAMP_COUNT)
     warmth, dim = generator.random(), between(generator, 0.85, 1.0)
@@ -235,7 +228,7 @@ def _lamps(
             )
         )
         lights.append(
-            WorldLight(
+            SpotLight(
                 f"lamp_{number}",
                 (x, y, height - 3 * LAMP_HALF_HEIGHT_M),
                 (0.0, 0.0, -1.0),

@@ -1,0 +1,64 @@
+"""Objects in MJCF that move freely."""
+
+from dataclasses import dataclass
+
+from mimoc.body.tree import Vec3
+from mimoc.mjcf.materials import WorldMaterial
+
+
+@dataclass(frozen=True, slots=True)
+class MeshFile:
+    """The triangles of a mesh."""
+
+    name: str
+    file: str
+    """Path inside the bundle."""
+    content: bytes
+    """An OBJ."""
+    inertia: str
+    """How MuJoCo is to reckon its volume: `shell` for what only shows and may be open, or `convex`."""
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectGeom:
+    """A primitive or a mesh of a toy."""
+
+    name: str
+    type: str
+    names: tuple[tuple[str, str], ...]
+    """The name of its mesh, if it is one, as an attribute."""
+    sizes: tuple[tuple[str, tuple[float, ...]], ...]
+    """The size of a primitive, as an attribute."""
+    pos_m: Vec3
+    quat: tuple[float, float, float, float]
+    mass_kg: float
+    material: str
+    contype: int
+    conaffinity: int
+    condim: int
+    friction: Vec3
+    solmix: float
+    group: int
+
+
+@dataclass(frozen=True, slots=True)
+class FreeObject:
+    """A toy, which moves freely."""
+
+    name: str
+    object: str
+    """What it is, such as `truck_003`."""
+    category: str
+    source: str
+    """Where its shape comes from."""
+    joint: str
+    pos_m: Vec3
+    quat: tuple[float, float, float, float]
+    size_m: float
+    """Its longest side."""
+    mass_kg: float
+    density_kg_m3: float
+    """Of its material, with whatever hollows it has."""
+    geoms: tuple[ObjectGeom, ...]
+    materials: tuple[WorldMaterial, ...]
+    meshes: tuple[MeshFile, ...]
