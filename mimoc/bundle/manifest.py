@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.delays.spec import DelaysEntry
 from mimoc.plugins import load_plugins
@@ -130,6 +132,9 @@ class Manifest(Model):
     """What there is to play with."""
     notes: tuple[str, ...] = ()
     """What its user should know of how it was built."""
+    plugins: dict[str, str] = Field(default_factory=dict)
+    """The kinds it uses that are not mimoc's own, such as `senses.sound`, and the distribution that each comes from;
+    empty if a script registered it."""
     keypoints: tuple[str, ...] = ()
     """The BODY_25 sites, in BODY_25's order; of limbs it does not have too."""
 

@@ -30,7 +30,7 @@ def rooms(
 ) -> None:
     """Draw the scenes that several seeds give, on one sheet."""
     from mimoc.cli import console
-    from mimoc.compiler import pipeline
+    from mimoc.compiler import building
     from mimoc.render.overview import overview
     from mimoc.render.picture_files import check_picture_name, write_picture
     from mimoc.render.picture_grid import draw_grid
@@ -38,7 +38,7 @@ def rooms(
     check_picture_name(file)
     wanted, infant, pictures = read_range(seeds), take_bundles_spec(spec), []
     _say_what_differs(infant)
-    builder = pipeline.builder(infant)
+    builder = building.builder(infant)
     with console.progress("drawing") as show:
         for number, seed in enumerate(wanted, start=1):
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
@@ -47,20 +47,22 @@ def rooms(
 
 
 def _say_what_differs(spec: "InfantSpec") -> None:
-    """Say so where there is no room to draw, and refuse a scene in which a seed changes nothing.
+    """Say so where only the toys differ between seeds, and refuse a scene in which a seed changes nothing.
 
     Raises:
         SpecError: If all pictures would be the same.
     """
+    from mimoc.scenes import SCENES
     from mimoc.schema.infant import as_written
 
     kind = spec.scene.kind
-    if kind == "room":
+    if SCENES[kind].varies:
         return
     if spec.scene.toys is None:
-        message = f"'{kind}' without toys is the same for every seed; write 'kind: room', or add toys"
+        others = " or ".join(f"'kind: {each.name}'" for each in SCENES.values() if each.varies)
+        message = f"'{kind}' without toys is the same for every seed; write {others}, or add toys"
         raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
-    print(f"note: the scene is '{kind}', not a room: only its toys differ from seed to seed", file=sys.stderr)
+    print(f"note: in scene.kind '{kind}', only the toys differ from seed to seed", file=sys.stderr)
 
 
 def read_range(text: str) -> range:

@@ -15,8 +15,9 @@ from mimoc.actuation.drives import build_drive
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose
-from mimoc.compiler.furnish import Supplies, furnish
-from mimoc.compiler.pipeline import compile_model
+from mimoc.compiler.furnish import furnish
+from mimoc.compiler.model_check import compile_model
+from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.mjcf import printing
 from mimoc.scenes.spec import SceneSpec
@@ -164,7 +165,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
     drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
-    infant = furnish(compose(plain, tree, drive, {}), plain, tree, Supplies())
+    infant = furnish(compose(plain, tree, drive, {}), plain, tree, SceneAssets()).scene
     return compile_model(printing.render_scene(infant))
 
 

@@ -1,8 +1,8 @@
-"""The textures a room is decorated with."""
+"""Textures for floors, ceilings and walls, and pictures to hang there."""
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -82,3 +82,17 @@ PICTURES = _table(
     ((0.48, 0.36), pictures.duck),
     ((0.48, 0.36), pictures.cat),
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Wallpapers:
+    """What floors, ceilings and walls may look like."""
+
+    floors: Sequence[Wallpaper] = tuple(FLOORS.values())
+    ceilings: Sequence[Wallpaper] = tuple(CEILINGS.values())
+    walls: Sequence[Wallpaper] = tuple(WALLS.values())
+    pictures: Sequence[Wallpaper] = tuple(PICTURES.values())
+
+
+OWN_WALLPAPERS = Wallpapers()
+"""Mimoc's own."""

@@ -22,8 +22,8 @@ def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
         world: What is around the infant.
         roots: The infant.
     """
-    props = (geom for prop in world.props for geom in prop.geoms)
-    moving = [geom for geom in (*_geoms(roots), *props) if SOLID & (geom.contype | geom.conaffinity)]
+    of_objects = (geom for each in world.objects for geom in each.geoms)
+    moving = [geom for geom in (*_geoms(roots), *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
     barriers = (geom for geom in world.furniture.geoms if geom.barrier)
     return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)
 

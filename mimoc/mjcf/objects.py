@@ -16,12 +16,12 @@ class MeshFile:
     content: bytes
     """An OBJ."""
     inertia: str
-    """How MuJoCo is to reckon its volume: `shell` for what only shows and may be open, or `convex`."""
+    """How MuJoCo computes its volume: `shell` for a mesh that is only seen and may be open, or `convex`."""
 
 
 @dataclass(frozen=True, slots=True)
 class ObjectGeom:
-    """A primitive or a mesh of a toy."""
+    """A primitive or a mesh of an object."""
 
     name: str
     type: str
@@ -43,12 +43,13 @@ class ObjectGeom:
 
 @dataclass(frozen=True, slots=True)
 class FreeObject:
-    """A toy, which moves freely."""
+    """An object that moves freely."""
 
     name: str
     object: str
     """What it is, such as `truck_003`."""
     category: str
+    """Its kind, such as `truck`."""
     source: str
     """Where its shape comes from."""
     joint: str
@@ -58,7 +59,7 @@ class FreeObject:
     """Its longest side."""
     mass_kg: float
     density_kg_m3: float
-    """Of its material, with whatever hollows it has."""
+    """Mean density, hollows included."""
     geoms: tuple[ObjectGeom, ...]
     materials: tuple[WorldMaterial, ...]
     meshes: tuple[MeshFile, ...]

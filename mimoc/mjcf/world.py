@@ -14,7 +14,7 @@ from mimoc.mjcf.objects import FreeObject, MeshFile
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """A floor without end."""
+    """An endless floor."""
 
     name: str
     height_m: float
@@ -22,7 +22,7 @@ class Ground:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A point in the world that programs place (MuJoCo's `mocap`); it touches nothing, and is hidden."""
+    """A marker that programs move (a MuJoCo mocap body); it touches nothing, and is hidden."""
 
     name: str
     pos_m: Vec3
@@ -34,40 +34,32 @@ class Mark:
 class World:
     """What is around the infant."""
 
-    infant_at: Vec3 = (0.0, 0.0, 0.0)
-    """Where the infant is put: x and y, [m], and how far it is turned about the vertical, [rad]."""
     gravity_m_s2: Vec3 = (0.0, 0.0, -9.81)
     grounds: tuple[Ground, ...] = ()
-    """Floors without end."""
+    """Endless floors."""
     lights: tuple[DirectionalLight, ...] = ()
-    """Those from afar."""
+    """Directional lights."""
     headlight: Headlight = OUTDOORS
     furniture: Furniture = BARE
-    toys: tuple[FreeObject, ...] = ()
-    apparatus: tuple[FreeObject, ...] = ()
-    """What a task needs."""
+    objects: tuple[FreeObject, ...] = ()
+    """What moves besides the infant."""
     locks: tuple[Lock, ...] = ()
     welds: tuple[Weld, ...] = ()
     cameras: tuple[Camera, ...] = ()
-    """Onlookers'."""
+    """Cameras that are fixed to the world."""
     marks: tuple[Mark, ...] = ()
     pairs: tuple[Pair, ...] = ()
-    """Contacts with what is barred, such as walls."""
-
-    @property
-    def props(self) -> tuple[FreeObject, ...]:
-        """All that moves besides the infant."""
-        return (*self.toys, *self.apparatus)
+    """Contacts with barriers, such as walls."""
 
     @property
     def plain_materials(self) -> tuple[WorldMaterial, ...]:
         """Materials of one colour."""
-        return (*self.furniture.plain_materials, *(material for prop in self.props for material in prop.materials))
+        return (*self.furniture.plain_materials, *(material for each in self.objects for material in each.materials))
 
     @property
     def meshes(self) -> tuple[MeshFile, ...]:
-        """The triangles of all toys."""
-        return tuple(mesh for prop in self.props for mesh in prop.meshes)
+        """The meshes of all objects."""
+        return tuple(mesh for each in self.objects for mesh in each.meshes)
 
     @property
     def assets(self) -> Mapping[str, bytes]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.body import BodyTree, Geom
 from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose, reach
-from mimoc.toys.placing import FADING, Reach
+from mimoc.toys.placing import FADING, ReachableFloor
 
 LEAN_DEG = 60.0
 """How far an infant that sits leans over to get at something."""
@@ -30,7 +30,7 @@ def reach_of(discs: FloatArray) -> float:
     return float((np.linalg.norm(discs[:, :2], axis=1) + discs[:, 2]).max())
 
 
-def floor_reach(tree: BodyTree, state: Sequence[float]) -> Reach | None:
+def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | None:
     """Return what of the floor an infant's hands get to in a pose with the arms stretched; None without arms."""
     here, stretched = _placed(tree, state), pose(tree, {})
     shoulders, lengths = [], []
@@ -43,7 +43,7 @@ def floor_reach(tree: BodyTree, state: Sequence[float]) -> Reach | None:
         return None
     length_m, (x_m, y_m, height_m) = max(lengths), np.mean(shoulders, axis=0).tolist()
     across_m = float(np.linalg.norm(np.subtract(shoulders, (x_m, y_m, height_m))[:, :2], axis=1).max())
-    return Reach((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
+    return ReachableFloor((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
 
 
 def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:

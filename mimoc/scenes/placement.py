@@ -8,10 +8,10 @@ import numpy as np
 from mimoc.body.kinematics import FloatArray
 from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import Keyframe
-from mimoc.scenes.setting import Placement
+from mimoc.scenes.built_scene import Placement
 
 
-def put(pose: Keyframe, start: Placement) -> Keyframe:
+def place_pose(pose: Keyframe, start: Placement) -> Keyframe:
     """Return a pose somewhere else on the floor, turned about the vertical."""
     x, y, z, w, i, j, k = pose.qpos[:7]
     cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
@@ -26,13 +26,13 @@ def put(pose: Keyframe, start: Placement) -> Keyframe:
     return Keyframe(pose.name, (*place, *turn, *pose.qpos[7:]), pose.settings)
 
 
-def put_prop(prop: FreeObject, start: Placement) -> FreeObject:
-    """Return a prop somewhere else on the floor; it is a ball, or looks the same from all sides."""
-    (x, y, _), z = moved(np.array([prop.pos_m]), start)[0].tolist(), prop.pos_m[2]
-    return replace(prop, pos_m=(x, y, z))
+def place_object(thing: FreeObject, start: Placement) -> FreeObject:
+    """Return an object somewhere else on the floor; it is not turned, for it looks the same from all sides."""
+    (x, y, _), z = place_discs(np.array([thing.pos_m]), start)[0].tolist(), thing.pos_m[2]
+    return replace(thing, pos_m=(x, y, z))
 
 
-def moved(discs: FloatArray, start: Placement) -> FloatArray:
+def place_discs(discs: FloatArray, start: Placement) -> FloatArray:
     """Return discs somewhere else on the floor, turned about the vertical with what is at the origin."""
     cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
     places = discs[:, :2] @ np.array([[cos, sin], [-sin, cos]]) + (start.x_m, start.y_m)

@@ -17,7 +17,7 @@ AT_ONCE, TRIES = 8, 256
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
+class ReachableFloor:
     """What of a floor an infant's hands get to."""
 
     centre_m: tuple[float, float]
@@ -61,17 +61,17 @@ class Floor:
 
 
 def place_toys(
-    radii_m: Sequence[float], reach: Reach, floor: Floor, generator: np.random.Generator
+    radii_m: Sequence[float], reach: ReachableFloor, floor: Floor, generator: np.random.Generator
 ) -> FloatArray | None:
     """Return a place for each toy, shape (n, 2), or None if there is no room for one of them.
 
-    A place that is not free is drawn anew, so toys are as dense as the reach says on all of the floor that is free.
+    A place that is not free is drawn anew, so that on the free floor toys are as dense as *reach* says.
 
     Args:
         radii_m: Of the toys, seen from above.
         reach: Where they are likely.
         floor: Where they can be.
-        generator: Of chance.
+        generator: What to draw from.
     """
     taken = list(map(tuple, floor.taken_m))
     places = np.empty((len(radii_m), 2))

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import building, loading
 from mimoc.render.camera import OFF_THE_WALL_M, shows, walls_of
 from mimoc.render.overview import overview
 from mimoc.render.portrait import Painter
@@ -12,7 +12,7 @@ from mimoc.render.portrait import Painter
 @pytest.fixture(scope="module")
 def playroom():
     """Return what builds the playroom of a seed."""
-    return pipeline.builder(pipeline.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
+    return building.builder(loading.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
 
 
 @pytest.fixture(scope="module")

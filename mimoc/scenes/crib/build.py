@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimoc.body.provenance import Entry
 from mimoc.body.stature import stature
-from mimoc.looks.wallpaper import WALLS
+from mimoc.looks.wallpaper import WALLS, Wallpapers
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, UNTOUCHED, Furniture, WorldGeom
 from mimoc.mjcf.materials import WorldMaterial, WorldTexture
 from mimoc.mjcf.world import Ground, World
-from mimoc.scenes.setting import HEADLIGHT, WINDOW, Decor, Occupant, Setting
+from mimoc.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
 from mimoc.scenes.spec import SceneSpec
 from mimoc.units import cm_to_m
 
@@ -61,14 +62,14 @@ class Crib:
     furniture: Furniture
 
 
-def build(spec: SceneSpec, occupant: Occupant, decor: Decor) -> Setting:
+def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltScene:
     """Return a crib that fits the infant, which lies on its mattress."""
     x_m, y_m = (np.abs(occupant.discs[:, :2]) + occupant.discs[:, 2:]).max(axis=0).tolist()
     made = crib(cm_to_m(stature(occupant.body)["length_cm"]), (x_m, y_m))
     length, width = made.inner_m
     floor = Ground("floor", made.floor_m)
     world = World(grounds=(floor,), lights=(WINDOW,), headlight=HEADLIGHT, furniture=made.furniture)
-    return Setting(world, half_size_m=(length / 2, width / 2))
+    return BuiltScene(world, half_size_m=(length / 2, width / 2), origins=_origins(made))
 
 
 def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
@@ -94,6 +95,19 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
     )
 
 
+def _origins(made: Crib) -> dict[str, Entry]:
+    """Return where the numbers of a crib come from."""
+    size_rule = (
+        f"inside: the common kind's (EN 716-1), or {LENGTH_IN_CHILDREN:g} x the child's length, or as far as it reaches"
+    )
+    rail_rule = f"above the mattress: {RAIL_IN_CHILDREN:.4g} x the child's length, as MIMo's is at 18 months"
+    shared = {"unit": "m", "from": ["child.length_cm"]}
+    return {
+        "crib.size": {"value": made.inner_m, "rule": size_rule, **shared},
+        "crib.rail_height": {"value": made.rail_height_m, "rule": rail_rule, **shared},
+    }
+
+
 def _materials(inner: tuple[float, float]) -> tuple[WorldMaterial, ...]:
     length, width = inner
     return (
@@ -104,10 +118,10 @@ def _materials(inner: tuple[float, float]) -> tuple[WorldMaterial, ...]:
 
 
 def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
-    """Return a mattress that shows and a soft sheet, which is what is felt of it.
+    """Return a mattress that is only seen, and a soft sheet on it for contacts.
 
-    That is a plane, which for physics has no end: on a box, MuJoCo finds one point at a time of a cylinder that
-    stands there, and toys tremble. What is thrown out of the crib lies beside it as high as the sheet.
+    The sheet is a plane, which for physics has no end: between a box and a cylinder that stands on it, MuJoCo finds
+    one contact at a time, and toys tremble. Toys thrown out of the crib rest beside it at the height of the sheet.
     """
     half = (length / 2, width / 2, (MATTRESS_M - SHEET_M) / 2)
     mattress = WorldGeom(
@@ -162,15 +176,15 @@ def _bars(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
     low = -MATTRESS_M / 2
     size, z = (BAR_RADIUS_M, (rail - low) / 2), (rail + low) / 2
     for side, across in ("front", length / 2 + RAIL_RADIUS_M), ("back", -length / 2 - RAIL_RADIUS_M):
-        for number, along in enumerate(_spread(width), start=1):
+        for number, along in enumerate(_bar_positions(width), start=1):
             yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (across, along, z), _UNTURNED, "crib_wood")
     for side, across in ("left", width / 2 + RAIL_RADIUS_M), ("right", -width / 2 - RAIL_RADIUS_M):
-        for number, along in enumerate(_spread(length), start=1):
+        for number, along in enumerate(_bar_positions(length), start=1):
             yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (along, across, z), _UNTURNED, "crib_wood")
 
 
-def _spread(span: float) -> list[float]:
-    """Return the middles of bars across a span, as few as leave no gap too wide."""
+def _bar_positions(span: float) -> list[float]:
+    """Return the positions of bars across a span: the fewest that leave no gap too wide."""
     thickness = 2 * BAR_RADIUS_M
     gaps = math.ceil((span + thickness) / (WIDEST_GAP_M + thickness))
     pitch = (span + thickness) / gaps

@@ -7,4 +7,6 @@ EMPTY = SceneKind(
     about="Nothing at all: no floor and no gravity.",
     build="mimoc.scenes.empty.build",
     has_floor=False,
+    needs_footprint=False,
+    varies=False,
 )

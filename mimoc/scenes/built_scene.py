@@ -1,11 +1,11 @@
-"""A world before toys are put there."""
+"""What builds a scene and what comes of it: a world before toys are put there."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
-from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS, Wallpaper
+from mimoc.body.provenance import Entry
 from mimoc.mjcf.lights import DirectionalLight, Headlight
 from mimoc.mjcf.world import World
 
@@ -33,34 +33,25 @@ ORIGIN = Placement(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Decor:
-    """What a room may be decorated with."""
-
-    floors: Sequence[Wallpaper] = tuple(FLOORS.values())
-    ceilings: Sequence[Wallpaper] = tuple(CEILINGS.values())
-    walls: Sequence[Wallpaper] = tuple(WALLS.values())
-    pictures: Sequence[Wallpaper] = tuple(PICTURES.values())
-
-
-OWN_DECOR = Decor()
-"""Mimoc's own textures."""
-
-
-@dataclass(frozen=True, slots=True)
 class Occupant:
-    """The infant that a world is made for."""
+    """The infant that a scene is built for."""
 
     body: BodyTree
     discs: FloatArray
-    """The floor that it takes up in all its poses, at the origin: discs by x, y and radius, shape (n, 3), [m]."""
+    """The floor that it covers in all its poses, at the origin: discs by x, y and radius, shape (n, 3), [m].
+
+    Empty if the kind of scene does not need it.
+    """
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
-    """A world without toys, and what has a place in it."""
+class BuiltScene:
+    """A world without toys, where the infant is in it, and where toys can be."""
 
     world: World
     start: Placement = ORIGIN
     """Where the infant is."""
     half_size_m: tuple[float, float] = ENDLESS_M
     """Of the floor that toys can be on, at z = 0, from its middle at the origin."""
+    origins: Mapping[str, Entry] = field(default_factory=dict)
+    """Where its numbers come from, by key in `provenance.json`."""

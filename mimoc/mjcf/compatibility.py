@@ -1,4 +1,4 @@
-"""Other people's code that a bundle can be built for, and what it wants to be different."""
+"""Other software that a bundle can be built for, and what has to be different for it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from mimoc.mjcf.scene import SceneTree
 
 
 @dataclass(frozen=True, slots=True)
-class Convention:
-    """What some code wants of a model that mimoc alone would write otherwise."""
+class CompatibilityTarget:
+    """What has to be different in a model that some other software is to read."""
 
     body: Callable[[BodyTree], BodyTree]
     """Of the body: its parts and their order."""
@@ -23,20 +23,22 @@ class Convention:
     """Of the world it is in."""
 
 
-OWN = Convention(lambda tree: tree, lambda infant, model: infant, lambda scene: scene)
-"""As mimoc has it."""
-CONVENTIONS: Mapping[str, Convention] = MappingProxyType({"mimo": Convention(as_mimos, fit_infant, fit_world)})
+UNCHANGED = CompatibilityTarget(lambda tree: tree, lambda infant, model: infant, lambda scene: scene)
+"""For mimoc alone."""
+TARGETS: Mapping[str, CompatibilityTarget] = MappingProxyType(
+    {"mimo": CompatibilityTarget(as_mimos, fit_infant, fit_world)}
+)
 """By the name that users know."""
 
 
-def find_convention(name: str | None) -> Convention:
-    """Return the convention of that name, mimoc's own for None.
+def find_target(name: str | None) -> CompatibilityTarget:
+    """Return the target of that name; for None, one that changes nothing.
 
     Raises:
         UnknownNameError: If there is none.
     """
     if name is None:
-        return OWN
-    if name not in CONVENTIONS:
-        raise UnknownNameError("system to build for", name, CONVENTIONS)
-    return CONVENTIONS[name]
+        return UNCHANGED
+    if name not in TARGETS:
+        raise UnknownNameError("system to build for", name, TARGETS)
+    return TARGETS[name]

@@ -31,7 +31,7 @@ SOLIDS_GROUP = 3
 """MuJoCo draws this group only if it is asked to."""
 
 
-def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
+def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
     """Return a toy that stands on the floor.
 
     Args:
