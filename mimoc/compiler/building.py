@@ -22,6 +22,7 @@ from mimoc.compiler.notes import notes
 from mimoc.compiler.provenance.actuation import trace_drive
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
 from mimoc.compiler.provenance.delays import trace_delays
+from mimoc.compiler.provenance.plugins import trace_plugins
 from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
 from mimoc.compiler.provenance.task import trace_task
 from mimoc.compiler.provenance.world import trace_world
@@ -117,7 +118,7 @@ class Builder:
         toys = tuple(
             ToyEntry.model_validate(printing.rounded(toy.model_dump())) for toy in describe_toys(furnished.toys)
         )
-        told = notes(spec, self.scene_assets.toybox, self.target)
+        told = notes(spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
         return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": told})
 
     def _files(
@@ -153,6 +154,7 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
         **dict(trace_delays(spec, manifest.delays)),
         **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
+        **trace_plugins(manifest.plugins),
         **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
     }
     return Builder(

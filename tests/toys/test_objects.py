@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.compiler.furnish import BUILTIN_TOYS
 from mimoc.mjcf.objects import FreeObject
+from mimoc.toys.builtin.build import BUILTIN_TOYS
 from mimoc.toys.choosing import Toy, choose_toys
 from mimoc.toys.objects import make_object
 from mimoc.toys.spec import ToysSpec

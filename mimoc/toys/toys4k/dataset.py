@@ -12,7 +12,7 @@ from mimoc.errors import ToyError, suggestion
 
 FORMATS = ("obj", "ply", "glb", "stl")
 """What is read, the best first."""
-LAYOUT = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
+FOLDER_STRUCTURE = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
 
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
 _NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
@@ -29,8 +29,8 @@ class Toys4K:
     """The mesh of every object, sorted by name."""
     categories: Mapping[str, tuple[str, ...]]
     """The objects of every category, both sorted."""
-    outside: Mapping[str, Path]
-    """What looks like an object, but lies out of the root."""
+    linked_away: Mapping[str, Path]
+    """Links to meshes that are not below the root; they are not read."""
 
 
 def expand_root(text: str, spec_folder: Path) -> Path:
@@ -49,7 +49,7 @@ def expand_root(text: str, spec_folder: Path) -> Path:
 
 
 def find_toys(root: Path) -> Toys4K:
-    """Return the objects in a folder, of both layouts; see `LAYOUT`.
+    """Return the objects in a folder of either structure; see `FOLDER_STRUCTURE`.
 
     Raises:
         ToyError: If there is no such folder, it cannot be read, or it holds no objects.
@@ -61,13 +61,13 @@ def find_toys(root: Path) -> Toys4K:
         where, reason = getattr(error, "filename", None) or root, getattr(error, "strerror", None) or error
         raise ToyError(f"{where}: cannot be read ({reason}); give the folder that Toys4K was unpacked to") from None
     if not found:
-        raise ToyError(f"{root}: holds no objects of Toys4K; give the folder that has {LAYOUT}")
-    outside = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
-    objects = {name: path for name, path in sorted(found.items()) if name not in outside}
+        raise ToyError(f"{root}: holds no objects of Toys4K; give the folder that has {FOLDER_STRUCTURE}")
+    linked_away = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
+    objects = {name: path for name, path in sorted(found.items()) if name not in linked_away}
     categories = defaultdict[str, list[str]](list)
     for name in objects:
         categories[category_of(name)].append(name)
-    return Toys4K(real, objects, {name: tuple(categories[name]) for name in sorted(categories)}, outside)
+    return Toys4K(real, objects, {name: tuple(categories[name]) for name in sorted(categories)}, linked_away)
 
 
 def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
@@ -80,7 +80,9 @@ def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
     if wrong:
         raise ToyError("\n".join(wrong.values()), next(iter(wrong)))
     if not subset and not found.objects:
-        raise ToyError("\n".join(_outside(found, name) for name in found.outside), next(iter(found.outside)))
+        raise ToyError(
+            "\n".join(_linked_away(found, name) for name in found.linked_away), next(iter(found.linked_away))
+        )
     names = {name for each in subset for name in found.categories.get(each, (each,))}
     return tuple(sorted(names or found.objects))
 
@@ -138,16 +140,16 @@ def _shown(folder: Path) -> list[Path]:
 
 
 def _reason_against(found: Toys4K, name: str) -> str:
-    beyond = [each for each in found.outside if name in (each, category_of(each))]
+    beyond = [each for each in found.linked_away if name in (each, category_of(each))]
     if beyond:
-        return _outside(found, beyond[0])
+        return _linked_away(found, beyond[0])
     known = found.categories.keys() | found.objects.keys()
     advice = suggestion(name, known)
-    if advice.startswith("choose"):  # Thousands of objects say less than their kinds.
+    if advice.startswith("choose"):  # The list of all objects is too long to help.
         advice = suggestion(name, found.categories)
     return f"'{name}' is neither a category nor an object in {found.root}; {advice}"
 
 
-def _outside(found: Toys4K, name: str) -> str:
-    path = found.outside[name].relative_to(found.root)
-    return f"'{name}' ({path}) is a link to a file out of {found.root}; copy the file there"
+def _linked_away(found: Toys4K, name: str) -> str:
+    path = found.linked_away[name].relative_to(found.root)
+    return f"'{name}' ({path}) is a link to a file outside {found.root}; copy the file there"

@@ -149,7 +149,7 @@ def leaking(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_what_lies_out_of_the_root_is_no_object(leaking):
     found = find_toys(leaking)
     assert len(found.objects) == 5
-    assert list(found.outside) == ["ball_002", "cup_013", "pig_000"]
+    assert list(found.linked_away) == ["ball_002", "cup_013", "pig_000"]
     assert "pig" not in found.categories
 
 
@@ -171,7 +171,7 @@ def test_a_root_may_be_a_link_itself_and_link_within(root, tmp_path_factory):
     link = tmp_path_factory.mktemp("links") / "toys"
     link.symlink_to(root)
     found = find_toys(link)
-    assert not found.outside
+    assert not found.linked_away
     assert found.categories["cup"] == ("cup_012", "cup_100")
 
 
