@@ -1,4 +1,4 @@
-"""An infant put into the world of its spec, with toys around it."""
+"""An infant placed in the world of its spec, with toys around it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,6 +16,7 @@ from mimoc.kinds import function_of
 from mimoc.mjcf.contact_pairs import barrier_pairs
 from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.mjcf.world import World
 from mimoc.random_streams import stream
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant
@@ -106,22 +107,28 @@ def furnish(
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
     task_objects = tuple(place_object(thing, built.start) for thing in setup.props)
-    objects = (*toys, *task_objects)
     world = replace(
-        built.world,
-        objects=objects,
-        furniture=built.world.furniture + setup.furniture,
+        _with_task(built.world, setup),
+        objects=(*toys, *task_objects),
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
-        gravity_m_s2=WEIGHTLESS if setup.weightless else built.world.gravity_m_s2,
     )
-    resting = tuple(number for each in objects for number in (*each.pos_m, *each.quat))
+    resting = tuple(number for each in world.objects for number in (*each.pos_m, *each.quat))
     furnished = replace(
         scene,
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
         keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in starts.values()),
     )
     return FurnishedScene(furnished, toys, task_objects, built.origins)
+
+
+def _with_task(world: World, setup: TaskSetup) -> World:
+    """Return a world with the furniture of a task, and without gravity if the task wants none."""
+    return replace(
+        world,
+        furniture=world.furniture + setup.furniture,
+        gravity_m_s2=WEIGHTLESS if setup.weightless else world.gravity_m_s2,
+    )
 
 
 def _toys(

@@ -32,7 +32,7 @@ Progress = Callable[[int, int], None]
 """Told how many infants are measured, and how many there are."""
 
 ROOT = "hip"
-"""The body that the whole infant hangs on."""
+"""The root body of the infant."""
 BODY_GROUP = 0
 """The geom group of flesh and bone; others only show."""
 

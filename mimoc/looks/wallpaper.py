@@ -10,7 +10,7 @@ from mimoc.looks.drawing import FloatArray, encode_palette_png
 from mimoc.looks.patterns import ceilings, floors, pictures, walls
 
 WHOLE = math.inf
-"""Extent of a tile that is as wide, or as high, as what it covers."""
+"""Extent of a tile that is as wide, or as high, as the surface it covers."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,28 +13,28 @@ class Lock:
     joint: str
     angle_rad: float
     active: bool
-    """Whether it does so from the start; others are there to be switched on."""
+    """Whether it is active from the start; others can be switched on."""
 
 
 @dataclass(frozen=True, slots=True)
 class Weld:
-    """A constraint that keeps a part of the infant where it is in the world."""
+    """A constraint that fixes a part of the infant in the world."""
 
     name: str
     body: str
     anchor_m: Vec3
-    """The point that is kept, in the frame of the body."""
+    """The point that is fixed, in the frame of the body."""
     pos_m: Vec3
-    """Where that point is kept."""
+    """Where that point is in the world."""
     quat: tuple[float, float, float, float]
-    """How it is turned."""
+    """Orientation."""
     torquescale: float
-    """1 to keep how it is turned; 0 lets it turn about the point."""
+    """1 fixes the orientation; 0 leaves it free about the point."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Two geoms that touch though their contact bits say that they do not."""
+    """Two geoms that collide although their contact bits say otherwise."""
 
     geom1: str
     geom2: str

@@ -1,8 +1,8 @@
 """Pairs: contacts of walls and ceiling with all that moves, listed one by one.
 
 MuJoCo looks for contacts between two bodies in a tree of boxes as soon as one of them has several geoms. The world is
-one body, the boxes of planes have no end, and so the tree of a whole room costs 5 to 8 % of a physics step and finds
-nothing. A listed pair goes past the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
+one body, the boxes of planes are infinite, and so the tree of a whole room costs 5 to 8 % of a physics step and finds
+nothing. A listed pair bypasses the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,7 +16,7 @@ from mimoc.mjcf.world import World
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
-    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits let them.
+    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits allowed them.
 
     Args:
         world: What is around the infant.

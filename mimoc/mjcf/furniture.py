@@ -7,10 +7,10 @@ from mimoc.mjcf.lights import SpotLight
 from mimoc.mjcf.materials import WorldMaterial, WorldTexture
 
 UNTOUCHED = 0
-"""Contact bits of what only shows."""
+"""Contact bits of geoms that are only seen."""
 SOLID = 1
 DOMINANT_SOLMIX = 100.0
-"""`solmix` of a mattress, and of toys: an infant is as soft as these are, and the two of them share."""
+"""`solmix` of a geom whose softness decides that of its contacts with an infant; two of them share."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,15 +32,15 @@ class WorldGeom:
     solref: tuple[float, float] = (0.005, 1.0)
     solimp: tuple[float, float, float, float, float] = (0.95, 0.99, 0.001, 0.5, 1.0)
     solmix: float = 1.0
-    """How much it counts for how soft a contact is; an infant's geoms count 1."""
+    """Weight of its softness in that of a contact; an infant's geoms have 1."""
     group: int = 0
     barrier: bool = False
-    """Whether what moves touches it by a pair for each of its geoms, and not by contact bits; see `pairs.py`."""
+    """Whether contacts with it are listed pairs instead of contact bits; see `contact_pairs.py`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Furniture:
-    """Some things and all that their looks need."""
+    """Things that are fixed to the world, with their materials, textures and lights."""
 
     geoms: tuple[WorldGeom, ...] = ()
     materials: tuple[WorldMaterial, ...] = ()
@@ -48,7 +48,7 @@ class Furniture:
     lights: tuple[SpotLight, ...] = ()
 
     def __add__(self, other: "Furniture") -> "Furniture":
-        """Return the things of both."""
+        """Return the things of both together."""
         return Furniture(
             self.geoms + other.geoms,
             self.materials + other.materials,
@@ -68,4 +68,4 @@ class Furniture:
 
 
 BARE = Furniture()
-"""Nothing at all."""
+"""No furniture."""

@@ -36,7 +36,7 @@ class PrintedGeom:
     conaffinity: int
     condim: int
     group: int
-    """0 for the body, 1 for what only shows."""
+    """0 for the body, 1 for geoms that are only seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Site:
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """An eye's, or an onlooker's, camera."""
+    """A camera: an eye, or one that watches."""
 
     name: str
     pos_m: Vec3
@@ -64,7 +64,7 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A body with all that is fixed to it."""
+    """A body with all that is attached to it."""
 
     name: str
     pos_m: Vec3
@@ -79,11 +79,11 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """What moves a joint."""
+    """An actuator of a joint."""
 
     name: str
     mimo_actuator: str
-    """The actuator of MIMo that it stands for, alone or with others."""
+    """The actuator of MIMo that it corresponds to, alone or with others."""
     joint: str
     gear: float
     control_range: tuple[float, float]

@@ -28,20 +28,20 @@ class SpotLight:
     attenuation: Vec3
     """Constant, linear and quadratic."""
     cutoff_deg: float
-    """MuJoCo wants it in degrees, whatever its compiler says of angles."""
+    """In degrees even where the compiler's angles are radians."""
     exponent: float
     castshadow: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Headlight:
-    """MuJoCo's light that goes with the camera, under `<visual>`."""
+    """MuJoCo's light at the camera, under `<visual>`."""
 
     ambient: Vec3
-    """From everywhere."""
+    """From all directions."""
     diffuse: Vec3
     """From the camera: little, or walls get brighter when a head turns to them."""
 
 
 OUTDOORS = Headlight((0.43, 0.43, 0.43), (0.24, 0.24, 0.24))
-"""Beside the sun; all three together are just not too bright for skin."""
+"""Beside the sun; all three together just do not overexpose skin."""

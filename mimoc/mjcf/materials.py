@@ -9,7 +9,7 @@ from mimoc.looks.appearance import Rgba
 class WorldTexture:
     """One `<texture type="2d">`.
 
-    Only planes wear it: on all other shapes MuJoCo 3.5 and 3.17 lay it in different ways.
+    Only planes have it: on all other shapes MuJoCo 3.5 and 3.17 map it differently.
     """
 
     name: str
@@ -28,9 +28,9 @@ class WorldMaterial:
     """Colour, or what the texture is multiplied by."""
     texture: str | None = None
     texrepeat: tuple[float, float] = (1.0, 1.0)
-    """How often the texture repeats across the whole plane that wears it, rightwards and upwards."""
+    """How often the texture repeats across the whole plane, rightwards and upwards."""
     specular: float = 0.1
     shininess: float = 0.1
     reflectance: float = 0.0
     emission: float = 0.0
-    """How much it shines by itself, 0 to 1."""
+    """Emission of light, 0 to 1."""

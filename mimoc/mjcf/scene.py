@@ -23,7 +23,7 @@ class Solver:
 
 @dataclass(frozen=True, slots=True)
 class Keyframe:
-    """A whole state to start from."""
+    """A complete state to start from."""
 
     name: str
     qpos: tuple[float, ...]
@@ -38,7 +38,7 @@ class SceneTree:
     name: str
     solver: Solver
     roots: tuple[Node, ...]
-    """The infant's hip, with everything that hangs on it."""
+    """The infant's root body with all its descendants."""
     appearance: Appearance
     tendons: tuple[PrintedTendon, ...]
     frictionless: tuple[tuple[str, str], ...]

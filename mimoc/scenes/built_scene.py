@@ -1,4 +1,4 @@
-"""What builds a scene and what comes of it: a world before toys are put there."""
+"""What the builders of scenes take and return: an infant, and a world before toys are placed in it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,12 +16,12 @@ HEADLIGHT = Headlight((0.66, 0.66, 0.66), (0.08, 0.08, 0.08))
 
 SUN = DirectionalLight("sun", (1.8, -0.9, 2.4), (-0.6, 0.3, -0.8), (0.46, 0.46, 0.46), castshadow=True)
 WINDOW = DirectionalLight("window", (1.2, -0.6, 3.0), (-0.4, 0.2, -1.0), (0.3, 0.3, 0.3), castshadow=True)
-"""The sun indoors."""
+"""Daylight indoors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where an infant is in a room."""
+    """Where an infant is on the floor."""
 
     x_m: float
     y_m: float

@@ -1,4 +1,4 @@
-"""Toys as the MJCF lists them: scaled, coloured, weighed and put in their places."""
+"""Toys as objects in MJCF: scaled, coloured, weighed and placed."""
 
 import math
 import re
@@ -14,21 +14,21 @@ from mimoc.toys.solids import solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
-"""What of a contact meets friction: sliding, from 4 on spinning, and with 6 rolling too.
+"""`condim`: 3 is sliding friction, 4 adds spinning and 6 rolling friction.
 
-Each costs time, so capsules do with 3: they are axles, legs and rings, which touch at several points.
+Each costs time, so capsules have 3: they are axles, legs and rings, which touch at several points.
 """
 BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
-"""What share of its mass makes a toy with cylinders lean, how far out, and how large that is, in sizes of the toy.
+"""Mass (of the toy's), distance and radius (in sizes of the toy) of the ballast in a toy with cylinders.
 
-It leans by a millionth: MuJoCo (3.17) finds no contact, now and then, between a plane and a cylinder that is upright
-but for rounding, and a bottle that stood still for seconds would fall all of a sudden.
+It makes the toy lean by a millionth: now and then MuJoCo (3.17) finds no contact between a plane and a cylinder that is
+upright but for rounding, and a bottle that stood still for seconds would suddenly fall.
 """
 LONGEST_NAME = 40
-"""Of what a toy is, in the names of its elements."""
+"""Characters of a toy's name in the names of its elements."""
 LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
-"""MuJoCo draws this group only if it is asked to."""
+"""MuJoCo does not draw this group by default."""
 
 
 def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
@@ -68,7 +68,7 @@ def mjcf_name(text: str) -> str:
 
 
 def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
-    """Yield what is seen of a toy, and cannot be felt."""
+    """Yield the visual geoms of a toy, which touch nothing, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
         yield (
@@ -93,7 +93,7 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshF
 
 
 def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
-    """Yield what is felt of a toy, and not seen; its mass is theirs, by volume."""
+    """Yield the collision geoms of a toy, which share its mass by volume, and their meshes."""
     volumes = [solid_volume(solid) for solid in toy.model.solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
     for index, (solid, volume) in enumerate(zip(toy.model.solids, volumes, strict=True), start=1):
@@ -123,7 +123,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, Mesh
 
 
 def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
-    """Return what moves the centre of mass of a toy a little to one side, and is neither seen nor felt."""
+    """Return an invisible geom without contacts that moves the centre of mass of a toy a little to one side."""
     return ObjectGeom(
         name=f"{name}_ballast",
         type="sphere",

@@ -51,7 +51,7 @@ def fit_infant(infant: SceneTree, model: str) -> SceneTree:
 
 
 def fit_world(scene: SceneTree) -> SceneTree:
-    """Return a scene with onlookers' cameras around the infant, and marks to place."""
+    """Return a scene with cameras around the infant, and marks to place."""
     x_m, y_m, *_ = scene.keyframes[0].qpos
     cameras = tuple(replace(camera, pos_m=_moved(camera.pos_m, x_m, y_m)) for camera in CAMERAS)
     marks = tuple(Mark(f"target:{part}", (0.0, 0.0, 0.0), MARK_RADIUS_M, rgba) for part, rgba in MARKS.items())
@@ -74,7 +74,7 @@ def _located(root: Node) -> Node:
 
 
 def _all(node: Node) -> list[Node]:
-    """Return a body and all that hangs on it."""
+    """Return a body and all its descendants."""
     return [node, *(found for child in node.children for found in _all(child))]
 
 

@@ -1,4 +1,4 @@
-"""A crib with bars to look through and a rail to pull oneself up by."""
+"""A crib with bars to look through and a rail to pull up on."""
 
 import math
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from mimoc.units import cm_to_m
 INNER_M = (1.2, 0.6)
 """Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""
 LENGTH_IN_CHILDREN = 1.25
-"""Length inside for one length of the child, at least."""
+"""Least length inside, in lengths of the child."""
 RAIL_IN_CHILDREN = 0.43 / 0.82
 """Height of the rail's middle above the mattress: at 18 months, 0.82 m long, MIMo holds it at 0.42 to 0.45 m."""
 RAIL_RADIUS_M = 0.01
@@ -29,19 +29,19 @@ WIDEST_GAP_M = 0.058
 """Between two bars: EN 716-1 asks for 45 to 65 mm."""
 POST_HALF_M = 0.02
 MATTRESS_M = 0.1
-"""How thick it is."""
+"""Its thickness."""
 LEGS_M = 0.3
 """From the floor to the top of the mattress."""
 SHEET, SHEET_TILE_M = WALLS["stars"], 0.4
 SHEET_M = 0.001
-"""How thick it is, so that it is not hidden in the mattress."""
+"""Its thickness, so that it is not hidden in the mattress."""
 FREE_M = 0.01
 """Between the bars and a child in any of its poses."""
 KNOB_M = 0.02
-"""How far a post rises over the rail."""
+"""Height of a post above the rail."""
 SOFT_SOLREF = (0.04, 1.0)
 SOFT_SOLIMP = (0.7, 0.95, 0.02, 0.5, 2.0)
-"""Foam: an infant sinks in by some millimetres."""
+"""Foam: an infant sinks in by a few millimetres."""
 
 _UNTURNED = (0.0, 0.0, 0.0)
 _ALONG_X = (0.0, math.pi / 2, 0.0)
@@ -77,7 +77,7 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
 
     Args:
         length_m: Of the child, crown to sole.
-        reach_m: How far from the middle it reaches along x and along y, in its poses.
+        reach_m: How far from the middle it extends along x and along y, in all its poses.
     """
     least_length, least_width = (2 * (reach + FREE_M) for reach in reach_m)
     inner = (max(INNER_M[0], LENGTH_IN_CHILDREN * length_m, least_length), max(INNER_M[1], least_width))

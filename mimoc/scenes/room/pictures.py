@@ -14,9 +14,9 @@ PICTURE_COUNT = (2, 4)
 EYE_HEIGHT_M = (1.2, 1.6)
 """Of the middle of a picture."""
 MARGIN_M = 0.1
-"""Of wall that a picture leaves free all around."""
+"""Of free wall around a picture."""
 OFF_THE_WALL_M = 0.012
-"""How far from it pictures hang, and lamps from the ceiling, so that nothing shines through, even 20 m away."""
+"""Gap behind pictures, and above lamps, so that nothing shows through, even from 20 m away."""
 
 
 def hang_pictures(
@@ -32,12 +32,12 @@ def hang_pictures(
 
 
 def _hung(name: str, wall: Side, picture: Wallpaper, sideways: float, eye_height_m: float) -> WorldGeom:
-    """Return a picture on a wall, smaller or lower than wished where it would not fit.
+    """Return a picture on a wall, smaller or lower than drawn where it would not fit.
 
     Args:
         name: Of the geom.
-        wall: What it hangs on.
-        picture: What it shows.
+        wall: The wall it hangs on.
+        picture: Its texture and size.
         sideways: Where along the wall: -1 for as far left as it can be, 1 for right.
         eye_height_m: Of its middle.
     """

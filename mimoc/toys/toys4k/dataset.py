@@ -1,4 +1,4 @@
-"""The objects of Toys4K, where a user unpacked it."""
+"""The folder that Toys4K was unpacked to: which objects it holds, and their files."""
 
 import os
 import re
@@ -13,6 +13,9 @@ from mimoc.errors import ToyError, suggestion
 FORMATS = ("obj", "ply", "glb", "stl")
 """What is read, the best first."""
 FOLDER_STRUCTURE = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
+
+MOST_BYTES = 500 * 10**6
+"""Of a mesh file."""
 
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
 _NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
@@ -91,6 +94,26 @@ def unknown(found: Toys4K, subset: Collection[str]) -> dict[str, str]:
     """Return what is wrong with each name of a subset that is neither a category nor an object."""
     known = found.categories.keys() | found.objects.keys()
     return {name: _reason_against(found, name) for name in subset if name not in known}
+
+
+def read_mesh(path: Path, root: Path) -> bytes:
+    """Return the content of a mesh file.
+
+    Raises:
+        ToyError: If it is not below the root, empty, too large or cannot be read; the message is the end of a sentence.
+    """
+    if not lies_in(path, root):
+        raise ToyError(f"is a link to a file outside {root}")
+    try:
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
+            content = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise ToyError(f"cannot be read ({error.strerror})") from None
+    if not content:
+        raise ToyError("is an empty file")
+    if len(content) > MOST_BYTES:
+        raise ToyError(f"has more than {MOST_BYTES / 1e6:.0f} MB")
+    return content
 
 
 def category_of(name: str) -> str:

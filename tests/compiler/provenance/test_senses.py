@@ -3,9 +3,9 @@
 import json
 
 import pytest
+from mimoc.compiler.provenance.senses import PRESETS, PROFILES
 
 import mimoc
-from mimoc.compiler.provenance.senses import PRESETS, PROFILES
 from mimoc.delays import presets
 from mimoc.senses.vision import acuity_by_age
 

@@ -157,12 +157,12 @@ def test_what_lies_out_of_the_root_is_no_object(leaking):
     ("name", "file"), [("ball_002", "ball/ball_002/mesh.obj"), ("pig_000", "pig/pig_000/mesh.obj")]
 )
 def test_what_lies_out_of_the_root_is_named_when_asked_for(name, file, leaking):
-    with pytest.raises(ToyError, match=rf"^'{name}' \({file}\) is a link to a file out of .*; copy the file there$"):
+    with pytest.raises(ToyError, match=rf"^'{name}' \({file}\) is a link to a file outside .*; copy the file there$"):
         choose(find_toys(leaking), [name])
 
 
 def test_a_category_that_lies_out_of_the_root_is_named_when_asked_for(leaking):
-    with pytest.raises(ToyError, match=r"^'pig_000' .* is a link to a file out of"):
+    with pytest.raises(ToyError, match=r"^'pig_000' .* is a link to a file outside"):
         choose(find_toys(leaking), ["pig"])
 
 
