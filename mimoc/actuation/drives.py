@@ -7,7 +7,8 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body import BodyTree, Joint
 from mimoc.kinds import function_of
-from mimoc.mjcf.tree import Actuator, Keyframe
+from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.scene import Keyframe
 
 
 def unchanged(keyframe: Keyframe) -> Keyframe:

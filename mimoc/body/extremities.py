@@ -11,8 +11,8 @@ from mimoc.body.proportions import (
     Limb,
     Proportions,
 )
-from mimoc.body.tree import Vec3
 from mimoc.errors import GeometryError
+from mimoc.geometry.rotations import Vec3
 
 FINGERS = {"ff": (0.95, 0.9), "mf": (1.0, 1.0), "rf": (0.95, 0.9), "lf": (0.91, 0.88)}
 """Radius and length of each finger against the middle finger's (MIMo v2)."""

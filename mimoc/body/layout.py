@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 
 from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, Part
 from mimoc.body.layout import Layout, Solid
-from mimoc.body.tree import Vec3
 from mimoc.errors import GeometryError
+from mimoc.geometry.rotations import Vec3
 
 LYING_PARTS = ("{side}_foot", "{side}_toes", "{side}_big_toe")
 """Parts whose length runs along x; that of all others runs along z."""

@@ -8,10 +8,12 @@ from mimoc.body.poses import standing_height
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
 from mimoc.mjcf import sensor_sites
+from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.keyframes import keyframes
 from mimoc.mjcf.keypoints import keypoint_sites
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver, World
+from mimoc.mjcf.scene import SceneTree, Solver
+from mimoc.mjcf.world import World
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
@@ -34,30 +36,11 @@ def compose(spec: InfantSpec, tree: BodyTree, drive: Drive, senses: Mapping[str,
         drive: What moves it.
         senses: Its senses.
     """
-    sites, points = sensor_sites.sites(tree), keypoint_sites(tree)
-    cameras = dict(sensor_sites.cameras(tree))
-    for placed in senses.values():
-        cameras |= placed.cameras
-        sites = {body: (*sites.get(body, ()), *placed.sites.get(body, ())) for body in {**sites, **placed.sites}}
-
-    def node(body: Body) -> Node:
-        is_root = body.parent is None
-        return Node(
-            name=body.name,
-            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
-            euler_rad=_radians(body.euler_deg),
-            free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(drive.joints[joint.name]) for joint in body.joints),
-            geoms=(*map(_geom, body.geoms), *_features(body)),
-            sites=(*sites.get(body.name, ()), *points.get(body.name, ())),
-            cameras=cameras.get(body.name, ()),
-            children=tuple(node(child) for child in tree.bodies if child.parent == body.name),
-        )
-
+    parts = _parts(tree, drive, senses)
     return SceneTree(
         name=spec.name,
         solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=drive.integrator),
-        roots=tuple(node(body) for body in tree.bodies if body.parent is None),
+        roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress(spec.body.expression),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         frictionless=tree.frictionless,
@@ -72,6 +55,41 @@ def compose(spec: InfantSpec, tree: BodyTree, drive: Drive, senses: Mapping[str,
         world=World(),
         keyframes=tuple(drive.keyframe(keyframe) for keyframe in keyframes(tree)),
     )
+
+
+def _parts(tree: BodyTree, drive: Drive, senses: Mapping[str, Placed]) -> dict[str, Node]:
+    """Return all parts by name, each with those that it carries."""
+    sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
+    for placed in senses.values():
+        cameras |= placed.cameras
+    nodes: dict[str, Node] = {}
+    for body in reversed(tree.bodies):
+        is_root = body.parent is None
+        nodes[body.name] = Node(
+            name=body.name,
+            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
+            euler_rad=_radians(body.euler_deg),
+            free_joints=(FREE_JOINT,) if is_root else (),
+            joints=tuple(_joint(drive.joints[joint.name]) for joint in body.joints),
+            geoms=(*map(_geom, body.geoms), *_features(body)),
+            sites=sites.get(body.name, ()),
+            cameras=cameras.get(body.name, ()),
+            children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
+        )
+    return nodes
+
+
+def _sites(tree: BodyTree, senses: Mapping[str, Placed]) -> dict[str, tuple[Site, ...]]:
+    """Return the sites of each body: of sensors, of senses, then keypoints."""
+    of_sensors, keypoints = sensor_sites.sites(tree), keypoint_sites(tree)
+    return {
+        body.name: (
+            *of_sensors.get(body.name, ()),
+            *(site for placed in senses.values() for site in placed.sites.get(body.name, ())),
+            *keypoints.get(body.name, ()),
+        )
+        for body in tree.bodies
+    }
 
 
 def _joint(joint: Joint) -> PrintedJoint:

@@ -9,8 +9,8 @@ from mimoc.body.kinematics import FloatArray, frames_in_world
 from mimoc.body.strengthen import muscle_groups
 from mimoc.errors import UnplayableError
 from mimoc.geometry.rotations import quaternion_from_matrix
+from mimoc.mjcf.constraints import Lock, Weld
 from mimoc.mjcf.mimo.lookups import lock_name
-from mimoc.mjcf.tree import Lock, Weld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.tasks.setup import Hold, TaskSetup

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
 from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.looks.drawing import encode_palette_png
@@ -98,7 +98,7 @@ def _sheet(size_px: int) -> bytes:
         "age_months": 10,
         "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
     }
-    infant = pipeline.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    infant = building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
     whole, finer = (
         compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
         for times in (1, MIDDLE_TIMES)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.body.poses import Pose, resting_state
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.units import ms_to_s
@@ -92,7 +92,7 @@ def efforts(age_months: float, model: Model = "torque", strength_age_months: flo
     actuation = {"model": model, "strength_age_months": strength_age_months}
     control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
     spec = {"mimoc": 1, "name": "lying", "age_months": age_months, "actuation": actuation, "control": control}
-    builder = pipeline.builder(InfantSpec.model_validate(spec))
+    builder = building.builder(InfantSpec.model_validate(spec))
     with closing(InfantEnv(builder(0, check=False))) as env:
         env.reset()
         env.data.qpos[:] = resting_state(builder.tree, FLAT)

@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mimoc.compiler import furnish
-from mimoc.compiler.pipeline import Builder
+from mimoc.compiler.building import Builder
 from mimoc.experiments.notebook import Cell
-from mimoc.mjcf.tree import Keyframe, Prop, SceneTree
-from mimoc.scenes.footprint import floor_reach
-from mimoc.toys.placing import Reach
+from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.scenes.footprint import reachable_floor
+from mimoc.toys.placing import ReachableFloor
 
 SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
 
@@ -48,7 +48,7 @@ class Inventory:
     """Of the infant's hip, from the middle of the room."""
     heading_rad: float
     """Which way it looks, from the x axis to the left."""
-    reach: Reach
+    reach: ReachableFloor
     toys: tuple[ToyPlace, ...]
 
     @property
@@ -83,11 +83,10 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
     Raises:
         SpecError: If there is no room for the toys.
     """
-    wanted = builder.spec.scene.model_copy(update={"seed": seed})
-    spec = builder.spec.model_copy(update={"scene": wanted})
-    room = furnish.furnish(builder.infant, spec, builder.tree, builder.supplies, builder.stage, builder.discs)
-    start = next(keyframe for keyframe in room.keyframes if keyframe.name == wanted.pose)
-    reach = floor_reach(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
+    furnished = builder.furnished(seed)
+    room = furnished.scene
+    start = next(keyframe for keyframe in room.keyframes if keyframe.name == builder.spec.scene.pose)
+    reach = reachable_floor(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
     assert reach is not None
     heading_rad = _heading_rad(start)
     furniture = room.world.furniture
@@ -102,7 +101,7 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
         place_m=(start.qpos[0], start.qpos[1]),
         heading_rad=heading_rad,
         reach=reach,
-        toys=tuple(_seen_from(prop, reach, heading_rad) for prop in room.world.props),
+        toys=tuple(_seen_from(toy, reach, heading_rad) for toy in furnished.toys),
     )
 
 
@@ -118,14 +117,14 @@ def _heading_rad(start: Keyframe) -> float:
     return math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
 
 
-def _seen_from(prop: Prop, reach: Reach, heading_rad: float) -> ToyPlace:
-    x_m, y_m = (place - centre for place, centre in zip(prop.pos_m, reach.centre_m, strict=False))
+def _seen_from(toy: FreeObject, reach: ReachableFloor, heading_rad: float) -> ToyPlace:
+    x_m, y_m = (place - centre for place, centre in zip(toy.pos_m, reach.centre_m, strict=False))
     cos, sin = math.cos(heading_rad), math.sin(heading_rad)
     return ToyPlace(
-        name=prop.object,
-        category=prop.category,
-        size_m=prop.size_m,
-        mass_kg=prop.mass_kg,
+        name=toy.object,
+        category=toy.category,
+        size_m=toy.size_m,
+        mass_kg=toy.mass_kg,
         ahead_m=cos * x_m + sin * y_m,
         left_m=cos * y_m - sin * x_m,
         within_reach=math.hypot(x_m, y_m) <= reach.radius_m,

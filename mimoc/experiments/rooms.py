@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.looks.drawing import encode_palette_png
@@ -19,7 +19,7 @@ from mimoc.render.plots.figure import png
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
 from mimoc.toys.builtin.library import BUILTIN
-from mimoc.toys.placing import Reach
+from mimoc.toys.placing import ReachableFloor
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
 PICTURE_PX = (176, 132)
@@ -87,7 +87,7 @@ picture not counted."""
 def run(notebook: Notebook) -> Path:
     """Build and draw the rooms of some seeds, and return the page."""
     seeds = QUICK_SEEDS if notebook.quick else SEEDS
-    builder = pipeline.builder(InfantSpec.model_validate(SPEC))
+    builder = building.builder(InfantSpec.model_validate(SPEC))
     rooms: list[Inventory] = []
     pictures: list[Picture] = []
     times_s = []
@@ -137,7 +137,7 @@ def _panels(rooms: Sequence[Inventory]) -> list[Panel]:
     ]
 
 
-def _share_nearer(reach: Reach, distances_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _share_nearer(reach: ReachableFloor, distances_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return what share of the toys on an endless floor lies within each distance; these are evenly spaced."""
     wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
     nearer = np.cumsum(wide_m * reach.density(wide_m))

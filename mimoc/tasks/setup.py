@@ -6,11 +6,11 @@ from typing import Literal
 
 from mimoc.body import BodyTree
 from mimoc.body.strengthen import body_groups, muscle_groups
-from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import Vec3
 from mimoc.kinds import function_of
 from mimoc.mjcf.furniture import BARE, Furniture
-from mimoc.mjcf.tree import Prop
+from mimoc.mjcf.objects import FreeObject
 from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry, TaskSpec
 from mimoc.tasks.free.spec import FreeEntry
@@ -43,7 +43,7 @@ class TaskSetup:
     """Joints that are kept at their angles."""
     holds: tuple[Hold, ...] = ()
     """Parts that are kept where they are."""
-    props: tuple[Prop, ...] = ()
+    props: tuple[FreeObject, ...] = ()
     """What else is there that moves."""
     furniture: Furniture = BARE
     """What else is there that does not."""
@@ -92,7 +92,7 @@ def one_armed(
     side: Side,
     goal: TaskEntry,
     start: tuple[float, ...],
-    props: tuple[Prop, ...] = (),
+    props: tuple[FreeObject, ...] = (),
     *,
     weightless: bool = False,
 ) -> TaskSetup:

@@ -6,7 +6,7 @@ import pytest
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.experiments.inventory import take_inventory
 from mimoc.experiments.rooms import SPEC
 
@@ -16,7 +16,7 @@ PLAYROOM = Path(__file__).parents[2] / "configs" / "playroom.yaml"
 
 @pytest.fixture(scope="module")
 def builder():
-    return pipeline.builder(mimoc.InfantSpec.model_validate(SPEC))
+    return building.builder(mimoc.InfantSpec.model_validate(SPEC))
 
 
 @pytest.fixture(scope="module")

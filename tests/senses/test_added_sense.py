@@ -7,16 +7,16 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from mimoc.bundle.folder import Bundle
+from mimoc.mjcf.tree import Sensor, Site
 from pydantic import Field
 
 import mimoc
 from mimoc.body import BodyTree
+from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import explain
 from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import Sensor, Site
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real
 from mimoc.senses.sense import Sample, Vector

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from mimoc.actuation.drives import Drive
 from mimoc.body import BodyTree, Joint, Motor
-from mimoc.mjcf.tree import Actuator
+from mimoc.mjcf.infant import Actuator
 from mimoc.units import deg_to_rad
 
 PEAK = 1.07

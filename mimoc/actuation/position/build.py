@@ -18,7 +18,8 @@ from mimoc.actuation.drives import Drive
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.body import BodyTree, Joint, Motor
 from mimoc.body.heft import inertias
-from mimoc.mjcf.tree import Actuator, Keyframe
+from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.scene import Keyframe
 from mimoc.units import deg_to_rad
 
 LAG_S = 0.03

@@ -3,7 +3,7 @@
 from mimoc.actuation.drives import Drive
 from mimoc.actuation.muscle.build import parameters
 from mimoc.body import BodyTree
-from mimoc.mjcf.tree import Actuator
+from mimoc.mjcf.infant import Actuator
 
 TORQUE = (
     ("forcelimited", "true"),

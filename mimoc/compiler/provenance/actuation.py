@@ -7,7 +7,7 @@ from mimoc.actuation.muscle.build import DAMPING, LONGEST, PEAK, SHORTEST
 from mimoc.actuation.position.build import FINEST_STEP_S, LAG_S, STEPS_OF_LAG
 from mimoc.body import Anatomy, BodyTree, Motor
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
-from mimoc.mjcf.tree import Actuator
+from mimoc.mjcf.infant import Actuator
 
 MODEL_KEY, STEP_KEY = "spec.actuation.model", "spec.control.timestep_ms"
 STROKE = LONGEST - SHORTEST

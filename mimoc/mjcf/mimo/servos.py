@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from mimoc.mjcf.tree import Actuator, Keyframe
+from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.scene import Keyframe
 
 Range = tuple[float, float]
 

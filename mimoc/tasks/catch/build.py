@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
 from mimoc.body.poses import POSES, Pose, resting_state
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.ball import BALL, RADIUS_M, ball
 from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
 from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require

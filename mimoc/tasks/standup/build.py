@@ -11,9 +11,8 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames, pose
 from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
 from mimoc.body.stature import stature
-from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
-from mimoc.geometry.rotations import matrix_from_axis
+from mimoc.geometry.rotations import Vec3, matrix_from_axis
 from mimoc.scenes.crib.build import RAIL_RADIUS_M
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point

@@ -8,8 +8,8 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames
-from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.setup import Side
 from mimoc.units import deg_to_rad
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 from mimoc.body import BodyTree
 from mimoc.body.stature import stature
-from mimoc.body.tree import Vec3
-from mimoc.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
+from mimoc.geometry.rotations import Vec3
+from mimoc.mjcf.furniture import Furniture, WorldGeom
+from mimoc.mjcf.materials import WorldMaterial
 from mimoc.scenes.crib.build import RAIL_IN_CHILDREN, RAIL_RADIUS_M
 from mimoc.units import cm_to_m
 

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.compiler.pipeline import Builder, builder, compile_model
+from mimoc.compiler.building import Builder, builder
+from mimoc.compiler.model_check import compile_model
 from mimoc.errors import SpecError
 from mimoc.tasks.ball import RADIUS_M
 

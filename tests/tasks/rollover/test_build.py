@@ -3,7 +3,7 @@
 import pytest
 
 import mimoc
-from mimoc.compiler.pipeline import Builder, builder
+from mimoc.compiler.building import Builder, builder
 from mimoc.errors import SpecError
 from mimoc.schema import read_spec
 from mimoc.schema.source import parse

@@ -4,10 +4,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.compiler.furnish import BUILTIN_TOYS
-from mimoc.mjcf.tree import Prop
+from mimoc.mjcf.objects import FreeObject
+from mimoc.toys.builtin.build import BUILTIN_TOYS
 from mimoc.toys.choosing import Toy, choose_toys
-from mimoc.toys.props import make_prop
+from mimoc.toys.objects import make_object
 from mimoc.toys.spec import ToysSpec
 
 RED, BLUE, DARK, LIGHT = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0), (0.1, 0.1, 0.1, 1.0), (0.9, 0.9, 0.9, 1.0)
@@ -20,7 +20,7 @@ def toy(request) -> Toy:
 
 
 def test_a_prop_says_what_it_is_and_where(toy):
-    prop = make_prop(toy, 3, (0.4, -0.2))
+    prop = make_object(toy, 3, (0.4, -0.2))
     assert prop.name == f"toy3_{toy.model.name}"
     assert (prop.object, prop.category, prop.source) == (toy.model.name, toy.model.category, toy.model.source)
     assert (prop.pos_m, prop.size_m, prop.mass_kg) == ((0.4, -0.2, 0.0), 0.1, toy.mass_kg)
@@ -28,32 +28,32 @@ def test_a_prop_says_what_it_is_and_where(toy):
 
 
 def test_the_mass_is_that_of_the_solids(toy):
-    assert sum(geom.mass_kg for geom in make_prop(toy, 1, (0, 0)).geoms) == pytest.approx(toy.mass_kg)
+    assert sum(geom.mass_kg for geom in make_object(toy, 1, (0, 0)).geoms) == pytest.approx(toy.mass_kg)
 
 
 def test_what_is_seen_is_not_felt_and_what_is_felt_is_not_seen(toy):
-    for geom in make_prop(toy, 1, (0, 0)).geoms:
+    for geom in make_object(toy, 1, (0, 0)).geoms:
         seen, felt = "_looks_" in geom.name, "_solid" in geom.name
         assert (geom.contype, geom.conaffinity, geom.group) == (felt, felt, 1 if seen else 3)
         assert (geom.mass_kg == 0) == seen
 
 
 def test_parts_wear_the_colours_of_the_toy(toy):
-    prop = make_prop(toy, 1, (0, 0))
+    prop = make_object(toy, 1, (0, 0))
     colours = {material.name: material.rgba for material in prop.materials}
     for part, geom in zip(toy.model.parts, prop.geoms, strict=False):
         assert colours[geom.material] == COLOURS[part.tint]
 
 
 def test_the_looks_are_as_long_as_the_toy_and_stand_on_the_floor(toy):
-    vertices = np.concatenate([corners(prop_mesh.content) for prop_mesh in make_prop(toy, 1, (0, 0)).meshes])
+    vertices = np.concatenate([corners(prop_mesh.content) for prop_mesh in make_object(toy, 1, (0, 0)).meshes])
     assert np.ptp(vertices, axis=0).max() == pytest.approx(0.1, rel=0.01)
     assert vertices[:, 2].min() == pytest.approx(0, abs=1e-3)
     assert np.linalg.norm(vertices[:, :2], axis=1).max() == pytest.approx(toy.radius_m, rel=0.15)
 
 
 def test_the_solids_are_within_the_radius_that_is_kept_free(toy):
-    model = compiled([make_prop(toy, 1, (0, 0))])
+    model = compiled([make_object(toy, 1, (0, 0))])
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     for angle in np.linspace(0, 2 * math.pi, 24, endpoint=False):
@@ -64,7 +64,7 @@ def test_the_solids_are_within_the_radius_that_is_kept_free(toy):
 
 def test_a_toy_that_stands_on_a_cylinder_leans_by_more_than_rounding():
     """MuJoCo loses the contacts of a cylinder that is upright but for rounding."""
-    model = compiled([make_prop(Toy(BUILTIN_TOYS.take("bottle"), 0.1, 0.5, COLOURS), 1, (0, 0))])
+    model = compiled([make_object(Toy(BUILTIN_TOYS.take("bottle"), 0.1, 0.5, COLOURS), 1, (0, 0))])
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, nstep=1000)
     assert 1e-8 < np.hypot(*data.qpos[4:6]) < 1e-4
@@ -72,7 +72,7 @@ def test_a_toy_that_stands_on_a_cylinder_leans_by_more_than_rounding():
 
 def test_names_are_unique_among_toys_of_one_kind():
     ball = Toy(BUILTIN_TOYS.take("ball"), 0.1, 0.0, COLOURS)
-    props = [make_prop(ball, number, (number, 0)) for number in (1, 2)]
+    props = [make_object(ball, number, (number, 0)) for number in (1, 2)]
     for things in ("geoms", "materials", "meshes"):
         names = [thing.name for prop in props for thing in getattr(prop, things)]
         assert len(set(names)) == len(names)
@@ -81,7 +81,7 @@ def test_names_are_unique_among_toys_of_one_kind():
 
 def test_a_ball_that_rolls_slows_down_and_a_block_stops_soon():
     for name in ("ball", "apple", "sofa", "car"):
-        model = compiled([make_prop(Toy(BUILTIN_TOYS.take(name), 0.08, 0.0, COLOURS), 1, (0, 0))])
+        model = compiled([make_object(Toy(BUILTIN_TOYS.take(name), 0.08, 0.0, COLOURS), 1, (0, 0))])
         data = mujoco.MjData(model)
         data.qvel[0] = 0.3
         mujoco.mj_step(model, data, nstep=3000)
@@ -91,7 +91,7 @@ def test_a_ball_that_rolls_slows_down_and_a_block_stops_soon():
 
 def test_a_thousand_toys_have_masses_like_toys():
     toys = [toy for seed in range(250) for toy in choose_toys(ToysSpec(count=(4, 4)), seed, BUILTIN_TOYS)]
-    masses = [make_prop(toy, 1, (0, 0)).mass_kg for toy in toys]
+    masses = [make_object(toy, 1, (0, 0)).mass_kg for toy in toys]
     assert 0.0005 < min(masses) < max(masses) < 1
 
 
@@ -111,7 +111,7 @@ def post(model: mujoco.MjModel, data: mujoco.MjData, place: np.ndarray) -> int:
     return found
 
 
-def compiled(props: list[Prop]) -> mujoco.MjModel:
+def compiled(props: list[FreeObject]) -> mujoco.MjModel:
     """Return props on a floor, without their looks."""
 
     def text(numbers) -> str:

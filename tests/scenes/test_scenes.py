@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.compiler import pipeline
-from mimoc.mjcf.tree import Keyframe
+from mimoc.compiler import building
+from mimoc.kinds import function_of
+from mimoc.looks.wallpaper import Wallpapers
+from mimoc.mjcf.scene import Keyframe
+from mimoc.scenes import SCENES
+from mimoc.scenes.built_scene import BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import footprint
-from mimoc.scenes.room.build import CLEARANCE_M, Decor, Placement
+from mimoc.scenes.placement import place_discs, place_pose
+from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.scenes.spec import SceneSpec
-from mimoc.scenes.world import WORLDS, Setting, moved, put
 
 
 def compiled(kind: str) -> mujoco.MjModel:
@@ -20,7 +24,7 @@ def compiled(kind: str) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
 
 
-@pytest.mark.parametrize("kind", WORLDS)
+@pytest.mark.parametrize("kind", SCENES)
 def test_every_world_has_light_and_all_poses(kind):
     model = compiled(kind)
     assert model.nlight >= 1
@@ -53,16 +57,17 @@ def test_a_dropped_infant_stays_above_the_floor():
     assert data.xpos[1:, 2].min() > 0
 
 
-def around(kind: str, age_months: float, seed: int = 0) -> tuple[pipeline.Builder, Setting]:
+def around(kind: str, age_months: float, seed: int = 0) -> tuple[building.Builder, BuiltScene]:
     """Return an infant, and the world around it."""
     infant = grown(age_months)
     scene = SceneSpec.model_validate({"kind": kind, "seed": seed})
-    return infant, WORLDS[kind](scene, Decor(), infant.tree, taken(age_months))
+    build = function_of(SCENES[kind].build, "build")
+    return infant, build(scene, Occupant(infant.tree, taken(age_months)), Wallpapers())
 
 
 @cache
-def grown(age_months: float) -> pipeline.Builder:
-    return pipeline.builder(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months}))
+def grown(age_months: float) -> building.Builder:
+    return building.builder(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months}))
 
 
 @cache
@@ -89,7 +94,7 @@ def test_an_infant_in_a_room_is_clear_of_the_walls_in_every_pose(age_months):
     """In a thousand usual rooms, which all are wide enough."""
     for seed in range(1000 if age_months == 9 else 100):
         setting = around("room", age_months, seed)[1]
-        discs = moved(taken(age_months), setting.start)
+        discs = place_discs(taken(age_months), setting.start)
         assert (np.abs(discs[:, :2]) + discs[:, 2:] <= np.array(setting.half_size_m) - CLEARANCE_M + 1e-9).all()
 
 
@@ -104,7 +109,7 @@ def test_the_walls_of_a_room_are_where_its_floor_ends():
 
 def test_what_is_put_elsewhere_is_turned_about_the_vertical_and_moved():
     pose = Keyframe("x", (0.1, 0.0, 0.3, math.cos(0.4), 0.0, math.sin(0.4), 0.0, 0.7))
-    there = put(pose, Placement(2.0, -1.0, math.pi / 2))
+    there = place_pose(pose, Placement(2.0, -1.0, math.pi / 2))
     assert there.qpos[:3] == pytest.approx((2.0, -0.9, 0.3))
     turn = np.empty(4)
     mujoco.mju_axisAngle2Quat(turn, [0, 0, 1], math.pi / 2)
@@ -112,10 +117,10 @@ def test_what_is_put_elsewhere_is_turned_about_the_vertical_and_moved():
     mujoco.mju_mulQuat(expected, turn, np.array(pose.qpos[3:7]))
     assert there.qpos[3:7] == pytest.approx(expected)
     assert there.qpos[7:] == pose.qpos[7:]
-    assert put(pose, Placement(0, 0, 0)) == pose
+    assert place_pose(pose, Placement(0, 0, 0)) == pose
 
 
 def test_what_an_infant_takes_up_moves_with_it():
     infant, there = grown(9), Placement(1.0, -2.0, 2.5)
-    elsewhere = footprint(infant.tree, [put(pose, there).qpos for pose in infant.infant.keyframes])
-    assert moved(taken(9), there) == pytest.approx(elsewhere)
+    elsewhere = footprint(infant.tree, [place_pose(pose, there).qpos for pose in infant.infant.keyframes])
+    assert place_discs(taken(9), there) == pytest.approx(elsewhere)

@@ -1,36 +1,37 @@
-"""Toys as the MJCF lists them: scaled, coloured, weighed and put in their places."""
+"""Toys as objects in MJCF: scaled, coloured, weighed and placed."""
 
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 
 from mimoc.geometry.rotations import quaternion_from_axis
-from mimoc.mjcf.furniture import FIRM, SOLID, UNTOUCHED, WorldMaterial
-from mimoc.mjcf.tree import MeshFile, Prop, PropGeom
+from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED
+from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.objects import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
 from mimoc.toys.model import Mesh, Solid
 from mimoc.toys.solids import solid_volume
 
 FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
-"""What of a contact meets friction: sliding, from 4 on spinning, and with 6 rolling too.
+"""`condim`: 3 is sliding friction, 4 adds spinning and 6 rolling friction.
 
-Each costs time, so capsules do with 3: they are axles, legs and rings, which touch at several points.
+Each costs time, so capsules have 3: they are axles, legs and rings, which touch at several points.
 """
 BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
-"""What share of its mass makes a toy with cylinders lean, how far out, and how large that is, in sizes of the toy.
+"""Mass (of the toy's), distance and radius (in sizes of the toy) of the ballast in a toy with cylinders.
 
-It leans by a millionth: MuJoCo (3.17) finds no contact, now and then, between a plane and a cylinder that is upright
-but for rounding, and a bottle that stood still for seconds would fall all of a sudden.
+It makes the toy lean by a millionth: now and then MuJoCo (3.17) finds no contact between a plane and a cylinder that is
+upright but for rounding, and a bottle that stood still for seconds would suddenly fall.
 """
 LONGEST_NAME = 40
-"""Of what a toy is, in the names of its elements."""
+"""Characters of a toy's name in the names of its elements."""
 LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
-"""MuJoCo draws this group only if it is asked to."""
+"""MuJoCo does not draw this group by default."""
 
 
-def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
+def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
     """Return a toy that stands on the floor.
 
     Args:
@@ -43,7 +44,7 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
     materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
     looks = list(_looks(toy, name, number))
     solids = list(_solids(toy, name, number))
-    return Prop(
+    return FreeObject(
         name=name,
         object=toy.model.name,
         category=toy.model.category,
@@ -66,12 +67,12 @@ def mjcf_name(text: str) -> str:
     return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
-def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFile]]:
-    """Yield what is seen of a toy, and cannot be felt."""
+def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
+    """Yield the visual geoms of a toy, which touch nothing, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
         yield (
-            PropGeom(
+            ObjectGeom(
                 name=f"{name}_looks_{part.tint}",
                 type="mesh",
                 names=(("mesh", mesh.name),),
@@ -84,22 +85,22 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFil
                 conaffinity=UNTOUCHED,
                 condim=1,
                 friction=FRICTION,
-                solmix=FIRM,
+                solmix=DOMINANT_SOLMIX,
                 group=LOOKS_GROUP,
             ),
             mesh,
         )
 
 
-def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFile | None]]:
-    """Yield what is felt of a toy, and not seen; its mass is theirs, by volume."""
+def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
+    """Yield the collision geoms of a toy, which share its mass by volume, and their meshes."""
     volumes = [solid_volume(solid) for solid in toy.model.solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
     for index, (solid, volume) in enumerate(zip(toy.model.solids, volumes, strict=True), start=1):
         mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, toy.size_m, "convex") if solid.mesh else None
         x, y, z = (toy.size_m * offset for offset in solid.pos)
         yield (
-            PropGeom(
+            ObjectGeom(
                 name=f"{name}_solid{index}",
                 type=solid.type,
                 names=(("mesh", mesh.name),) if mesh else (),
@@ -112,7 +113,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
                 conaffinity=SOLID,
                 condim=CONDIM[solid.type],
                 friction=FRICTION,
-                solmix=FIRM,
+                solmix=DOMINANT_SOLMIX,
                 group=SOLIDS_GROUP,
             ),
             mesh,
@@ -121,9 +122,9 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[PropGeom, MeshFi
         yield _ballast(toy, name, ballast_kg), None
 
 
-def _ballast(toy: Toy, name: str, mass_kg: float) -> PropGeom:
-    """Return what moves the centre of mass of a toy a little to one side, and is neither seen nor felt."""
-    return PropGeom(
+def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
+    """Return an invisible geom without contacts that moves the centre of mass of a toy a little to one side."""
+    return ObjectGeom(
         name=f"{name}_ballast",
         type="sphere",
         names=(),
@@ -136,7 +137,7 @@ def _ballast(toy: Toy, name: str, mass_kg: float) -> PropGeom:
         conaffinity=UNTOUCHED,
         condim=1,
         friction=FRICTION,
-        solmix=FIRM,
+        solmix=DOMINANT_SOLMIX,
         group=SOLIDS_GROUP,
     )
 

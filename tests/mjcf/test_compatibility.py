@@ -17,9 +17,9 @@ from typer.testing import CliRunner
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.cli import app
-from mimoc.compiler.pipeline import builder
+from mimoc.compiler.building import builder
 from mimoc.errors import UnknownNameError
-from mimoc.mjcf.conventions import CONVENTIONS
+from mimoc.mjcf.compatibility import TARGETS
 from mimoc.runtime.check import check_stability
 
 ROOT = Path(__file__).parents[2]
@@ -273,6 +273,6 @@ def test_the_command_builds_for_mimo_and_for_nobody_else(tmp_path):
 
 
 def test_the_known_conventions_are_named_where_one_is_unknown():
-    assert set(CONVENTIONS) == {"mimo"}
+    assert set(TARGETS) == {"mimo"}
     with pytest.raises(UnknownNameError, match="'nobody' is not a system to build for; choose from mimo"):
         mimoc.build(spec(), "nobody")
