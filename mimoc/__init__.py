@@ -13,9 +13,11 @@ if TYPE_CHECKING:
     from mimoc.environments import make
     from mimoc.errors import MimocError
     from mimoc.experiments import run_experiment
+    from mimoc.plugins import register
     from mimoc.recording import record
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.schema.infant import InfantSpec
+    from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
 
 _HOMES = {
@@ -23,12 +25,14 @@ _HOMES = {
     "Bundle": "mimoc.bundle.folder",
     "Gains": "mimoc.control",
     "InfantEnv": "mimoc.runtime",
-    "InfantSpec": "mimoc.schema",
+    "InfantSpec": "mimoc.schema.infant",
     "InverseDynamics": "mimoc.control",
     "LookAt": "mimoc.control",
     "MimocError": "mimoc.errors",
     "Posture": "mimoc.control",
     "Reach": "mimoc.control",
+    "Task": "mimoc.tasks.task",
+    "Verdict": "mimoc.tasks.task",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "load_policy": "mimoc.training",
@@ -36,6 +40,7 @@ _HOMES = {
     "make": "mimoc.environments",
     "read_bundle": "mimoc.bundle.folder",
     "record": "mimoc.recording",
+    "register": "mimoc.plugins",
     "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
@@ -54,6 +59,8 @@ __all__ = [
     "MimocError",
     "Posture",
     "Reach",
+    "Task",
+    "Verdict",
     "__version__",
     "build",
     "evaluate",
@@ -62,6 +69,7 @@ __all__ = [
     "make",
     "read_bundle",
     "record",
+    "register",
     "run_experiment",
     "torque_limits",
     "train",

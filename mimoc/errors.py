@@ -64,7 +64,7 @@ class DataError(MimocError):
 
 
 class KindError(MimocError):
-    """A record of a sense, a task or another kind that cannot be registered."""
+    """A sense, a task or another kind that cannot be registered or passed."""
 
 
 class BundleError(MimocError):

@@ -5,13 +5,15 @@ without the compiler, and a bundle is opened without it.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from mimoc.errors import KindError, UnknownNameError
-from mimoc.schema.base import Model
+
+if TYPE_CHECKING:  # The names of kinds are known before pydantic is.
+    from mimoc.schema.base import Model
 
 Code = str | Callable[..., Any]
 """A function, or the full name of the module that defines it."""
@@ -36,9 +38,9 @@ class SenseKind:
 
     name: str
     """Key in the spec's `senses`, and with `_ms` in its `delays`."""
-    spec: type[Model]
+    spec: "type[Model]"
     """What a user can ask of it; its docstring is the help on it."""
-    entry: type[Model]
+    entry: "type[Model]"
     """What a bundle's manifest tells the runtime of it."""
     build: Code
     """`build(spec, body) -> Placed`: what it adds to the MJCF, and its entry."""
@@ -64,7 +66,7 @@ class ActuationKind:
     """`build(spec, body, timestep_s) -> Drive`: the actuators in the MJCF, and the joints as they leave them."""
     run: Code
     """`bind(entry, model) -> Actuation`: from an action to controls."""
-    spec: type[Model] | None = None
+    spec: "type[Model] | None" = None
     """What else a user can ask of it, as a section of `actuation` under its name."""
 
 
@@ -74,9 +76,9 @@ class TaskKind:
 
     name: str
     """Value of the spec's `task.kind`."""
-    spec: type[Model]
+    spec: "type[Model]"
     """What a user can ask of it: a section with `kind: Literal[name]`; its docstring is the help on it."""
-    entry: type[Model]
+    entry: "type[Model]"
     """What a bundle's manifest tells the runtime of it, with `kind: Literal[name] = name`."""
     build: Code
     """`build(spec, body) -> TaskSetup`: how the infant starts and what the task adds to the world, and its entry."""
@@ -100,7 +102,7 @@ class SceneKind:
     """One sentence for help."""
     build: Code
     """`build(spec, surroundings) -> Setting`: the world before toys are put there."""
-    spec: type[Model] | None = None
+    spec: "type[Model] | None" = None
     """What else a user can ask of it, as a section of `scene` under its name."""
     has_floor: bool = True
     """Whether toys can lie there."""
@@ -116,7 +118,7 @@ class ToySource:
     """One sentence for help."""
     build: Code
     """`build(spec, folder) -> Toybox`: the toys there are; paths are relative to *folder*."""
-    spec: type[Model] | None = None
+    spec: "type[Model] | None" = None
     """What else a user can ask of it, as a section of `scene.toys` under its name."""
     needs_root: bool = False
     """Whether it requires `scene.toys.root`, a folder."""
@@ -152,14 +154,15 @@ class Kinds(Mapping[str, K]):
 
     what: str
     """What they are, in the singular, such as `sense`."""
-    own: Mapping[str, K]
-    """Mimoc's own."""
+    own: Mapping[str, K | str]
+    """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named."""
     _added: dict[str, tuple[K, str]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> K:
-        if name in self.own:
-            return self.own[name]
-        return self._added[name][0]
+        if name not in self.own:
+            return self._added[name][0]
+        record = self.own[name]
+        return import_module(record).KIND if isinstance(record, str) else record
 
     def __iter__(self) -> Iterator[str]:
         yield from self.own
@@ -194,11 +197,6 @@ class Kinds(Mapping[str, K]):
             taken = self.distribution(record.name) or "this script"
             raise KindError(f"there is a {self.what} '{record.name}' already, from {taken}; choose another name")
         self._added[record.name] = record, distribution
-
-
-def by_name(records: Iterable[K]) -> dict[str, K]:
-    """Return records by name, in their order."""
-    return {record.name: record for record in records}
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:

@@ -31,6 +31,9 @@ KINDS: dict[str, tuple[type, Kinds]] = {
 def register(*records: Record) -> None:
     """Add kinds from a script: from now on specs, bundles and commands of this process know them.
 
+    Args:
+        records: A record for each kind, such as a `TaskKind`.
+
     Raises:
         KindError: If something is no record, or its name is taken.
     """

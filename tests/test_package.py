@@ -66,7 +66,7 @@ def test_importing_mimoc_loads_nothing_heavy():
 def test_loading_a_spec_loads_no_mathematics_and_no_mujoco(folder):
     loaded = python(
         "from mimoc.schema import read_spec",
-        "from mimoc.source import read",
+        "from mimoc.schema.source import read",
         f"read_spec(read({str(folder / 'spec.yaml')!r}))",
         f"print(json.dumps([m for m in {HEAVY} if m in sys.modules]))",
     )

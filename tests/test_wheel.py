@@ -31,7 +31,7 @@ def run(wheel, tmp_path_factory) -> Run:
     subprocess.run([sys.executable, "-m", "pip", "--python", str(python), "install", *options, str(wheel)], check=True)
     # What mimoc needs comes from here, where a .pth file's folders come last and their own .pth files are not read:
     # so not from the checkout, even where mimoc is installed as editable.
-    dependencies = dict.fromkeys(sysconfig.get_path(kind) for kind in ("purelib", "platlib"))
+    dependencies = [folder for folder in sys.path if folder.endswith(("site-packages", "dist-packages"))]
     (packages / "dependencies.pth").write_text("\n".join(dependencies) + "\n")
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}

@@ -1,8 +1,12 @@
 """What moves an infant's joints: the actuation models, a folder each."""
 
-from mimoc.actuation.muscle import MUSCLE
-from mimoc.actuation.position import POSITION
-from mimoc.actuation.torque import TORQUE
-from mimoc.kinds import ActuationKind, Kinds, by_name
+from mimoc.kinds import ActuationKind, Kinds
 
-ACTUATIONS: Kinds[ActuationKind] = Kinds("actuation model", by_name((TORQUE, MUSCLE, POSITION)))
+ACTUATIONS: Kinds[ActuationKind] = Kinds(
+    "actuation model",
+    {
+        "torque": "mimoc.actuation.torque",
+        "muscle": "mimoc.actuation.muscle",
+        "position": "mimoc.actuation.position",
+    },
+)

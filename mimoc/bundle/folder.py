@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Any
 
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
+from mimoc.bundle.plugins_needed import check_plugins
 from mimoc.bundle.swap import exchange
 from mimoc.errors import BundleError
 
@@ -152,8 +153,11 @@ def _read_folder(folder: Path) -> Bundle:
     if missing or changed:
         raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimoc build --force'")
     try:
+        check_plugins(json.loads(files[MANIFEST]))
         manifest = _manifest(files[MANIFEST])
-    except ValueError:
+    except BundleError as error:
+        raise BundleError(f"{folder}: {error}") from None
+    except (ValueError, RecursionError):
         raise BundleError(
             f"{folder}: its manifest is not of version {MANIFEST_VERSION}, which this mimoc reads; build it again"
         ) from None

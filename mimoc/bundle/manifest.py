@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.delays.spec import DelaysEntry
 from mimoc.plugins import load_plugins
@@ -122,6 +124,8 @@ class Manifest(Model):
     """What is kept as it starts."""
     task: TaskEntry = FreeEntry()
     """What it is to achieve."""
+    plugins: dict[str, str] = Field(default_factory=dict)
+    """Distribution of each kind that is not mimoc's own, by section and name, such as `senses.sound`."""
     face: FaceEntry | None = None
     """What its face can show."""
     seed: int = 0

@@ -6,6 +6,7 @@ from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.stature import stature
 from mimoc.bundle.manifest import ChildEntry, FaceEntry, FasteningsEntry, LockEntry, Manifest, ToyEntry, WeldEntry
+from mimoc.bundle.plugins_needed import needed_plugins
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.furnish import start_pose
 from mimoc.delays.presets import delays
@@ -38,6 +39,7 @@ def describe(
         delays=delays(spec, tree),
         fastenings=_fastenings(spec, tree, stage),
         task=stage.goal,
+        plugins=needed_plugins(senses, stage.goal.kind, spec.actuation.model),
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )

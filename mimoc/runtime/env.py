@@ -17,14 +17,16 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.delays.schedule import Nerves
-from mimoc.errors import UnknownNameError
+from mimoc.errors import KindError, UnknownNameError
 from mimoc.render.camera import FROM_THE_SIDE, towards
 from mimoc.render.opengl import has_screen
 from mimoc.render.portrait import Painter
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.binding import Sense, bind_senses
+from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import Observation
 from mimoc.tasks.binding import bind_task
+from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NOTHING_EARNED
 from mimoc.units import ms_to_s
 
@@ -56,6 +58,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         width: int = 480,
         height: int = 480,
         next_bundle: Callable[[int], Bundle] | None = None,
+        task: Any = None,
+        senses: Mapping[str, Any] = MappingProxyType({}),
     ):
         """Open a bundle.
 
@@ -65,12 +69,15 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             width: Of the pictures, in pixels.
             height: Of the pictures, in pixels.
             next_bundle: Returns the same infant in another scene, by its seed, for `reset`.
+            task: An object to take the place of the bundle's task; see `tasks.custom.CustomTask`.
+            senses: Objects to sense with besides the bundle's senses, by name; see `senses.custom.CustomSense`.
 
         Raises:
             BundleError: If the folder is not a whole bundle.
             ModelError: If MuJoCo refuses its model.
             RenderingError: If the infant sees or shows itself, and there is no OpenGL or no screen for that here.
             UnknownNameError: If there is no such render mode.
+            KindError: If a sense that is passed has the name of one that the infant has.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise UnknownNameError("render mode", str(render_mode), self.metadata["render_modes"])
@@ -83,6 +90,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.model = load_model(self.bundle)
         self._picture_size = width, height
         self._next_bundle = next_bundle
+        self._custom_task, self._custom_senses = task, dict(senses)
         self._bind()
 
     @property
@@ -271,9 +279,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Find everything the manifest names in the model, once, and start; senses from before are taken along."""
         self.data = mujoco.MjData(self.model)
         self._act = bind_actuation(self.manifest.actuation, self.model)
-        self._senses = bind_senses(self.bundle, self.model, former)
+        self._senses = self._bind_senses(former)
         self._fastenings = Fastenings(self.manifest.fastenings, self.model)
-        self._task = bind_task(self.bundle, self.model, self._fastenings)
+        self._task = (
+            bind_task(self.bundle, self.model, self._fastenings)
+            if self._custom_task is None
+            else CustomTask(self._custom_task, self.model, self.bundle)
+        )
         self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
@@ -284,6 +296,17 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         spaces = {name: space for part in (*self._senses.values(), self._task) for name, space in part.spaces.items()}
         self.observation_space = gymnasium.spaces.Dict(spaces)
+
+    def _bind_senses(self, former: Mapping[str, Sense]) -> dict[str, Sense]:
+        """Return the senses of the bundle and those that were passed as objects."""
+        senses = bind_senses(self.bundle, self.model, former)
+        if self._custom_senses:
+            senses.pop("nothing", None)
+        for name, custom in self._custom_senses.items():
+            if name in senses:
+                raise KindError(f"this infant has a sense '{name}' already; pass yours under another name")
+            senses[name] = CustomSense(name, custom, self.model, self.bundle)
+        return senses
 
     def _change_scene(self, seed: int) -> None:
         """Put the infant into another scene."""

@@ -1,9 +1,13 @@
 """The world around an infant: the kinds of scenes, a folder each."""
 
-from mimoc.kinds import Kinds, SceneKind, by_name
-from mimoc.scenes.crib import CRIB
-from mimoc.scenes.empty import EMPTY
-from mimoc.scenes.flat import FLAT
-from mimoc.scenes.room import ROOM
+from mimoc.kinds import Kinds, SceneKind
 
-SCENES: Kinds[SceneKind] = Kinds("kind of scene", by_name((EMPTY, FLAT, CRIB, ROOM)))
+SCENES: Kinds[SceneKind] = Kinds(
+    "kind of scene",
+    {
+        "empty": "mimoc.scenes.empty",
+        "flat": "mimoc.scenes.flat",
+        "crib": "mimoc.scenes.crib",
+        "room": "mimoc.scenes.room",
+    },
+)

@@ -35,4 +35,4 @@ def bind_senses(
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:
     """Return one of the senses that an infant has; see `bind_senses`."""
-    return function_of(SENSES[name].run, "bind")(getattr(bundle.manifest.senses, name), bundle, model)
+    return function_of(SENSES[name].run, "bind")(getattr(bundle.manifest.senses, name), model, bundle)

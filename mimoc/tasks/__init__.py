@@ -1,11 +1,15 @@
 """What an infant is to achieve: the tasks, a folder each."""
 
-from mimoc.kinds import Kinds, TaskKind, by_name
-from mimoc.tasks.catch import CATCH
-from mimoc.tasks.free import FREE
-from mimoc.tasks.reach import REACH
-from mimoc.tasks.rollover import ROLLOVER
-from mimoc.tasks.selfbody import SELFBODY
-from mimoc.tasks.standup import STANDUP
+from mimoc.kinds import Kinds, TaskKind
 
-TASKS: Kinds[TaskKind] = Kinds("task", by_name((REACH, STANDUP, SELFBODY, CATCH, ROLLOVER, FREE)))
+TASKS: Kinds[TaskKind] = Kinds(
+    "task",
+    {
+        "reach": "mimoc.tasks.reach",
+        "standup": "mimoc.tasks.standup",
+        "selfbody": "mimoc.tasks.selfbody",
+        "catch": "mimoc.tasks.catch",
+        "rollover": "mimoc.tasks.rollover",
+        "free": "mimoc.tasks.free",
+    },
+)

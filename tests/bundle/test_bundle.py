@@ -396,7 +396,7 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
 
 NURSERY = """
 import os, signal, sys
-from mimoc.bundle import read_bundle, write_bundle
+from mimoc.bundle.folder import read_bundle, write_bundle
 from mimoc.errors import BundleError
 
 one, two = map(read_bundle, sys.argv[1:3])

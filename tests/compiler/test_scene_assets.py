@@ -12,6 +12,7 @@ from lxml import etree
 from PIL import Image
 
 import mimoc
+from mimoc.compiler.pipeline import builder
 from mimoc.errors import SpecError
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
@@ -149,7 +150,6 @@ def test_a_root_that_is_not_there_is_pointed_at():
 def test_a_users_pictures_come_up_in_rooms():
     Path("floors").mkdir()
     Image.fromarray(np.full((300, 300, 3), (250, 0, 250), np.uint8)).save("floors/pink.png")
-    builder = mimoc.pipeline.builder
     Path("spec.yaml").write_text(f"{HEAD}scene: {{kind: room, textures: {{floor: floors}}}}\n")
     rooms = builder(mimoc.load_spec("spec.yaml"))
     named = [[name for name in rooms(seed).files if "pink" in name] for seed in range(40)]

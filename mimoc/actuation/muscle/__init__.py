@@ -2,7 +2,7 @@
 
 from mimoc.kinds import ActuationKind
 
-MUSCLE = ActuationKind(
+KIND = ActuationKind(
     name="muscle",
     about="Two antagonistic muscles for each joint.",
     build="mimoc.actuation.muscle.build",

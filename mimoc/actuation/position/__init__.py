@@ -2,7 +2,7 @@
 
 from mimoc.kinds import ActuationKind
 
-POSITION = ActuationKind(
+KIND = ActuationKind(
     name="position",
     about="Servos that hold a commanded angle with the strength of muscles.",
     build="mimoc.actuation.position.build",

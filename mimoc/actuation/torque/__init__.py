@@ -2,7 +2,7 @@
 
 from mimoc.kinds import ActuationKind
 
-TORQUE = ActuationKind(
+KIND = ActuationKind(
     name="torque",
     about="Torque on a spring and damper at each joint.",
     build="mimoc.actuation.torque.build",

@@ -2,7 +2,7 @@
 
 from mimoc.kinds import SceneKind
 
-CRIB = SceneKind(
+KIND = SceneKind(
     name="crib",
     about="A crib that fits the infant.",
     build="mimoc.scenes.crib.build",

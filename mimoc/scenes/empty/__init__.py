@@ -2,7 +2,7 @@
 
 from mimoc.kinds import SceneKind
 
-EMPTY = SceneKind(
+KIND = SceneKind(
     name="empty",
     about="Nothing at all: no floor and no gravity.",
     build="mimoc.scenes.empty.build",

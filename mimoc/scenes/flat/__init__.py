@@ -2,7 +2,7 @@
 
 from mimoc.kinds import SceneKind
 
-FLAT = SceneKind(
+KIND = SceneKind(
     name="flat",
     about="An endless floor.",
     build="mimoc.scenes.flat.build",

@@ -3,7 +3,7 @@
 from mimoc.kinds import SceneKind
 from mimoc.scenes.room.spec import RoomSpec
 
-ROOM = SceneKind(
+KIND = SceneKind(
     name="room",
     about="A furnished room drawn at random.",
     build="mimoc.scenes.room.build",

@@ -4,7 +4,7 @@ from mimoc.delays.ages import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.proprioception.spec import ProprioceptionEntry, ProprioceptionSpec
 
-PROPRIOCEPTION = SenseKind(
+KIND = SenseKind(
     name="proprioception",
     spec=ProprioceptionSpec,
     entry=ProprioceptionEntry,

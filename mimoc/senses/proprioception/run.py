@@ -54,7 +54,7 @@ class Proprioception(Vector):
         return np.concatenate([channel.read(data) for channel in self.channels])
 
 
-def bind(entry: ProprioceptionEntry, bundle: Bundle, model: mujoco.MjModel) -> Proprioception:
+def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> Proprioception:
     """Find the joints, sensors and actuators of *entry* in *model*."""
     actuation = bundle.manifest.actuation
     channels = (_angles(entry, model), *(CHANNELS[name](entry, actuation, model) for name in entry.include))

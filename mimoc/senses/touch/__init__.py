@@ -4,7 +4,7 @@ from mimoc.delays.ages import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.touch.spec import TouchEntry, TouchSpec
 
-TOUCH = SenseKind(
+KIND = SenseKind(
     name="touch",
     spec=TouchSpec,
     entry=TouchEntry,

@@ -117,7 +117,7 @@ class Touch:
         return np.bincount(numbers.ravel(), shares.ravel(), size)[:size]  # pyright: ignore[reportReturnType] - Sums.
 
 
-def bind(entry: TouchEntry, bundle: Bundle, model: mujoco.MjModel) -> Touch:
+def bind(entry: TouchEntry, model: mujoco.MjModel, bundle: Bundle) -> Touch:
     """Put the skin of *entry* on the bodies of *model*."""
     skin = bind_skin(entry.points_m, entry.spacing_m, model)
     return Touch(skin, feeling_bodies(skin.bodies, model), QUANTITIES[entry.quantity], RESPONSES[entry.response])

@@ -4,7 +4,7 @@ from mimoc.delays.ages import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
 
-VESTIBULAR = SenseKind(
+KIND = SenseKind(
     name="vestibular",
     spec=VestibularSpec,
     entry=VestibularEntry,

@@ -4,7 +4,7 @@ from mimoc.delays.ages import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
-VISION = SenseKind(
+KIND = SenseKind(
     name="vision",
     spec=VisionSpec,
     entry=VisionEntry,

@@ -61,7 +61,7 @@ class Vision:
         self.eyes.close()
 
 
-def bind(entry: VisionEntry, bundle: Bundle, model: mujoco.MjModel) -> Vision:
+def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     """Open the eyes of *entry* in *model*.
 
     Raises:

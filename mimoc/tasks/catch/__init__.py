@@ -3,7 +3,7 @@
 from mimoc.kinds import TaskKind
 from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
 
-CATCH = TaskKind(
+KIND = TaskKind(
     name="catch",
     spec=CatchSpec,
     entry=CatchEntry,

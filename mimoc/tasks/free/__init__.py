@@ -3,7 +3,7 @@
 from mimoc.kinds import TaskKind
 from mimoc.tasks.free.spec import FreeEntry, FreeSpec
 
-FREE = TaskKind(
+KIND = TaskKind(
     name="free",
     spec=FreeSpec,
     entry=FreeEntry,

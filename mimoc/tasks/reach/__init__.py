@@ -3,7 +3,7 @@
 from mimoc.kinds import TaskKind
 from mimoc.tasks.reach.spec import ReachEntry, ReachSpec
 
-REACH = TaskKind(
+KIND = TaskKind(
     name="reach",
     spec=ReachSpec,
     entry=ReachEntry,

@@ -3,7 +3,7 @@
 from mimoc.kinds import TaskKind
 from mimoc.tasks.rollover.spec import RolloverEntry, RolloverSpec
 
-ROLLOVER = TaskKind(
+KIND = TaskKind(
     name="rollover",
     spec=RolloverSpec,
     entry=RolloverEntry,

@@ -3,7 +3,7 @@
 from mimoc.kinds import TaskKind
 from mimoc.tasks.selfbody.spec import SelfbodyEntry, SelfbodySpec
 
-SELFBODY = TaskKind(
+KIND = TaskKind(
     name="selfbody",
     spec=SelfbodySpec,
     entry=SelfbodyEntry,

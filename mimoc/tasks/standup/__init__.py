@@ -3,7 +3,7 @@
 from mimoc.kinds import TaskKind
 from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 
-STANDUP = TaskKind(
+KIND = TaskKind(
     name="standup",
     spec=StandupSpec,
     entry=StandupEntry,

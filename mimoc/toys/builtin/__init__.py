@@ -2,7 +2,7 @@
 
 from mimoc.kinds import ToySource
 
-BUILTIN = ToySource(
+KIND = ToySource(
     name="builtin",
     about="The toys that come with mimoc.",
     build="mimoc.toys.builtin.build",

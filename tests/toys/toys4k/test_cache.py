@@ -201,7 +201,7 @@ def test_the_folder_is_that_of_the_system_or_of_the_environment(tmp_path, monkey
 FILL = """
 import sys
 from pathlib import Path
-from mimoc.toys import cache, convex
+from mimoc.toys.toys4k import cache, convex
 from mimoc.toys.toys4k.cache import MeshCache
 from mimoc.toys.toys4k.meshes import load_toy
 from mimoc.toys.toys4k.dataset import find_toys

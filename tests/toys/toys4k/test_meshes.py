@@ -372,7 +372,7 @@ def test_neither_networkx_nor_coacd_is_needed(tmp_path):
 import sys, pathlib
 for name in ("networkx", "coacd", "fast_simplification"):
     sys.modules[name] = None
-from mimoc.toys import convex
+from mimoc.toys.toys4k import convex
 convex.has_coacd = lambda: False
 from mimoc.toys.toys4k.resting import TOPS
 from mimoc.toys.toys4k.dataset import FORMATS, find_toys
