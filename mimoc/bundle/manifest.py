@@ -81,13 +81,55 @@ class WeldEntry(Model):
     """The part."""
 
 
-class FasteningsEntry(Model):
-    """What of the infant is kept as it starts."""
+class LimbEntry(Model):
+    """An arm or a leg, as far as the infant has it."""
+
+    side: Literal["left", "right"]
+    """Side of the body."""
+    root: str
+    """Its first body, which hangs on the trunk."""
+    end: str | None
+    """The hand or the foot; None if it is missing."""
+
+
+class EyeEntry(Model):
+    """An eye."""
+
+    side: Literal["left", "right"]
+    """Side of the body."""
+    body: str
+    """Its body."""
+    camera: str
+    """Its camera."""
+
+
+class AnatomyEntry(Model):
+    """The parts of the body that the runtime and controllers use, by their names in the model.
+
+    Parts that the infant does not have are left out.
+    """
+
+    head: str | None = None
+    """Body of the head."""
+    trunk: tuple[str, ...] = ()
+    """Bodies that limbs hang on, from the first to the last, which the shoulders are on."""
+    arms: tuple[LimbEntry, ...] = ()
+    """The arms, the right one first."""
+    legs: tuple[LimbEntry, ...] = ()
+    """The legs, the right one first."""
+    eyes: tuple[EyeEntry, ...] = ()
+    """The eyes, the left one first."""
+    groups: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    """The hinges that each group of muscles moves, such as those of `left_arm`."""
+
+
+class ConstraintsEntry(Model):
+    """What of the infant stays where a reset puts it."""
 
     locks: tuple[LockEntry, ...] = ()
-    """Joints."""
+    """Locked joints."""
     welds: tuple[WeldEntry, ...] = ()
-    """Parts."""
+    """Held parts."""
 
 
 @composed(lambda: {"task": task_entry_field()})
@@ -116,12 +158,14 @@ class Manifest(Model):
     """Every keyframe."""
     actuation: ActuationEntry
     """How it is moved."""
+    anatomy: AnatomyEntry = AnatomyEntry()
+    """Which parts of the model are which parts of the body."""
     senses: SensesEntry
     """What it senses."""
     delays: DelaysEntry = DelaysEntry()
     """How late it senses and moves."""
-    fastenings: FasteningsEntry = FasteningsEntry()
-    """What is kept as it starts."""
+    constraints: ConstraintsEntry = ConstraintsEntry()
+    """What is locked or held where it starts."""
     task: TaskEntry = FreeEntry()
     """What it is to achieve."""
     plugins: dict[str, str] = Field(default_factory=dict)

@@ -12,5 +12,5 @@ def pose_of(manifest: Manifest, pose: str | None) -> str:
     """
     if pose is None or pose in manifest.poses:
         return pose or manifest.pose
-    kept = manifest.fastenings.locks or manifest.fastenings.welds
+    kept = manifest.constraints.locks or manifest.constraints.welds
     raise UnknownNameError("pose with what is held or locked in place" if kept else "pose", str(pose), manifest.poses)

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.stature import stature
-from mimoc.bundle.manifest import ChildEntry, FaceEntry, FasteningsEntry, LockEntry, Manifest, ToyEntry, WeldEntry
+from mimoc.bundle.manifest import ChildEntry, ConstraintsEntry, FaceEntry, LockEntry, Manifest, ToyEntry, WeldEntry
 from mimoc.bundle.plugins_needed import needed_plugins
+from mimoc.compiler.anatomy import describe_anatomy
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.furnish import start_pose
 from mimoc.delays.presets import delays
@@ -35,9 +36,10 @@ def describe(
         pose=start_pose(spec, stage),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
         actuation=_actuation(spec, tree, scene, stage),
+        anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
-        fastenings=_fastenings(spec, tree, stage),
+        constraints=_constraints(spec, tree, stage),
         task=stage.goal,
         plugins=needed_plugins(senses, stage.goal.kind, spec.actuation.model),
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
@@ -73,8 +75,8 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _fastenings(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> FasteningsEntry:
-    return FasteningsEntry(
+def _constraints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> ConstraintsEntry:
+    return ConstraintsEntry(
         locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, stage)),
         welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, stage)),
     )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mimoc.actuation.drives import Drive
+from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
@@ -36,7 +36,9 @@ class Supplies:
     """What toys there are."""
 
 
-def set_up_task(scene: SceneTree, spec: InfantSpec, tree: BodyTree, drive: Drive) -> tuple[SceneTree, TaskSetup]:
+def set_up_task(
+    scene: SceneTree, spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup
+) -> tuple[SceneTree, TaskSetup]:
     """Return the scene with one more pose, if the task of its spec starts from its own, and what the task needs.
 
     Poses in which what is held or locked would be elsewhere are left out: MuJoCo would tear the infant out of them.
@@ -48,7 +50,7 @@ def set_up_task(scene: SceneTree, spec: InfantSpec, tree: BodyTree, drive: Drive
     poses = scene.keyframes
     if spec.task and stage.start is not None:
         own = Keyframe(spec.task.kind, stage.start)
-        poses = (*poses, drive.keyframe(own))
+        poses = (*poses, actuation.at_rest(own))
     (start,) = (pose for pose in poses if pose.name == start_pose(spec, stage))
     joints, held = locked_joints(spec, tree, stage), holds(spec, tree, stage)
     kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
-from mimoc.actuation.drives import build_drive
+from mimoc.actuation.setup import build_actuation
 from mimoc.body.provenance import trace_body
 from mimoc.bundle import folder
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
@@ -20,7 +20,7 @@ from mimoc.compiler.compose import compose, place_senses
 from mimoc.compiler.describe import describe, describe_toys
 from mimoc.compiler.diagnosis import blame
 from mimoc.compiler.furnish import Supplies, furnish, outline, set_up_task
-from mimoc.compiler.provenance.actuation import trace_drive
+from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child
 from mimoc.compiler.provenance.delays import trace_delays
 from mimoc.compiler.provenance.task import trace_task
@@ -183,9 +183,9 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
     except (GeometryError, IndividualError) as error:
         raise SpecError([blame(error, spec, written)]) from None
     try:
-        drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+        actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
-        staged, stage = set_up_task(compose(spec, tree, drive, senses), spec, tree, drive)
+        staged, stage = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
         infant = wanted.infant(staged, spec.actuation.model)
         described = describe(spec, tree, infant, senses, stage)
     except UnplayableError as error:
@@ -197,7 +197,7 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
     origins = {
         **trace_body(measurements, anatomy, tree, scaled),
-        **trace_drive(spec.actuation.model, anatomy, tree, replace(drive, actuators=infant.actuators)),
+        **trace_actuation(spec.actuation.model, anatomy, tree, replace(actuation, actuators=infant.actuators)),
         **dict(trace_delays(spec, manifest.delays)),
         **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),

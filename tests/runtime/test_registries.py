@@ -4,7 +4,6 @@ from typing import get_args
 import numpy as np
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.rollout import POLICIES

@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 from mimoc.body.provenance import Entry
 from mimoc.mjcf.furniture import WorldGeom
+from mimoc.mjcf.rails import RAIL_IN_CHILDREN
 from mimoc.mjcf.tree import Prop, SceneTree, World
-from mimoc.scenes.crib.build import LENGTH_IN_CHILDREN, RAIL_IN_CHILDREN
+from mimoc.scenes.crib.build import LENGTH_IN_CHILDREN
 from mimoc.schema.infant import InfantSpec
 
 SEED = "spec.scene.seed"

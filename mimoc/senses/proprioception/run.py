@@ -8,6 +8,7 @@ import numpy as np
 
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.folder import Bundle
+from mimoc.mujoco_layout import MUSCLE_FORCE, MUSCLE_LENGTHENING, MUSCLE_PASSIVE
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray, Vector
 
@@ -20,10 +21,7 @@ MAX_LIMIT = 1e2
 """Bounds of the observation, far beyond what a stable simulation reaches."""
 LEAST_BOUND_NM = 1e-6
 """Bound of the torque of actuators without strength, which some bound must have."""
-
-MUSCLE_FORCES = (2, 7, 8)
-"""Where a muscle's largest isometric force, and its passive and lengthening force relative to that, stand among
-MuJoCo's gain parameters."""
+MUSCLE_FORCES = [MUSCLE_FORCE, MUSCLE_PASSIVE, MUSCLE_LENGTHENING]
 
 
 @dataclass(frozen=True)

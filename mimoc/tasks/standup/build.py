@@ -12,10 +12,10 @@ from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
 from mimoc.body.stature import stature
 from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
-from mimoc.scenes.crib.build import RAIL_RADIUS_M
+from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
-from mimoc.tasks.standup.rail import Rail, half_span, rail_height
+from mimoc.tasks.standup.rail import Rail, half_span
 from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 from mimoc.units import cm_to_m, deg_to_rad
 

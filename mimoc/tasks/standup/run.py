@@ -7,7 +7,6 @@ import numpy as np
 
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.folder import Bundle
-from mimoc.runtime.fastenings import Fastenings
 from mimoc.tasks.standup.spec import StandupEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 
@@ -29,6 +28,6 @@ class Standup(Task):
         return Verdict(terms, success=height_m >= entry.success_m)
 
 
-def bind(entry: StandupEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Standup:
+def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> Standup:
     """Find what *entry* names in *model*."""
     return Standup(entry, bundle.manifest.actuation, model)

@@ -6,7 +6,7 @@ import pytest
 from mimoc import body
 from mimoc.body.kinematics import frames
 from mimoc.errors import UnplayableError
-from mimoc.scenes.crib.build import RAIL_RADIUS_M
+from mimoc.mjcf.rails import RAIL_RADIUS_M
 from mimoc.schema import InfantSpec
 from mimoc.tasks.standup.grip import CLEAR_M, arm_to_bar, curled, grip_point
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.actuation import ACTUATIONS
-from mimoc.actuation.drives import build_drive
+from mimoc.actuation.setup import build_actuation
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body import assemble, grow
 from mimoc.fits import measure
@@ -20,7 +20,7 @@ def tree(request):
 
 @pytest.mark.parametrize("model", ACTUATIONS)
 def test_every_actuator_moves_the_joint_of_mimos(model, tree):
-    actuators = build_drive(ActuationSpec(model=model), tree, TIMESTEP_S).actuators
+    actuators = build_actuation(ActuationSpec(model=model), tree, TIMESTEP_S).actuators
     joints = {motor.name: motor.joint for motor in tree.motors}
     assert {actuator.mimo_actuator for actuator in actuators} == joints.keys()
     assert all(actuator.joint == joints[actuator.mimo_actuator] for actuator in actuators)
@@ -29,7 +29,9 @@ def test_every_actuator_moves_the_joint_of_mimos(model, tree):
 
 @pytest.mark.parametrize("model", ACTUATIONS)
 def test_a_body_has_an_actuator_a_joint_or_two_muscles(model, tree):
-    count = len(build_drive(ActuationSpec(model=model), tree, TIMESTEP_S).actuators) // (2 if model == "muscle" else 1)
+    count = len(build_actuation(ActuationSpec(model=model), tree, TIMESTEP_S).actuators) // (
+        2 if model == "muscle" else 1
+    )
     assert count == (46 if len(tree.motors) < 50 else 90)
 
 
