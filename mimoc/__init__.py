@@ -7,7 +7,7 @@ from mimoc.registration import register_envs
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
-    from mimoc.bundle.folder import Bundle, read_bundle, write_bundle
+    from mimoc.bundle.io import Bundle, read_bundle, write_bundle
     from mimoc.compiler.pipeline import build, load_spec
     from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
     from mimoc.environments import make
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Align": "mimoc.control",
-    "Bundle": "mimoc.bundle.folder",
+    "Bundle": "mimoc.bundle.io",
     "Gains": "mimoc.control",
     "InfantEnv": "mimoc.runtime",
     "InfantSpec": "mimoc.schema.infant",
@@ -38,13 +38,13 @@ _HOMES = {
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.pipeline",
     "make": "mimoc.environments",
-    "read_bundle": "mimoc.bundle.folder",
+    "read_bundle": "mimoc.bundle.io",
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
     "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
-    "write_bundle": "mimoc.bundle.folder",
+    "write_bundle": "mimoc.bundle.io",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
 

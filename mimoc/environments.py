@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 
 from mimoc import runtime
-from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.errors import MimocError
 from mimoc.plugins import load_plugins
 from mimoc.runtime.env import InfantEnv

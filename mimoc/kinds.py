@@ -7,7 +7,9 @@ without the compiler, and a bundle is opened without it.
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
+from importlib.metadata import EntryPoints, entry_points
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from mimoc.errors import KindError, UnknownNameError
@@ -197,6 +199,21 @@ class Kinds(Mapping[str, K]):
             taken = self.distribution(record.name) or "this script"
             raise KindError(f"there is a {self.what} '{record.name}' already, from {taken}; choose another name")
         self._added[record.name] = record, distribution
+
+    def remove(self, name: str) -> None:
+        """Take out a record that was added."""
+        del self._added[name]
+
+
+def announced(group: str) -> list[str]:
+    """Return the names of the kinds that installed distributions announce in a group of entry points, not loaded."""
+    return sorted(each.name for each in installed_entry_points().select(group=group))
+
+
+@cache
+def installed_entry_points() -> EntryPoints:
+    """Return the entry points of all installed distributions, which are looked up once."""
+    return entry_points()
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:

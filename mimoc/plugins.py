@@ -3,11 +3,20 @@
 import warnings
 from collections.abc import Iterator
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.errors import KindError
-from mimoc.kinds import ActuationKind, Kinds, PolicyKind, SceneKind, SenseKind, TaskKind, ToySource
+from mimoc.kinds import (
+    ActuationKind,
+    Kinds,
+    PolicyKind,
+    SceneKind,
+    SenseKind,
+    TaskKind,
+    ToySource,
+    installed_entry_points,
+)
 from mimoc.policies import POLICIES
 from mimoc.scenes import SCENES
 from mimoc.schema.composition import recompose
@@ -51,7 +60,7 @@ def load_plugins() -> None:
 
 
 def _entry_points() -> Iterator[EntryPoint]:
-    found = entry_points()
+    found = installed_entry_points()
     for group in KINDS:
         yield from sorted(found.select(group=group), key=lambda each: each.name)
 

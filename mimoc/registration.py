@@ -1,9 +1,8 @@
 """Gymnasium's names for mimoc's environments."""
 
-from importlib.metadata import entry_points
-
 from gymnasium.envs.registration import register, registry
 
+from mimoc.kinds import announced
 from mimoc.tasks import TASKS
 
 INFANT = "mimoc/Infant-v0"
@@ -18,7 +17,7 @@ def register_envs() -> None:
     """Tell Gymnasium of all environments, those of plug-ins included; calling it again changes nothing."""
     if INFANT not in registry:
         register(id=INFANT, entry_point="mimoc.runtime.env:InfantEnv")
-    for task in (*TASKS, *(each.name for each in entry_points(group="mimoc.tasks"))):
+    for task in (*TASKS, *announced("mimoc.tasks")):
         register_task_env(task)
 
 

@@ -1,4 +1,4 @@
-"""All that the runtime knows of an infant: the contract between the wing that compiles and the wing that runs."""
+"""The manifest: everything that the runtime knows about an infant, and its only interface with the compiler."""
 
 from typing import Literal
 
@@ -15,70 +15,70 @@ from mimoc.tasks.free.spec import FreeEntry
 from mimoc.tasks.spec import task_entry_field
 
 MANIFEST_VERSION = 1
-"""Raised when the meaning of a field changes; a new field with a default does not raise it."""
+"""Incremented when the meaning of a field changes; a new field with a default does not need a new version."""
 
 
 class ChildEntry(Model):
-    """What the child measures, as its model was built."""
+    """The child's measurements, as built."""
 
     age_months: float
     """Age of the body."""
     sex: Literal["male", "female"] | None = None
-    """Which of WHO's children it stands among; None is the mean of boys and girls."""
+    """Which of WHO's standards it is compared with; None is the mean of boys and girls."""
     length_cm: float
-    """Crown to sole."""
+    """Length from crown to sole."""
     weight_kg: float
     """Mass of the whole body."""
     head_circumference_cm: float
-    """Around the head."""
+    """Head circumference."""
     arm_circumference_cm: float | None
-    """Around the upper arm, if there is one."""
+    """Upper-arm circumference, if there is an upper arm."""
 
 
 class FaceEntry(Model):
-    """What the face can show."""
+    """The face and its expressions."""
 
     geom: str
-    """The geom that shows it."""
+    """The geom whose material is the expression."""
     materials: dict[str, str]
     """Material by expression."""
 
 
 class ToyEntry(Model):
-    """A toy in the infant's world."""
+    """A toy in the infant's scene."""
 
     body: str
     """Name of its body in the model."""
     joint: str
     """Its free joint."""
     object: str
-    """What it is, such as `truck_003`."""
+    """Name of the object, such as `truck_003`."""
     category: str
-    """Of which kind, such as `truck`."""
+    """Category of the object, such as `truck`."""
     source: str
     """Where its shape comes from."""
     size_m: float
-    """Its longest side."""
+    """Length of its longest side."""
     mass_kg: float
-    """What it weighs."""
+    """Its mass."""
 
 
 class LockEntry(Model):
-    """A hinge that is kept at the angle that a reset gives it."""
+    """A hinge joint that is locked at its angle at reset."""
 
     equality: str
-    """The constraint in the model."""
+    """The equality constraint in the model."""
     joint: str
-    """The hinge."""
+    """The hinge joint."""
 
 
 class WeldEntry(Model):
-    """A part of the infant that is kept where a reset puts it."""
+    """A body that is welded to the world at its pose at reset."""
 
     equality: str
-    """The constraint in the model."""
+    """The equality constraint in the model."""
     body: str
-    """The part."""
+    """The body."""
 
 
 class LimbEntry(Model):
@@ -124,65 +124,65 @@ class AnatomyEntry(Model):
 
 
 class ConstraintsEntry(Model):
-    """What of the infant stays where a reset puts it."""
+    """Joints and bodies that are held in place by equality constraints."""
 
     locks: tuple[LockEntry, ...] = ()
     """Locked joints."""
     welds: tuple[WeldEntry, ...] = ()
-    """Held parts."""
+    """Welded bodies."""
 
 
 @composed(lambda: {"task": task_entry_field()})
 class Manifest(Model):
-    """What travels from the compiler to the runtime."""
+    """All that the compiler passes on to the runtime."""
 
     manifest: Literal[1] = MANIFEST_VERSION
     """Version of this file."""
     name: str
-    """Name of the infant spec."""
+    """Name of the infant, from its spec."""
     child: ChildEntry
-    """What the child measures."""
+    """The child's measurements."""
     scene: str = "scene.xml"
     """Entry point of the model."""
     root_body: str
-    """The body that moves freely."""
+    """The root body of the infant, which has a free joint."""
     root_joint: str
-    """Its free joint."""
+    """That free joint."""
     timestep_ms: float
-    """One physics step."""
+    """Duration of a physics step."""
     step_ms: float
-    """One control step, a whole number of physics steps."""
+    """Duration of a control step, a whole number of physics steps."""
     pose: str
-    """The keyframe a reset starts from."""
+    """Keyframe that an episode starts from by default."""
     poses: tuple[str, ...]
-    """Every keyframe."""
+    """All keyframes."""
     actuation: ActuationEntry
-    """How it is moved."""
+    """Actuation model and actuators."""
     anatomy: AnatomyEntry = AnatomyEntry()
     """Which parts of the model are which parts of the body."""
     senses: SensesEntry
-    """What it senses."""
+    """The senses."""
     delays: DelaysEntry = DelaysEntry()
-    """How late it senses and moves."""
+    """Sensory and motor delays."""
     constraints: ConstraintsEntry = ConstraintsEntry()
-    """What is locked or held where it starts."""
+    """Locked joints and welded bodies."""
     task: TaskEntry = FreeEntry()
-    """What it is to achieve."""
+    """The task."""
     plugins: dict[str, str] = Field(default_factory=dict)
     """Distribution of each kind that is not mimoc's own, by section and name, such as `senses.sound`."""
     face: FaceEntry | None = None
-    """What its face can show."""
+    """The face and its expressions."""
     seed: int = 0
-    """Of its scene."""
+    """Seed of the scene."""
     toys: tuple[ToyEntry, ...] = ()
-    """What there is to play with."""
+    """The toys in the scene."""
     notes: tuple[str, ...] = ()
-    """What its user should know of how it was built."""
+    """Notes on the build for its user."""
     keypoints: tuple[str, ...] = ()
-    """The BODY_25 sites, in BODY_25's order; of limbs it does not have too."""
+    """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
 
     def __repr__(self) -> str:
-        """Return who it tells of: the whole of it is long."""
+        """Return name and age only: the whole manifest is long."""
         return f"Manifest({self.name!r}, {self.child.age_months:g} months)"
 
     __str__ = __repr__

@@ -28,7 +28,7 @@ def check_plugins(manifest: Any) -> None:
     """
     plugins = manifest.get("plugins", {}) if isinstance(manifest, dict) else {}
     if not isinstance(plugins, dict):
-        return  # Its validation says so.
+        raise BundleError("its plug-ins are listed in a way that mimoc never writes; build it again")
     problems = [_problem(str(key), str(distribution)) for key, distribution in plugins.items()]
     if found := [problem for problem in problems if problem]:
         raise BundleError("; ".join(found))
@@ -37,7 +37,7 @@ def check_plugins(manifest: Any) -> None:
 def _problem(key: str, distribution: str) -> str | None:
     section, _, name = key.partition(".")
     if section not in RUNNING or not name.isidentifier() or not distribution.isprintable():
-        return None  # Nothing that mimoc writes.
+        return f"its plug-in {key!r} is named in a way that mimoc never writes; build it again"
     table, source = RUNNING[section], f"the plug-in '{distribution}'" if distribution else "a script"
     if name not in table:
         advice = f"install '{distribution}'" if distribution else "register it with mimoc.register first"

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from mimoc import body, fits
 from mimoc.actuation.setup import build_actuation
 from mimoc.body.provenance import trace_body
-from mimoc.bundle import folder
+from mimoc.bundle.io import Bundle, read_bundle, seal
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose, place_senses
@@ -59,7 +59,7 @@ def load_spec(path: str | Path) -> InfantSpec:
     return read_spec(source.read(path))
 
 
-def build(spec: InfantSpec | str | Path, convention: str | None = None) -> folder.Bundle:
+def build(spec: InfantSpec | str | Path, convention: str | None = None) -> Bundle:
     """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
 
     Args:
@@ -76,7 +76,7 @@ def build(spec: InfantSpec | str | Path, convention: str | None = None) -> folde
     return compiler(compiler.spec.scene.seed)
 
 
-def compiled(source: folder.Bundle | InfantSpec | str | Path) -> folder.Bundle:
+def compiled(source: Bundle | InfantSpec | str | Path) -> Bundle:
     """Return a bundle as it is, the bundle in a folder, or what a spec or the file of one (.yaml, .yml) compiles to.
 
     Raises:
@@ -84,11 +84,11 @@ def compiled(source: folder.Bundle | InfantSpec | str | Path) -> folder.Bundle:
         SpecError: As `build`.
         ModelError: If MuJoCo refuses the model.
     """
-    if isinstance(source, folder.Bundle):
+    if isinstance(source, Bundle):
         return source
     if isinstance(source, InfantSpec) or Path(source).suffix.lower() in SPEC_SUFFIXES:
         return build(source)
-    return folder.read_bundle(source)
+    return read_bundle(source)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -124,7 +124,7 @@ class Builder:
         """Let it be copied and sent to other processes, which grow the child anew."""
         return builder, (self.spec, self.convention)
 
-    def __call__(self, seed: int, *, check: bool = True) -> folder.Bundle:
+    def __call__(self, seed: int, *, check: bool = True) -> Bundle:
         """Return the bundle of a seed.
 
         Args:
@@ -162,7 +162,7 @@ class Builder:
                 compile_model(files)
         except ModelError as error:
             raise _blame(error, written, {**own_origins, **self.origins}) from None
-        return folder.seal(files, {"mimoc": __version__}, data_files(), manifest)
+        return seal(files, {"mimoc": __version__}, data_files(), manifest)
 
 
 def builder(spec: InfantSpec, convention: str | None = None) -> Builder:

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.gains import Gains
 from mimoc.control.limbs import trunk_of
 from mimoc.control.objectives import Align
@@ -42,7 +42,7 @@ class Balance:
         """
         model = self._model
         roots = [model.body(leg.root).id for leg in self._manifest.anatomy.legs]
-        legs = self._joints_on(np.flatnonzero(hanging_on(model, roots)))
+        legs = self._joints_on(np.flatnonzero(in_subtrees(model, roots)))
         if self.lies(data):
             return [Posture(joints=[*legs, *self._joints_on(np.array(self._trunk, np.intp))])]
         chest = data.body(self._trunk[-1])

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.frames import Frame, find_frame
 from mimoc.control.limbs import joints_between, limb_of, trunk_of
 from mimoc.errors import ControlError
@@ -48,7 +48,7 @@ class ReachablePlaces:
         low_rad, high_rad = model.jnt_range[joints].T
         middle_rad, half_rad = (low_rad + high_rad) / 2, SHARE * (high_rad - low_rad) / 2
         self._low_rad, self._high_rad = middle_rad - half_rad, middle_rad + half_rad
-        arms = [hanging_on(model, [limb_of(frame.body, self._trunk, model)]) for frame in self._frames]
+        arms = [in_subtrees(model, [limb_of(frame.body, self._trunk, model)]) for frame in self._frames]
         self._is_arm = np.append(np.any(arms, axis=0)[model.geom_bodyid], False)  # The last is for what has no geom.
 
     def draw(self, data: mujoco.MjData, generator: np.random.Generator) -> tuple[FloatArray, ...] | None:

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.limbs import limb_of, trunk_of
 from mimoc.senses.sense import FloatArray, IntArray
 
@@ -41,7 +41,7 @@ class Supports:
         bearing = model.body_rootid == model.body(manifest.root_body).id
         trunk = trunk_of(manifest.anatomy, model)
         busy = {limb_of(effector, trunk, model) for effector in effectors} - {0}
-        bearing &= ~hanging_on(model, [*busy, *loose])
+        bearing &= ~in_subtrees(model, [*busy, *loose])
         still = model.body_weldid == 0
         self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.
         self._still = np.append(still[model.geom_bodyid], False)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.experiments.delays_page import sections
 from mimoc.experiments.learner import Learner, detour, smoothness

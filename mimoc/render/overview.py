@@ -4,7 +4,7 @@ from contextlib import closing
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.render.camera import FROM_ABOVE, towards
 from mimoc.render.portrait import STILL, Painter, Picture

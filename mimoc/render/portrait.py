@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.render.averaging import average_down

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, bind_actuation
-from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of

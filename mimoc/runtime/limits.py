@@ -4,7 +4,7 @@ from pathlib import Path
 
 from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
 

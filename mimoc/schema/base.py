@@ -11,7 +11,8 @@ from mimoc.schema.source import KeyPath
 class Model(BaseModel):
     """Base of every section: immutable, no unknown keys, documented fields."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    # Validators are built when first used: most sections are only ever validated as part of a whole spec or manifest.
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
 
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
         """Yield what `repr` shows: what was said, not what was left to its default."""

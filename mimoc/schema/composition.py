@@ -13,6 +13,8 @@ M = TypeVar("M", bound=type[Model])
 
 _FIELDS: dict[type[Model], Fields | None] = {}
 """Sections that depend on the kinds there are, from the innermost out, and what returns their fields."""
+_COMPOSED: dict[type[Model], set[str]] = {}
+"""The names of the fields that were put into each section."""
 _WATCHERS: list[Callable[[], None]] = []
 
 
@@ -25,8 +27,7 @@ def composed(fields: Fields | None = None) -> Callable[[M], M]:
 
     def decorate(section: M) -> M:
         _FIELDS[section] = fields
-        if fields:
-            _compose(section, fields)
+        _compose(section, fields)
         return section
 
     return decorate
@@ -36,6 +37,7 @@ def recompose() -> None:
     """Put all sections together again, after a kind was added."""
     for section, fields in _FIELDS.items():
         _compose(section, fields)
+        section.model_rebuild(force=True)
     for watcher in _WATCHERS:
         watcher()
 
@@ -70,7 +72,10 @@ def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
 
 
 def _compose(section: type[Model], fields: Fields | None) -> None:
-    for name, info in (fields() if fields else {}).items():
+    found = fields() if fields else {}
+    for name in _COMPOSED.get(section, set()) - found.keys():
+        del section.__annotations__[name], section.model_fields[name]
+    _COMPOSED[section] = set(found)
+    for name, info in found.items():
         section.__annotations__[name] = info.annotation
         section.model_fields[name] = info
-    section.model_rebuild(force=True)

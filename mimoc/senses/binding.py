@@ -6,7 +6,7 @@ from typing import Any
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.kinds import function_of
 from mimoc.senses import SENSES
 from mimoc.senses.nothing import nothing

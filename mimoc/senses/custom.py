@@ -7,8 +7,20 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
+from mimoc.delays.spec import DelayEntry
+from mimoc.errors import KindError
 from mimoc.senses.sense import IntArray, Observation, Reading
+from mimoc.units import to_steps
+
+
+def _delay_of(name: str, custom: Any, bundle: Bundle) -> DelayEntry:
+    delay_ms = float(getattr(custom, "delay_ms", 0.0))
+    try:
+        to_steps(delay_ms, bundle.manifest.timestep_ms)
+    except ValueError as error:
+        raise KindError(f"sense '{name}': {error}") from None
+    return DelayEntry(ms=delay_ms)
 
 
 class CustomSense:
@@ -28,6 +40,7 @@ class CustomSense:
         self.layout = tuple(f"{name} {index}" for index in range(int(np.prod(self._space.shape))))
         self.bodies: IntArray = np.zeros(len(self.layout), np.intp)
         self._name = name
+        self.delay = _delay_of(name, custom, bundle)
 
     def __call__(self, data: mujoco.MjData) -> Reading:
         """Return the sample now, an array of its own."""

@@ -2,7 +2,7 @@
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.kinds import function_of
 from mimoc.tasks import TASKS
 from mimoc.tasks.task import Task

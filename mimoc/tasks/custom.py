@@ -7,7 +7,7 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
 from mimoc.tasks.task import Task, Verdict

@@ -1,4 +1,4 @@
-"""A bundle is whole, and is what was written, or is refused; writing one is all or nothing."""
+"""A bundle that is read is intact, or it is refused; a bundle is written all or nothing."""
 
 import errno
 import json
@@ -17,9 +17,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.bundle import folder as bundle_module
-from mimoc.bundle import swap as exchange_module
-from mimoc.bundle.folder import (
+from mimoc.bundle import atomic_swap
+from mimoc.bundle import io as bundle_io
+from mimoc.bundle.atomic_swap import swap_folders
+from mimoc.bundle.io import (
     LOCK,
     MANIFEST,
     MAX_LOCK_BYTES,
@@ -29,7 +30,6 @@ from mimoc.bundle.folder import (
     seal,
     write_bundle,
 )
-from mimoc.bundle.swap import exchange
 from mimoc.errors import BundleError
 
 MANIFEST_DATA = {
@@ -142,7 +142,7 @@ def test_every_file_that_is_wrong_is_named(out):
 
 
 @pytest.mark.parametrize("name", sorted(ONE.files.keys() - {LOCK}))
-def test_no_file_is_unguarded(out, name):
+def test_a_change_of_any_file_is_found(out, name):
     write_bundle(ONE, out)
     (out / name).write_bytes(ONE.files[name] + b" ")
     with pytest.raises(BundleError, match=f"{name} was changed"):
@@ -150,8 +150,8 @@ def test_no_file_is_unguarded(out, name):
 
 
 @pytest.mark.parametrize("replace", [os.mkdir, os.mkfifo, lambda path: os.symlink(path, path)])
-def test_a_file_that_is_no_file_any_more_is_missing(out, replace):
-    """And a pipe does not make the reader wait."""
+def test_a_path_that_is_no_longer_a_file_is_missing(out, replace):
+    """A named pipe, too, which the reader does not wait for."""
     write_bundle(ONE, out)
     (out / "infant.xml").unlink()
     replace(out / "infant.xml")
@@ -159,7 +159,7 @@ def test_a_file_that_is_no_file_any_more_is_missing(out, replace):
         read_bundle(out)
 
 
-def test_foreign_files_are_passed_over_but_do_not_survive_force(out):
+def test_files_outside_the_lock_are_ignored_but_do_not_survive_force(out):
     """`--force` replaces the folder as a whole."""
     write_bundle(ONE, out)
     (out / "notes.txt").write_text("mine")
@@ -171,12 +171,12 @@ def test_foreign_files_are_passed_over_but_do_not_survive_force(out):
 # What is no bundle is refused.
 
 
-def test_a_folder_that_is_not_there_says_how_to_build_one(tmp_path):
+def test_the_error_for_a_missing_folder_says_how_to_build_a_bundle(tmp_path):
     with pytest.raises(BundleError, match=r"nothing: there is no such folder; build one there with 'mimoc build SPEC"):
         read_bundle(tmp_path / "nothing")
 
 
-def test_a_file_or_a_folder_of_other_things_is_no_bundle(tmp_path):
+def test_a_file_or_another_folder_is_not_a_bundle(tmp_path):
     (tmp_path / "infant.xml").write_text("<mujoco/>")
     with pytest.raises(BundleError, match="there is no such folder"):
         read_bundle(tmp_path / "infant.xml")
@@ -211,7 +211,7 @@ def test_a_folder_with_a_damaged_lock_is_neither_read_nor_replaced(out, lock):
     write_bundle(ONE, out)
     (out / LOCK).write_bytes(lock)
     before = contents(out)
-    with pytest.raises(BundleError, match=r"its lock.json is damaged; remove the folder and build it again$"):
+    with pytest.raises(BundleError, match=r"lock.json is damaged; remove the folder and build it again$"):
         read_bundle(out)
     with pytest.raises(BundleError, match="is not a bundle and is never replaced"):
         write_bundle(TWO, out, force=True)
@@ -219,7 +219,7 @@ def test_a_folder_with_a_damaged_lock_is_neither_read_nor_replaced(out, lock):
 
 
 @pytest.mark.parametrize("digest", ["", "sha256:", None, 7, ["sha256:0"]])
-def test_a_lock_with_an_odd_digest_matches_no_file(out, digest):
+def test_a_lock_with_an_invalid_digest_matches_no_file(out, digest):
     write_bundle(ONE, out)
     lock = json.loads(ONE.files[LOCK])
     lock["files"]["infant.xml"] = digest
@@ -229,12 +229,12 @@ def test_a_lock_with_an_odd_digest_matches_no_file(out, digest):
 
 
 @pytest.mark.parametrize("manifest", [b"{}", b'{"manifest": 2}', b"[]", b"\xff", b"", b"[" * 200_000])
-def test_a_manifest_of_another_version_is_refused_in_words(out, manifest):
+def test_a_manifest_of_another_version_is_refused_with_a_clear_error(out, manifest):
     files = {"infant.xml": b"", MANIFEST: manifest}
     (out / "assets").mkdir(parents=True)
     for name, content in {**files, LOCK: json.dumps({"files": digests(files)}).encode()}.items():
         (out / name).write_bytes(content)
-    with pytest.raises(BundleError, match="its manifest is not of version 1, which this mimoc reads; build it again"):
+    with pytest.raises(BundleError, match="this version of mimoc reads manifests of version 1 only; build it again"):
         read_bundle(out)
     assert read_bundle(write_bundle(ONE, out, force=True)).files == ONE.files
 
@@ -243,7 +243,7 @@ def test_a_manifest_of_another_version_is_refused_in_words(out, manifest):
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_a_folder_of_other_things_is_never_replaced(out, force):
+def test_a_folder_that_is_not_a_bundle_is_never_replaced(out, force):
     out.mkdir()
     (out / "thesis.tex").write_text("months of work")
     with pytest.raises(BundleError, match="this folder is not a bundle and is never replaced; name a new folder"):
@@ -252,7 +252,7 @@ def test_a_folder_of_other_things_is_never_replaced(out, force):
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_a_file_in_the_way_is_never_replaced(out, force):
+def test_a_file_is_never_replaced(out, force):
     out.write_text("work")
     with pytest.raises(BundleError, match="this is a file; name a new folder"):
         write_bundle(ONE, out, force=force)
@@ -263,7 +263,7 @@ def test_a_bundle_is_replaced_only_with_force(out):
     write_bundle(ONE, out)
     with pytest.raises(BundleError) as error:
         write_bundle(TWO, out)
-    assert str(error.value) == f"{out}: there is a bundle already; replace it with --force, or name a new folder"
+    assert str(error.value) == f"{out}: a bundle already exists here; replace it with --force, or name a new folder"
     assert read_bundle(out).files == ONE.files
     write_bundle(TWO, out, force=True)
     assert read_bundle(out).files == TWO.files
@@ -298,7 +298,7 @@ def test_a_link_is_followed_and_stays_a_link(out, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["~/infant", "builds/infant", "builds/infant/", "./builds/../builds/infant", "a/b/c"])
-def test_home_relative_and_missing_folders_are_understood(tmp_path, monkeypatch, name):
+def test_home_relative_and_missing_folders_are_accepted(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HOME", str(tmp_path))
     write_bundle(ONE, name)
@@ -307,8 +307,8 @@ def test_home_relative_and_missing_folders_are_understood(tmp_path, monkeypatch,
     assert len(list(tmp_path.rglob(LOCK))) == 1
 
 
-def test_the_working_directory_is_not_pulled_away(out, monkeypatch):
-    """Its name would go to another folder, and a shell in it would see the old one, empty."""
+def test_the_working_directory_is_never_replaced(out, monkeypatch):
+    """A shell in it would be left in a deleted folder."""
     out.mkdir()
     monkeypatch.chdir(out)
     with pytest.raises(BundleError, match="the folder you are in"):
@@ -318,7 +318,7 @@ def test_the_working_directory_is_not_pulled_away(out, monkeypatch):
 
 def test_nothing_is_written_outside_the_folder(out):
     stray = replace(ONE, files={**ONE.files, "../stray": b""})
-    with pytest.raises(BundleError, match="not within the bundle"):
+    with pytest.raises(BundleError, match=r"'../stray' is outside the bundle's folder"):
         write_bundle(stray, out)
     assert not out.exists()
     assert os.listdir(out.parent) == []
@@ -330,7 +330,7 @@ def test_impossible_names_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["with blank", "run[1]", "run*", "häschen", "-o", ".hidden", "a" * 100])
-def test_odd_names_are_only_names(tmp_path, name):
+def test_unusual_folder_names_are_accepted(tmp_path, name):
     write_bundle(ONE, tmp_path / name)
     write_bundle(TWO, tmp_path / name, force=True)
     assert read_bundle(tmp_path / name).files == TWO.files
@@ -340,14 +340,14 @@ def test_odd_names_are_only_names(tmp_path, name):
 @pytest.mark.parametrize(
     ("name", "reason"), [("file/out", "File exists|Not a directory"), ("a" * 300, "File name too long")]
 )
-def test_a_place_where_no_folder_can_be_is_named(tmp_path, name, reason):
+def test_a_path_that_cannot_be_a_folder_is_named_in_the_error(tmp_path, name, reason):
     (tmp_path / "file").write_text("work")
     with pytest.raises(BundleError, match=rf"cannot be written \(({reason})\); choose another folder"):
         write_bundle(ONE, tmp_path / name)
     assert contents(tmp_path) == {"file": b"work"}
 
 
-def test_the_home_of_nobody_is_a_name_like_any_other(tmp_path, monkeypatch):
+def test_the_home_of_an_unknown_user_is_an_ordinary_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_bundle(ONE, "~nobody_of_that_name/out")
     assert read_bundle("~nobody_of_that_name/out").files == ONE.files
@@ -384,7 +384,7 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
         return fail() if next(left, None) is None else write_bytes(path, content)
 
     monkeypatch.setattr(Path, "write_bytes", write_some)
-    monkeypatch.setattr(bundle_module, "exchange" if force else "_move_into_place", fail)
+    monkeypatch.setattr(bundle_io, "swap_folders" if force else "_move_into_place", fail)
     with pytest.raises(BundleError if isinstance(failure, OSError) else KeyboardInterrupt) as error:
         write_bundle(TWO, out, force=force)
     assert isinstance(failure, KeyboardInterrupt) or "cannot be written (No space left on device)" in str(error.value)
@@ -392,11 +392,11 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
     assert os.listdir(out.parent) == ([out.name] if force else [])
 
 
-# Killed, raced, or both: the nursery is a process that has mimoc loaded and forks builders.
+# Builds that are killed or race with each other: a process that has loaded mimoc forks builders.
 
-NURSERY = """
+BUILDERS = """
 import os, signal, sys
-from mimoc.bundle.folder import read_bundle, write_bundle
+from mimoc.bundle.io import read_bundle, write_bundle
 from mimoc.errors import BundleError
 
 one, two = map(read_bundle, sys.argv[1:3])
@@ -455,15 +455,15 @@ for line in sys.stdin:
 """
 
 
-class Nursery:
-    """Starts builders in processes of their own."""
+class Builders:
+    """A process that forks builders, each in a process of its own."""
 
     def __init__(self, one: Path, two: Path):
-        command = [sys.executable, "-c", NURSERY, str(one), str(two)]
+        command = [sys.executable, "-c", BUILDERS, str(one), str(two)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def start(self, function: str, *arguments: object) -> int:
-        """Return the number of a new process that runs a function of the nursery."""
+        """Return the ID of a new process that runs one of the functions of the script."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         print(function, *arguments, sep="\t", file=self._process.stdin, flush=True)
@@ -476,9 +476,9 @@ class Nursery:
 
 
 @pytest.fixture(scope="module")
-def nursery(tmp_path_factory) -> Iterator[Nursery]:
-    folder = tmp_path_factory.mktemp("nursery")
-    found = Nursery(write_bundle(ONE, folder / "one"), write_bundle(TWO, folder / "two"))
+def builders(tmp_path_factory) -> Iterator[Builders]:
+    folder = tmp_path_factory.mktemp("builders")
+    found = Builders(write_bundle(ONE, folder / "one"), write_bundle(TWO, folder / "two"))
     yield found
     found.close()
 
@@ -507,12 +507,12 @@ def leftovers(out: Path) -> list[str]:
     return [name for name in os.listdir(out.parent) if name.startswith(f".{out.name}.")]
 
 
-def test_a_build_killed_at_any_moment_leaves_one_whole_bundle(out, nursery):
+def test_a_build_killed_at_any_moment_leaves_one_whole_bundle(out, builders):
     write_bundle(ONE, out)
     moments, left = random.Random(2), 0
     for _ in range(40):
         started = out.stat().st_ino
-        builder = nursery.start("rewrite", out)
+        builder = builders.start("rewrite", out)
         wait_until(lambda: out.stat().st_ino != started)  # noqa: B023 - It is at work; used at once.
         time.sleep(moments.uniform(0, 0.006))
         kill(builder)
@@ -524,10 +524,10 @@ def test_a_build_killed_at_any_moment_leaves_one_whole_bundle(out, nursery):
     assert os.listdir(out.parent) == [out.name]
 
 
-def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, nursery):
+def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, builders):
     moments, left = random.Random(3), 0
     for _ in range(40):
-        builder = nursery.start("write_many", out)
+        builder = builders.start("write_many", out)
         wait_until(lambda: out.with_name(f"{out.name}-0").exists())
         time.sleep(moments.uniform(0, 0.006))
         kill(builder)
@@ -546,10 +546,10 @@ def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, nursery):
 
 
 @pytest.mark.parametrize("name", ["infant", "run[1]", "run*"])
-def test_only_what_a_dead_build_of_the_same_bundle_left_is_swept(tmp_path, nursery, name):
-    dead = nursery.start("no such function")
+def test_only_leftovers_of_killed_builds_of_the_same_bundle_are_removed(tmp_path, builders, name):
+    dead = builders.start("no such function")
     wait_until(lambda: not is_alive(dead))
-    ours = bundle_module._staging_prefix(tmp_path / name)
+    ours = bundle_io._staging_prefix(tmp_path / name)
     swept, *kept = [
         f"{ours}{dead}-1",
         f"{ours}{os.getpid()}-1",
@@ -564,12 +564,12 @@ def test_only_what_a_dead_build_of_the_same_bundle_left_is_swept(tmp_path, nurse
 
 
 @pytest.mark.parametrize("force", ["force", ""])
-def test_a_build_killed_at_each_of_its_steps_leaves_the_old_or_the_new(out, nursery, force):
+def test_a_build_killed_at_each_of_its_steps_leaves_the_old_or_the_new(out, builders, force):
     seen: list[str] = []
     for step in range(200):
         if force:
             write_bundle(ONE, out, force=True)
-        builder = nursery.start("die_at", out, step, force)
+        builder = builders.start("die_at", out, step, force)
         wait_until(lambda: not is_alive(builder))  # noqa: B023 - Used at once.
         seen.append(read_bundle(out).manifest.name if out.exists() else "absent")
         finished = not leftovers(out) and seen[-1] == "two"
@@ -586,23 +586,23 @@ def test_a_build_killed_at_each_of_its_steps_leaves_the_old_or_the_new(out, nurs
 
 
 @pytest.mark.parametrize("force", ["force", ""])
-def test_builds_of_one_bundle_at_once_leave_one_whole_bundle(out, nursery, force):
-    error = f"{out}: there is a bundle already; replace it with --force, or name a new folder"
+def test_builds_of_one_bundle_at_once_leave_one_whole_bundle(out, builders, force):
+    error = f"{out}: a bundle already exists here; replace it with --force, or name a new folder"
     for turn in range(12):
         gate = out.parent.parent / f"gate-{turn}"
-        builders = [nursery.start("race", out, gate, force) for _ in range(4)]
+        processes = [builders.start("race", out, gate, force) for _ in range(4)]
         gate.touch()
-        wait_until(lambda: not any(map(is_alive, builders)))  # noqa: B023 - Used at once.
-        answers = sorted(Path(f"{gate}-{builder}").read_text() for builder in builders)
+        wait_until(lambda: not any(map(is_alive, processes)))  # noqa: B023 - Used at once.
+        answers = sorted(Path(f"{gate}-{process}").read_text() for process in processes)
         assert answers == (["written"] * 4 if force else [error] * 3 + ["written"])
         assert read_bundle(out).files in (ONE.files, TWO.files)
         assert os.listdir(out.parent) == [out.name]
         shutil.rmtree(out)
 
 
-def test_a_reader_never_sees_half_of_two_bundles(out, nursery):
+def test_a_reader_never_sees_half_of_two_bundles(out, builders):
     write_bundle(ONE, out)
-    builder = nursery.start("rewrite", out)
+    builder = builders.start("rewrite", out)
     try:
         seen = [read_bundle(out).manifest.name for _ in range(400)]
     finally:
@@ -633,46 +633,46 @@ def refuse(number: int) -> Callable[..., None]:
     return function
 
 
-def test_folders_change_places(folders):
-    exchange(*folders)
+def test_two_folders_are_swapped(folders):
+    swap_folders(*folders)
     assert names(*folders) == ["second", "first"]
 
 
 @pytest.mark.parametrize("number", [errno.ENOSYS, errno.EINVAL, errno.ENOTSUP])
-def test_folders_change_places_where_the_system_cannot_do_it_at_once(folders, monkeypatch, number):
-    monkeypatch.setattr(exchange_module, "_exchange_at_once", refuse(number))
-    exchange(*folders)
+def test_two_folders_are_swapped_if_the_system_has_no_atomic_swap(folders, monkeypatch, number):
+    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(number))
+    swap_folders(*folders)
     assert names(*folders) == ["second", "first"]
     assert len(os.listdir(folders[0].parent)) == 2
 
 
-def test_a_system_that_is_not_known_takes_turns(folders, monkeypatch):
+def test_two_folders_are_swapped_on_an_unknown_system(folders, monkeypatch):
     monkeypatch.setattr(sys, "platform", "plan9")
-    exchange(*folders)
+    swap_folders(*folders)
     assert names(*folders) == ["second", "first"]
 
 
-def test_taking_turns_puts_back_what_was_there_if_it_fails(folders, monkeypatch):
-    monkeypatch.setattr(exchange_module, "_exchange_at_once", refuse(errno.EINVAL))
+def test_a_failed_swap_without_atomic_swap_restores_both_folders(folders, monkeypatch):
+    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(errno.EINVAL))
     rename = os.rename
     monkeypatch.setattr(os, "rename", lambda a, b: refuse(errno.EIO)() if a == folders[0] else rename(a, b))
     with pytest.raises(OSError, match=os.strerror(errno.EIO)):
-        exchange(*folders)
+        swap_folders(*folders)
     assert names(*folders) == ["first", "second"]
 
 
-def test_other_failures_are_not_worked_around(folders, monkeypatch):
+def test_other_failures_of_a_swap_are_raised(folders, monkeypatch):
     with pytest.raises(FileNotFoundError):
-        exchange(folders[0], folders[1] / "nothing")
-    monkeypatch.setattr(exchange_module, "_exchange_at_once", refuse(errno.EACCES))
+        swap_folders(folders[0], folders[1] / "nothing")
+    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(errno.EACCES))
     with pytest.raises(PermissionError):
-        exchange(*folders)
+        swap_folders(*folders)
     assert names(*folders) == ["first", "second"]
 
 
-def test_a_bundle_is_replaced_also_by_taking_turns(out, monkeypatch):
+def test_a_bundle_is_replaced_without_atomic_swap_too(out, monkeypatch):
     write_bundle(ONE, out)
-    monkeypatch.setattr(exchange_module, "_exchange_at_once", refuse(errno.EINVAL))
+    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(errno.EINVAL))
     write_bundle(TWO, out, force=True)
     assert read_bundle(out).files == TWO.files
     assert os.listdir(out.parent) == [out.name]

@@ -14,8 +14,10 @@ from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.names import LIMB_BODIES, MEASUREMENTS, TRUNK_BODIES
 from mimoc.schema.outline import outline
 from mimoc.schema.source import KeyPath, parse
+from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
+MODELS += [kind.spec for kind in TASKS.values()]
 UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd")
 NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity"}
 WRONG = [

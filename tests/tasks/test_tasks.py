@@ -155,7 +155,7 @@ def test_choices_of_a_task_can_be_made_by_name(options, told):
 
 def test_a_bundle_says_what_infant_it_is():
     spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 7})
-    with pytest.raises(mimoc.MimocError, match="leave age_months out, or the bundle"):
+    with pytest.raises(mimoc.MimocError, match="leave out age_months, or the bundle"):
         gymnasium.make("mimoc/Reach-v0", bundle=mimoc.build(spec), age_months=3)
 
 

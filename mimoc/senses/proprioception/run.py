@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.mujoco_layout import MUSCLE_FORCE, MUSCLE_LENGTHENING, MUSCLE_PASSIVE
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray, Vector

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Reading
 from mimoc.senses.touch.contacts import Pushes, feeling_bodies, find_pushes, rotated
 from mimoc.senses.touch.receptors import Skin, bind_skin

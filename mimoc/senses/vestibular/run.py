@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.senses.sense import FloatArray, IntArray, Vector
 from mimoc.senses.vestibular.spec import VestibularEntry
 

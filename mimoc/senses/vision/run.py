@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.render.averaging import average_down
 from mimoc.senses.sense import IntArray, Observation, Reading
 from mimoc.senses.vision.blur import blur, contrast_gain

@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.catch.resizable_ball import ResizableBall

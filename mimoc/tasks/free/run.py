@@ -2,7 +2,7 @@
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.tasks.free.spec import FreeEntry
 from mimoc.tasks.task import Task
 

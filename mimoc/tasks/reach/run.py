@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import FloatArray

@@ -7,7 +7,7 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.senses.sense import IntArray, Observation
 from mimoc.tasks.selfbody.spec import SelfbodyEntry
 from mimoc.tasks.task import Task, Verdict

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.tasks.standup.spec import StandupEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 

@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.tasks.task import Task, Verdict
 from mimoc.units import ms_to_s
 from mimoc_nursery.kick.spec import KickEntry

@@ -1,4 +1,4 @@
-"""Two folders change places in one step, so that neither name is ever without a folder."""
+"""Swap two folders atomically, so that each name refers to a folder at all times."""
 
 import ctypes
 import errno
@@ -9,29 +9,29 @@ from pathlib import Path
 
 _AT_FDCWD = -100
 _RENAME_EXCHANGE = 2
-"""Of renameat2 (Linux, include/uapi/linux/fs.h) and, as RENAME_SWAP, of renamex_np (macOS, sys/stdio.h)."""
-_CANNOT = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP}
-"""What an operating or file system answers that does not know how."""
+"""Flag of renameat2 (Linux, include/uapi/linux/fs.h) and, as RENAME_SWAP, of renamex_np (macOS, sys/stdio.h)."""
+_UNSUPPORTED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP}
+"""Errors of an operating or file system that cannot swap two folders atomically."""
 
 
-def exchange(first: Path, second: Path) -> None:
+def swap_folders(first: Path, second: Path) -> None:
     """Swap two folders of one file system.
 
-    Where the system cannot do it in one step, *second* is moved away for an instant, and back if *first*
-    cannot take its place.
+    If the system cannot do this atomically, *second* is first moved aside, and moved back if *first* cannot be
+    renamed.
 
     Raises:
         OSError: If they cannot be swapped.
     """
     try:
-        _exchange_at_once(os.fsencode(first), os.fsencode(second))
+        _swap_at_once(os.fsencode(first), os.fsencode(second))
     except OSError as error:
-        if error.errno not in _CANNOT:
+        if error.errno not in _UNSUPPORTED:
             raise
-        _exchange_in_turn(first, second)
+        _swap_in_turn(first, second)
 
 
-def _exchange_at_once(first: bytes, second: bytes) -> None:
+def _swap_at_once(first: bytes, second: bytes) -> None:
     library = ctypes.CDLL(None, use_errno=True)
     if sys.platform == "linux" and hasattr(library, "renameat2"):
         failed = library.renameat2(_AT_FDCWD, first, _AT_FDCWD, second, _RENAME_EXCHANGE)
@@ -44,7 +44,7 @@ def _exchange_at_once(first: bytes, second: bytes) -> None:
         raise OSError(number, os.strerror(number))
 
 
-def _exchange_in_turn(first: Path, second: Path) -> None:
+def _swap_in_turn(first: Path, second: Path) -> None:
     aside = Path(tempfile.mkdtemp(prefix=f"{first.name}-", dir=first.parent))
     os.rename(second, aside)
     try:

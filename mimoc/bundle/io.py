@@ -1,4 +1,4 @@
-"""The bundle: a folder that is whole, and is what was written, or is refused."""
+"""The bundle, read from a folder with its digests checked, and written to one all or nothing."""
 
 import errno
 import json
@@ -15,14 +15,14 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any
 
+from mimoc.bundle.atomic_swap import swap_folders
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
 from mimoc.bundle.plugins_needed import check_plugins
-from mimoc.bundle.swap import exchange
 from mimoc.errors import BundleError
 
 MANIFEST, LOCK = "manifest.json", "lock.json"
 MAX_LOCK_BYTES = 2**22
-"""No bundle has enough files for a longer lock."""
+"""Upper bound of a lock's size; real ones are far smaller."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -30,21 +30,21 @@ class Bundle:
     """The files of a compiled infant."""
 
     files: Mapping[str, bytes]
-    """Content by path in the folder, sorted; read-only."""
+    """Content of each file by its path within the bundle, sorted; read-only."""
     manifest: Manifest
-    """What the runtime knows of it."""
+    """Everything the runtime knows about the infant."""
     path: Path | None
-    """Folder it was read from; None if it is only in memory."""
+    """Folder it was read from; None if it exists only in memory."""
 
     def __repr__(self) -> str:
-        """Return who it is, how much there is of it and where it was read from, in a line."""
+        """Return name, age, size and folder in one line."""
         size_kb = sum(map(len, self.files.values())) / 1000
         at = f", read from {str(self.path)!r}" if self.path else ""
         who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
         return f"Bundle({who}, {len(self.files)} files, {size_kb:.0f} kB{at})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Let a bundle be copied and sent to other processes, which a read-only mapping alone cannot be."""
+        """Support copying and pickling, which the read-only mapping does not by itself."""
         return _bundle, (dict(self.files), self.manifest, self.path)
 
 
@@ -54,13 +54,13 @@ def seal(
     inputs: Mapping[str, bytes],
     manifest: Manifest | None = None,
 ) -> Bundle:
-    """Return a bundle of some files, manifest included, and a lock over them.
+    """Return a bundle of the given files (including the manifest) and a lock with their digests.
 
     Args:
-        files: Content by path in the bundle.
-        versions: Of the software that made them, by name.
-        inputs: Tables they were made from, by name; only their digests are kept.
-        manifest: What is in the file of that name, if it need not be read again.
+        files: Content by path within the bundle.
+        versions: Versions of the software that made the files, by name.
+        inputs: Tables the files were made from, by name; only their digests are kept.
+        manifest: The parsed manifest file, to avoid parsing it again.
     """
     lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
     sealed = {**files, LOCK: (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()}
@@ -73,38 +73,38 @@ def digests(files: Mapping[str, bytes]) -> dict[str, str]:
 
 
 def read_bundle(path: str | Path) -> Bundle:
-    """Read the bundle in a folder; files that are not the bundle's are passed over.
+    """Read the bundle in a folder; files that are not listed in its lock are ignored.
 
     Raises:
-        BundleError: If it is no bundle, or not what was written; it names every file that is not.
+        BundleError: If the folder is not a bundle, or files are missing or changed; the error names each of them.
     """
     folder = Path(os.path.expanduser(path))
     while True:
-        with _hold(folder) as was_replaced:
+        with _watch_for_replacement(folder) as replaced:
             try:
                 return _read_folder(folder)
             except BundleError:
-                if not was_replaced():
+                if not replaced():
                     raise
 
 
 def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Path:
-    """Write a bundle into a folder, all or nothing: whoever looks sees the old folder or the new one.
+    """Write a bundle into a folder atomically: a reader sees either the old folder or the new one.
 
     Args:
-        bundle: What to write.
-        out: The folder: new, empty, or with *force* a bundle.
-        force: Replace the bundle that is there, and with it whatever else is in its folder.
+        bundle: The bundle.
+        out: A new or empty folder or, with *force*, an existing bundle.
+        force: Replace an existing bundle, together with any other files in its folder.
 
     Raises:
-        BundleError: If there is something that must not be replaced, or the folder cannot be written.
+        BundleError: If the folder holds something that must not be replaced, or cannot be written.
     """
     target = Path(os.path.expanduser(out))
     try:
         place = Path(os.path.realpath(target))
-        _refuse_to_lose(place, target, force)
+        _check_replaceable(place, target, force)
         place.parent.mkdir(parents=True, exist_ok=True)
-        _sweep(place)
+        _remove_leftovers(place)
         staging = place.parent / f"{_staging_prefix(place)}{os.getpid()}-{secrets.token_hex(8)}"
         staging.mkdir()
         try:
@@ -128,8 +128,11 @@ def _manifest(content: bytes) -> Manifest:
 
 
 @contextmanager
-def _hold(folder: Path) -> Iterator[Callable[[], bool]]:
-    """Yield what says if another build replaced a folder since; while it is open, no new one gets its inode."""
+def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
+    """Yield a function that says whether another build has replaced a folder since.
+
+    The folder is kept open meanwhile, so that no new folder can be given its inode.
+    """
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:
@@ -145,7 +148,7 @@ def _read_folder(folder: Path) -> Bundle:
     lock = _read_lock(folder)
     locked = _locked_files(lock)
     if locked is None:
-        raise BundleError(f"{folder}: its {LOCK} is damaged; remove the folder and build it again")
+        raise BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
     found = {name: _read(folder / name) for name in sorted(locked)}
     files = {name: content for name, content in found.items() if content is not None}
     missing = [f"{name} is missing" for name in sorted(locked.keys() - files.keys())]
@@ -159,7 +162,7 @@ def _read_folder(folder: Path) -> Bundle:
         raise BundleError(f"{folder}: {error}") from None
     except (ValueError, RecursionError):
         raise BundleError(
-            f"{folder}: its manifest is not of version {MANIFEST_VERSION}, which this mimoc reads; build it again"
+            f"{folder}: this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"
         ) from None
     return _bundle({**files, LOCK: lock}, manifest, folder)
 
@@ -175,7 +178,7 @@ def _read_lock(folder: Path) -> bytes:
 
 
 def _locked_files(content: bytes) -> dict[str, str] | None:
-    """Return the digests that a lock holds, or None if it is not a lock of a bundle."""
+    """Return the digests of the files that a lock lists, or None if it is not a valid lock."""
     try:
         lock: Any = json.loads(content)
         files = lock["files"]
@@ -186,44 +189,44 @@ def _locked_files(content: bytes) -> dict[str, str] | None:
 
 
 def _is_inside(name: str) -> bool:
-    """Return whether a name stays within the folder it is looked up in."""
+    """Return whether a relative path stays within its folder."""
     path = PurePosixPath(name)
     return name.isprintable() and not path.is_absolute() and ".." not in path.parts and "\\" not in name
 
 
-def _read(path: Path, most: int = -1) -> bytes | None:
-    """Return the content of a file, or None if there is none that can be read."""
+def _read(path: Path, max_bytes: int = -1) -> bytes | None:
+    """Return the content of a file, or None if it does not exist or cannot be read."""
     try:
         if not path.is_file():
             return None  # Reading a pipe or a device might never end.
         with path.open("rb") as file:
-            return file.read(most)
+            return file.read(max_bytes)
     except OSError:
         return None
 
 
-def _refuse_to_lose(place: Path, target: Path, force: bool) -> None:
-    """Raise a BundleError if writing to *place* would lose something."""
+def _check_replaceable(place: Path, target: Path, force: bool) -> None:
+    """Raise a BundleError if writing to *place* would overwrite anything but an empty folder or, by force, a bundle."""
     if not os.path.lexists(place):
         return
     if not place.is_dir():
         raise BundleError(f"{target}: this is a file; name a new folder")
     if Path.cwd().is_relative_to(place) or os.path.ismount(place):
         reason = "a mounted folder" if os.path.ismount(place) else "the folder you are in"
-        raise BundleError(f"{target}: {reason} cannot be replaced as a whole; name a new folder inside it")
+        raise BundleError(f"{target}: {reason} cannot be replaced; name a new folder inside it")
     if not any(place.iterdir()):
         return
     content = _read(place / LOCK, MAX_LOCK_BYTES + 1)
     if content is None or _locked_files(content) is None:
         raise BundleError(f"{target}: this folder is not a bundle and is never replaced; name a new folder")
     if not force:
-        raise BundleError(f"{target}: there is a bundle already; replace it with --force, or name a new folder")
+        raise BundleError(f"{target}: a bundle already exists here; replace it with --force, or name a new folder")
 
 
 def _fill(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files into an empty folder."""
     if outside := [name for name in files if not _is_inside(name)]:
-        raise BundleError(f"'{outside[0]}' is not within the bundle; nothing is written outside its folder")
+        raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -231,31 +234,31 @@ def _fill(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> None:
-    """Rename the finished folder to where it belongs; what was there is left in *staging*."""
+    """Rename the finished folder to its final path; anything it replaces is left in *staging*."""
     try:
         os.rename(staging, place)
     except OSError as error:
         if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
             raise
-        _refuse_to_lose(place, target, force)  # Somebody else may have written there meanwhile.
-        exchange(staging, place)
+        _check_replaceable(place, target, force)  # Another process may have written there meanwhile.
+        swap_folders(staging, place)
 
 
 def _staging_prefix(place: Path) -> str:
-    """Return how the names of this machine's unfinished folders for a bundle begin; a process number follows."""
-    return f".{place.name}.mimoc-{socket.gethostname()}-{_process_space()}-"
+    """Return the prefix, before the process ID, of the names of this machine's unfinished folders for a bundle."""
+    return f".{place.name}.mimoc-{socket.gethostname()}-{_process_namespace()}-"
 
 
-def _process_space() -> str:
-    """Return what tells apart containers on one machine, which count their processes each for itself."""
+def _process_namespace() -> str:
+    """Return the ID of the process namespace: containers on one machine number their processes separately."""
     try:
         return str(os.stat("/proc/self/ns/pid").st_ino)
     except OSError:
         return "0"
 
 
-def _sweep(place: Path) -> None:
-    """Remove the unfinished folders of builds of the same bundle that were killed on this machine."""
+def _remove_leftovers(place: Path) -> None:
+    """Remove what killed builds of the same bundle have left behind on this machine."""
     prefix = _staging_prefix(place)
     for path in place.parent.glob(f"{escape(prefix)}*"):
         process = path.name.removeprefix(prefix).split("-")[0]
