@@ -251,7 +251,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.senses.touch.run", "from ...body import tree", "run may not import body"),
         ("mimoc.senses.touch.run", "from mimoc.senses.touch import build", "run may not import build"),
         ("mimoc.tasks.reach.run", "from mimoc.runtime.env import InfantEnv", "run may not import runtime"),
-        ("mimoc.tasks.reach.build", "from mimoc.tasks.reach.run import Reach", "build may not import run"),
+        ("mimoc.tasks.reach.build", "from mimoc.tasks.reach.run import ReachTask", "build may not import run"),
         ("mimoc.senses.touch.build", "from mimoc.control import Reach", "build may not import control"),
         ("mimoc.senses.touch.spec", "from mimoc.body import BodyTree", "spec may not import body"),
         ("mimoc.senses.touch", "from mimoc.senses.touch import build", "spec may not import build"),

@@ -23,7 +23,7 @@ from mimoc.tasks.setup import NO_TASK, TaskSetup
 
 
 def describe(
-    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], stage: TaskSetup = NO_TASK
+    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
 ) -> Manifest:
     """Return the manifest of a scene."""
     return Manifest(
@@ -33,15 +33,15 @@ def describe(
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,
-        pose=start_pose(spec, stage),
+        pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=_actuation(spec, tree, scene, stage),
+        actuation=_actuation(spec, tree, scene, setup),
         anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
-        constraints=_constraints(spec, tree, stage),
-        task=stage.goal,
-        plugins=needed_plugins(senses, stage.goal.kind, spec.actuation.model),
+        constraints=_constraints(spec, tree, setup),
+        task=setup.entry,
+        plugins=needed_plugins(senses, setup.entry.kind, spec.actuation.model),
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )
@@ -75,15 +75,15 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _constraints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> ConstraintsEntry:
+def _constraints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> ConstraintsEntry:
     return ConstraintsEntry(
-        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, stage)),
-        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, stage)),
+        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, setup)),
+        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, setup)),
     )
 
 
-def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, stage: TaskSetup) -> ActuationEntry:
-    commanded = commanded_joints(spec, tree, stage)
+def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, setup: TaskSetup) -> ActuationEntry:
+    commanded = commanded_joints(spec, tree, setup)
     actuators = tuple(
         ActuatorEntry(
             name=actuator.name,

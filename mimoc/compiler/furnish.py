@@ -46,20 +46,20 @@ def set_up_task(
     Raises:
         UnplayableError: If the infant lacks what the task is about, or a part that the spec holds.
     """
-    stage = build_task(spec.task, tree)
+    setup = build_task(spec.task, tree)
     poses = scene.keyframes
-    if spec.task and stage.start is not None:
-        own = Keyframe(spec.task.kind, stage.start)
+    if spec.task and setup.start is not None:
+        own = Keyframe(spec.task.kind, setup.start)
         poses = (*poses, actuation.at_rest(own))
-    (start,) = (pose for pose in poses if pose.name == start_pose(spec, stage))
-    joints, held = locked_joints(spec, tree, stage), holds(spec, tree, stage)
+    (start,) = (pose for pose in poses if pose.name == start_pose(spec, setup))
+    joints, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))
-    return replace(scene, keyframes=kept), stage
+    return replace(scene, keyframes=kept), setup
 
 
-def start_pose(spec: InfantSpec, stage: TaskSetup) -> str:
+def start_pose(spec: InfantSpec, setup: TaskSetup) -> str:
     """Return the name of the keyframe that a reset starts from."""
-    return spec.scene.pose if spec.task is None or stage.start is None else spec.task.kind
+    return spec.scene.pose if spec.task is None or setup.start is None else spec.task.kind
 
 
 def outline(scene: SceneTree, spec: SceneSpec, tree: BodyTree) -> FloatArray:
@@ -74,7 +74,7 @@ def furnish(
     spec: InfantSpec,
     tree: BodyTree,
     supplies: Supplies,
-    stage: TaskSetup = NO_TASK,
+    setup: TaskSetup = NO_TASK,
     discs: FloatArray | None = None,
 ) -> SceneTree:
     """Return a scene with the world of its spec, and the infant's poses where they are in that.
@@ -84,7 +84,7 @@ def furnish(
         spec: What is wanted.
         tree: The infant's body.
         supplies: What to make the world of.
-        stage: What its task needs.
+        setup: What its task needs.
         discs: The infant's `outline`, if it is known already: it is the same for every seed.
 
     Raises:
@@ -96,18 +96,18 @@ def furnish(
     build = function_of(SCENES[spec.scene.kind].build, "build")
     setting: Setting = build(spec.scene, Occupant(tree, discs), supplies.decor)
     starts = {pose.name: put(pose, setting.start) for pose in scene.keyframes}
-    start = starts[start_pose(spec, stage)]
-    taken = np.concatenate([discs, np.reshape(stage.taken, (-1, 3))])
+    start = starts[start_pose(spec, setup)]
+    taken = np.concatenate([discs, np.reshape(setup.taken, (-1, 3))])
     toys = _toys(spec.scene, setting, tree, start, moved(taken, setting.start), supplies.toybox)
     world = replace(
         setting.world,
         infant_at=(setting.start.x_m, setting.start.y_m, setting.start.yaw_rad),
         toys=toys,
-        apparatus=tuple(put_prop(prop, setting.start) for prop in stage.props),
-        furniture=setting.world.furniture + stage.furniture,
-        locks=lock(locked_joints(spec, tree, stage), tree, start.qpos),
-        welds=weld(holds(spec, tree, stage), tree, start.qpos),
-        gravity_m_s2=WEIGHTLESS if stage.weightless else setting.world.gravity_m_s2,
+        apparatus=tuple(put_prop(prop, setting.start) for prop in setup.props),
+        furniture=setting.world.furniture + setup.furniture,
+        locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
+        welds=weld(holds(spec, tree, setup), tree, start.qpos),
+        gravity_m_s2=WEIGHTLESS if setup.weightless else setting.world.gravity_m_s2,
     )
     world = replace(world, pairs=barrier_pairs(world, scene.roots))
     resting = tuple(number for prop in world.props for number in (*prop.pos_m, *prop.quat))

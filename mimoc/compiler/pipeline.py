@@ -101,7 +101,7 @@ class Builder:
     tree: body.BodyTree
     infant: SceneTree
     """In no world yet."""
-    stage: TaskSetup
+    setup: TaskSetup
     """What its task needs."""
     discs: npt.NDArray[np.float64]
     """What it takes up of the floor."""
@@ -139,7 +139,7 @@ class Builder:
         written = as_written(spec)
         try:
             furnished = find_convention(self.convention).world(
-                furnish(self.infant, spec, self.tree, self.supplies, self.stage, self.discs)
+                furnish(self.infant, spec, self.tree, self.supplies, self.setup, self.discs)
             )
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
@@ -185,9 +185,9 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
     try:
         actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
-        staged, stage = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
-        infant = wanted.infant(staged, spec.actuation.model)
-        described = describe(spec, tree, infant, senses, stage)
+        posed, setup = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
+        infant = wanted.infant(posed, spec.actuation.model)
+        described = describe(spec, tree, infant, senses, setup)
     except UnplayableError as error:
         raise SpecError([written.problem(error.key, str(error))]) from None
     manifest = Manifest.model_validate(printing.rounded(described.model_dump()))
@@ -208,7 +208,7 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         convention=convention,
         tree=tree,
         infant=infant,
-        stage=stage,
+        setup=setup,
         discs=outline(infant, spec.scene, tree),
         supplies=gather(spec, written),
         files=printing.render_infant(infant),

@@ -85,7 +85,7 @@ def take_inventory(builder: Builder, seed: int) -> Inventory:
     """
     wanted = builder.spec.scene.model_copy(update={"seed": seed})
     spec = builder.spec.model_copy(update={"scene": wanted})
-    room = furnish.furnish(builder.infant, spec, builder.tree, builder.supplies, builder.stage, builder.discs)
+    room = furnish.furnish(builder.infant, spec, builder.tree, builder.supplies, builder.setup, builder.discs)
     start = next(keyframe for keyframe in room.keyframes if keyframe.name == wanted.pose)
     reach = floor_reach(builder.tree, start.qpos[: 7 + len(builder.tree.joints)])
     assert reach is not None

@@ -17,7 +17,7 @@ HAND, BALL = 1, 2
 """What geoms belong to; both together, and nothing else, make the sum of a touch."""
 
 
-class Catch(Task):
+class CatchTask(Task):
     """A ball over the palm; contact is rewarded, effort costs, and the episode ends with the ball held or lost."""
 
     def __init__(self, entry: CatchEntry, model: mujoco.MjModel):
@@ -85,6 +85,6 @@ class Catch(Task):
         return bool(z < -self._entry.lost_m or np.hypot(x, y) > self._entry.lost_m)
 
 
-def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> Catch:
+def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> CatchTask:
     """Find what *entry* names in *model*."""
-    return Catch(entry, model)
+    return CatchTask(entry, model)

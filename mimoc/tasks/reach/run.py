@@ -18,7 +18,7 @@ STILL_M = 1e-4
 """How far a ball moves before head and eyes follow it."""
 
 
-class Reach(Task):
+class ReachTask(Task):
     """A ball before the infant; the reward is the nearer the hand is to it, and more for moving it."""
 
     def __init__(self, entry: ReachEntry, model: mujoco.MjModel, constraints: ConstraintsEntry):
@@ -76,6 +76,6 @@ class Reach(Task):
         return data.xpos[self._shoulder] + trunk @ (distance_m * direction)
 
 
-def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> Reach:
+def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> ReachTask:
     """Find what *entry* names in *model*."""
-    return Reach(entry, model, bundle.manifest.constraints)
+    return ReachTask(entry, model, bundle.manifest.constraints)

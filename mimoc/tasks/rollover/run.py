@@ -13,7 +13,7 @@ from mimoc.tasks.task import SquaredCommands, Task, Verdict
 from mimoc.units import to_steps
 
 
-class Rollover(Task):
+class RolloverTask(Task):
     """An infant that lies; how far it has turned is the angle between the front of its hip and where that looked.
 
     That is MIMo's pitch of the hip, -90° on the back and 90° on the belly, as a share of the way from the one to the
@@ -75,6 +75,6 @@ class Rollover(Task):
         return float(np.arctan2(np.hypot(x, y), z) / np.pi)
 
 
-def bind(entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle) -> Rollover:
+def bind(entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle) -> RolloverTask:
     """Find what *entry* names in *model*."""
-    return Rollover(entry, bundle.manifest, model)
+    return RolloverTask(entry, bundle.manifest, model)

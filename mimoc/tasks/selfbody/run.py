@@ -16,7 +16,7 @@ EFFECTOR, NOTHING = -2, -1
 """What a geom is that is no target."""
 
 
-class Selfbody(Task):
+class SelfbodyTask(Task):
     """A part of the body to be touched, drawn for each episode and observed as one-hot `goal`.
 
     The reward is large for touching it, better the nearer the fingers are to it while another part is touched, and a
@@ -93,6 +93,6 @@ def _parts(entry: SelfbodyEntry, model: mujoco.MjModel) -> IntArray:
     return np.where(solid, of_body[model.geom_bodyid], NOTHING)
 
 
-def bind(entry: SelfbodyEntry, model: mujoco.MjModel, bundle: Bundle) -> Selfbody:
+def bind(entry: SelfbodyEntry, model: mujoco.MjModel, bundle: Bundle) -> SelfbodyTask:
     """Find what *entry* names in *model*."""
-    return Selfbody(entry, model)
+    return SelfbodyTask(entry, model)

@@ -1,4 +1,4 @@
-"""The stage of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail."""
+"""The setup of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail."""
 
 import math
 from collections.abc import Mapping
@@ -65,7 +65,7 @@ class Seat:
 
 
 def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
-    """Return the stage of `standup`.
+    """Return the setup of `standup`.
 
     Raises:
         UnplayableError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its hands
@@ -77,7 +77,7 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))
     fingers = {joint for side in SIDES for joint in _fingers(tree, side)}
     return TaskSetup(
-        goal=_goal(task, tree),
+        entry=_entry(task, tree),
         start=_start(tree, seat, rail, grips),
         commanded=joints_of(tree, *COMMANDED),
         locked={*joints_of(tree, *LOCKED), *fingers},
@@ -87,7 +87,7 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     )
 
 
-def _goal(task: StandupSpec, tree: BodyTree) -> StandupEntry:
+def _entry(task: StandupSpec, tree: BodyTree) -> StandupEntry:
     standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
     return StandupEntry(
         steps=task.steps or STEPS,
@@ -148,7 +148,9 @@ def _flat_foot(
         return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",))
 
     if not depth(low) < height_m < depth(high):
-        raise UnplayableError(f"'standup' begins with flat feet, and this infant's {side} leg is too long or too short")
+        raise UnplayableError(
+            f"task 'standup' starts with flat feet; this infant's {side} leg is too long or too short"
+        )
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if depth(middle) < height_m else (low, middle)
@@ -169,7 +171,7 @@ def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
         x_m, _, z_m = seat.in_world(here[f"{side}_upper_arm"][0]).tolist()
         above_m = rail_height(tree) - z_m
         if STRETCHED * arm_m <= above_m:
-            raise UnplayableError("'standup' begins with the hands at a rail, and this infant's arms are too short")
+            raise UnplayableError("task 'standup' starts with the hands at a rail; this infant's arms are too short")
         found.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
     return min(found)
 

@@ -11,7 +11,7 @@ from mimoc.tasks.standup.spec import StandupEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 
 
-class Standup(Task):
+class StandupTask(Task):
     """An infant at a rail; the reward is the more, the higher its head is and the less it commands."""
 
     def __init__(self, entry: StandupEntry, actuation: ActuationEntry, model: mujoco.MjModel):
@@ -28,6 +28,6 @@ class Standup(Task):
         return Verdict(terms, success=height_m >= entry.success_m)
 
 
-def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> Standup:
+def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> StandupTask:
     """Find what *entry* names in *model*."""
-    return Standup(entry, bundle.manifest.actuation, model)
+    return StandupTask(entry, bundle.manifest.actuation, model)

@@ -118,6 +118,6 @@ def test_the_ball_goes_where_the_infant_is(kind):
 
 
 def test_an_infant_without_the_hand_cannot_catch():
-    with pytest.raises(SpecError, match=r"task.kind: 'catch' needs left_fingers and left_hand, which this infant does"):
+    with pytest.raises(SpecError, match=r"task 'catch' requires left_fingers and left_hand, which this infant"):
         staged(hand="left", body={"remove": ["left_hand"]})
     assert staged(hand="right", body={"remove": ["left_hand"]}).manifest.task.kind == "catch"

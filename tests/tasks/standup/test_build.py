@@ -112,7 +112,7 @@ def test_an_infant_without_a_hand_or_a_foot_is_refused(part):
     ("parts", "message"),
     [
         (("lower_leg",), "right leg is too long or too short"),
-        (("upper_arm", "lower_arm"), "right hand does not get to the rail"),
+        (("upper_arm", "lower_arm"), "right hand does not reach"),
     ],
 )
 def test_an_infant_that_cannot_sit_at_the_rail_is_refused(parts, message):
