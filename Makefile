@@ -4,6 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out/demo
 ROOMS ?= 0:12
+TESTS ?= tests
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
 # What is in $(VENV) already: what the demo needs, and what tests and training need besides.
@@ -15,7 +16,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test golden matrix bench container apptainer opengl clean
+.PHONY: help demo test coverage golden matrix bench container apptainer opengl clean
 
 help: ## Say what there is to make.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -37,11 +38,18 @@ demo: $(DEMO) opengl ## Build, validate, check, run and draw an infant of nine m
 	@echo "what it sees $(OUT)/seen.png   (in one of them, through eyes of 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(TEST) opengl ## Lint, check types and run every test.
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/pyright --pythonpath $(BIN)/python
-	$(BIN)/pytest -n 2 --benchmark-disable
+test: $(TEST) opengl ## Lint, check types and run every test, and say how long each part took.
+	@$(BIN)/python .ci/parts.py \
+		"lint: $(BIN)/ruff check ." \
+		"format: $(BIN)/ruff format --check ." \
+		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
+		"tests: $(BIN)/pytest -n 2 --dist loadgroup --durations 15"
+
+coverage: $(TEST) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
+	rm -rf out/coverage
+	$(BIN)/pytest -n 2 --dist loadgroup --cov --cov-report= $(TESTS)
+	$(BIN)/coverage html --quiet
+	$(BIN)/coverage report
 
 golden: $(TEST) ## Renew the golden files; read the difference before you commit it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
@@ -62,7 +70,7 @@ apptainer:
 		"(https://apptainer.org/docs/admin/main/installation.html), or name it with: make container APPTAINER=..."; exit 1; }
 
 clean: ## Remove what was built here: .venv, .matrix, out, caches.
-	rm -rf $(VENV) .matrix out dist build .pytest_cache .ruff_cache .hypothesis .benchmarks
+	rm -rf $(VENV) .matrix out dist build .pytest_cache .ruff_cache .hypothesis
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(DEMO): pyproject.toml

@@ -13,6 +13,7 @@ from mimoc.plugins import load_plugins
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.yaml_scalars import dump
 from mimoc.tasks import TASKS
 
 RESOLVED = "resolved.yaml"
@@ -111,7 +112,7 @@ def _child(
         "senses": {"proprioception": {}, "vestibular": {}},
         "task": task,
     }
-    return read_spec(source.parse(source.dump(data), f"<{kind}>"))
+    return read_spec(source.parse(dump(data), f"<{kind}>"))
 
 
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:

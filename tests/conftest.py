@@ -20,13 +20,20 @@ from hypothesis import settings
 import mimoc
 from mimoc.compiler.validation import compile_infant
 
-pytest_plugins = ["support.driven", "support.registering", "support.running"]
+pytest_plugins = [
+    "support.commands",
+    "support.cpu_times",
+    "support.driven",
+    "support.registering",
+    "support.running",
+]
 
 settings.register_profile("mimoc", deadline=None, derandomize=True)
 settings.load_profile("mimoc")
 
 SENSES = {"proprioception": {}, "vestibular": {}}
-QUARTER_MONTHS = tuple(quarter / 4 for quarter in range(97))
+AGES_MONTHS = (*(quarter / 4 for quarter in range(12)), *range(3, 25))
+"""Every quarter of a month while children grow fastest, and then every month."""
 BODIES = {"mitten": ("mitten", False), "five_finger": ("five_finger", True)}
 """Hands and chest joint: between them, everything a body can have."""
 CHEST = "robot:chest_"
@@ -115,8 +122,8 @@ def infant_with() -> Callable[..., Infant]:
 
 @pytest.fixture(scope="session", params=BODIES)
 def infants(request) -> list[Infant]:
-    """Return the average child at every quarter of a month from birth to two years: mittens, then everything."""
-    return [_infant(age_months, *BODIES[request.param]) for age_months in QUARTER_MONTHS]
+    """Return the average child at every one of `AGES_MONTHS`: mittens, then everything."""
+    return [_infant(age_months, *BODIES[request.param]) for age_months in AGES_MONTHS]
 
 
 @pytest.fixture(scope="session", params=product(("mitten", "five_finger"), (False, True)), ids=str)

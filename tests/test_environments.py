@@ -147,16 +147,11 @@ def test_a_bundle_is_run_without_the_compiler(tmp_path):
     assert done.stdout == "[]\n"
 
 
-def test_the_command_line_builds_another_scene(tmp_path, monkeypatch, capsys):
-    from mimoc import cli
-
+def test_the_command_line_builds_another_scene(invoke, tmp_path, monkeypatch):
     (tmp_path / "spec.yaml").write_text(YAML)
+    monkeypatch.chdir(tmp_path)
     for arguments in (["-o", "own"], ["-o", "seven", "--seed", "7"]):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["mimoc", "build", "spec.yaml", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        assert not ended.value.code
+        assert invoke("build", "spec.yaml", *arguments).code == 0
     own, seven = (mimoc.read_bundle(tmp_path / name) for name in ("own", "seven"))
     assert (own.manifest.seed, seven.manifest.seed) == (4, 7)
     assert seven.files["scene.xml"] == mimoc.build(spec(7)).files["scene.xml"] != own.files["scene.xml"]

@@ -32,6 +32,10 @@ INSTEAD = {
     # An hour of learning.
     r"--steps 200000\b": "--steps 128 --checkpoint-every 128 --envs 2 --one-process "
     "--set n_steps=64 --set batch_size=64",
+    # Many frames, and large ones.
+    r"--steps 100 --video\b": "--steps 10 --size 64 --video",
+    r"--size 200\b": "--size 40",
+    r"\bsteps=100, eyes=True": "steps=10, eyes=True, height_px=64",
     # A window needs a screen.
     r"\bpython -m mujoco.viewer --mjcf=(\S+)": r"""python -c 'import mujoco; mujoco.MjModel.from_xml_path("\1")'""",
     # A container, which is the same commands.
@@ -40,6 +44,7 @@ INSTEAD = {
 }
 """What stands in a block, as a pattern, and what is run instead: as little as can be."""
 
+PROGRAMS = {"sh", "python"}
 MISTAKEN = "mimoc: 1\nname: mine\nage_months: 99\nsenses: {}\nscene:\n  posse: sitting\n"
 """The spec `my_infant.yaml`, whose mistakes README shows."""
 
@@ -65,11 +70,12 @@ class Reader:
 
     def follow(self, block: Block) -> None:
         """Do what a block says."""
-        getattr(self, f"_{block.language}")(block.text)
+        text = block.text
+        for pattern, instead in INSTEAD.items() if block.language in PROGRAMS else ():
+            text = re.sub(pattern, instead, text)
+        getattr(self, f"_{block.language}")(text)
 
     def _sh(self, text: str) -> None:
-        for pattern, instead in INSTEAD.items():
-            text = re.sub(pattern, instead, text)
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         clean = {name: value for name, value in os.environ.items() if name not in {"MAKEFLAGS", "MAKELEVEL"}}
         done = subprocess.run(
@@ -146,4 +152,4 @@ def test_every_block_works_as_it_is_printed_one_after_the_other(reader):
 
 @pytest.mark.parametrize("pattern", INSTEAD)
 def test_what_is_run_instead_of_something_is_run_instead_of_something(pattern):
-    assert any(re.search(pattern, block.text) for block in blocks() if block.language == "sh")
+    assert any(re.search(pattern, block.text) for block in blocks() if block.language in PROGRAMS)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.poses import pose_of
 from mimoc.errors import ModelError
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
@@ -40,6 +41,37 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     _keep_mujoco_quiet()
     return model
+
+
+def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Return the compiled scene of a bundle and its state in a pose, all that is derived from it included.
+
+    Args:
+        bundle: The infant.
+        pose: A keyframe; else the bundle's own.
+
+    Raises:
+        ModelError: If MuJoCo refuses the model.
+        UnknownNameError: If the bundle has no such pose.
+    """
+    pose = pose_of(bundle.manifest, pose)
+    model = load_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Return the compiled scene of a bundle and its state with all joints at zero.
+
+    Raises:
+        ModelError: If MuJoCo refuses the model.
+    """
+    model = load_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
 
 
 def broke_down(data: mujoco.MjData) -> bool:

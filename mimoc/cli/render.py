@@ -29,15 +29,20 @@ def render(
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
 ) -> None:
     """Render an image of the infant, or of several side by side."""
+    from mimoc.bundle.model import load_posed, load_straight
     from mimoc.render.picture_files import check_picture_name, write_picture
     from mimoc.render.portrait import lineup, portrait
+    from mimoc.senses.touch.preview import skin_markers
 
     check_picture_name(file)
     if len(infants) > 1 and pose not in (None, "standing"):
         raise UnknownNameError("pose for several infants", str(pose), ["standing"])
     bundles = [load_infant(infant) for infant in infants]
     if len(bundles) > 1:
-        picture = lineup(bundles, width, height, skin=skin)
+        markers = [skin_markers(bundle, *load_straight(bundle)) for bundle in bundles] if skin else None
+        picture = lineup(bundles, width, height, markers)
     else:
-        picture = portrait(bundles[0], pose, width, height, skin=skin)
+        (bundle,) = bundles
+        markers = skin_markers(bundle, *load_posed(bundle, pose)) if skin else None
+        picture = portrait(bundle, pose, width, height, markers)
     print(write_picture(file, picture))

@@ -11,11 +11,19 @@ import typer
 from mimoc.cli.arguments import InfantPath
 from mimoc.cli.infants import load_infant
 from mimoc.errors import MimocError
+from mimoc.kinds import announced
+from mimoc.policies import POLICIES
 
 if TYPE_CHECKING:
     from mimoc.runtime.rollout import PolicyMaker
 
 EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"
+
+
+def _policies() -> str:
+    """Return what `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
+    own = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
+    return ", ".join((*own, *announced("mimoc.policies")))
 
 
 def run(
@@ -24,7 +32,7 @@ def run(
         str,
         typer.Option(
             "--policy",
-            help="random, zero, reach (inverse dynamics; needs torque or muscle actuation), or a trained policy.zip.",
+            help=f"{_policies()}; or a trained policy.zip.",
         ),
     ] = "random",
     steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,

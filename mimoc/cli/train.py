@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import InfantPath
+from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import resumable
 from mimoc.cli.infants import load_infant
 
@@ -36,6 +37,14 @@ def train(
             help="Run each environment in a process of its own, or all in one; default: whichever is faster.",
         ),
     ] = None,
+    task: Annotated[
+        str | None,
+        typer.Option(
+            "--task",
+            metavar="MODULE:CLASS",
+            help="Take rewards from a class of your own, in a module of this folder.",
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
         False
     ),
@@ -59,6 +68,7 @@ def train(
             processes=processes,
             force=force,
             progress=show,
+            task=import_object(task) if task else None,
         )
     console.print_training(done)
     print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")

@@ -5,9 +5,10 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from mimoc.body import BodyTree
-from mimoc.body.kinematics import FloatArray, frames_in_world, quaternion
+from mimoc.body.kinematics import FloatArray, frames_in_world
 from mimoc.body.strengthen import muscle_groups
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import quaternion_from_matrix
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.tree import Lock, Weld
 from mimoc.schema.infant import InfantSpec
@@ -110,6 +111,6 @@ def _weld(hold: Hold, origin: FloatArray, rotation: FloatArray) -> Weld:
         body=hold.body,
         anchor_m=hold.anchor_m,
         pos_m=(x, y, z),
-        quat=quaternion(rotation),
+        quat=quaternion_from_matrix(rotation),
         torquescale=LOOSE if hold.turns else FIRM,
     )

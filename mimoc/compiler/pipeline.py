@@ -13,7 +13,9 @@ import numpy.typing as npt
 from mimoc import body, fits
 from mimoc.actuation.setup import build_actuation
 from mimoc.body.provenance import trace_body
+from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, read_bundle, seal
+from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose, place_senses
@@ -39,9 +41,12 @@ from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.mjcf import printing
 from mimoc.mjcf.conventions import find_convention
+from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.tree import SceneTree
+from mimoc.rounding import rounded, rounded_array
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
+from mimoc.schema.yaml_scalars import dump
 from mimoc.tasks.setup import TaskSetup
 from mimoc.units import ms_to_s
 from mimoc.version import __version__
@@ -109,12 +114,8 @@ class Builder:
     files: Mapping[str, bytes]
     """Of the infant alone."""
     manifest: Manifest
-    manifest_members: Mapping[str, str]
-    """The manifest's text, by key."""
     origins: Mapping[str, Any]
     """Where the infant's numbers come from."""
-    origin_members: Mapping[str, str]
-    """The same as text, by key."""
 
     def __repr__(self) -> str:
         """Return whom it builds, in a line."""
@@ -143,18 +144,17 @@ class Builder:
             )
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
-        toys = tuple(ToyEntry.model_validate(printing.rounded(toy.model_dump())) for toy in describe_toys(furnished))
+        toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished))
         changes = {"seed": seed, "toys": toys, "notes": notes(spec, self.supplies.toybox, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
-        changed = printing.json_members(manifest.model_dump(include=set(changes)))
         own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
         files = {
             **self.files,
             **printing.render_world(furnished),
             SPEC_FILE: written.text.encode(),
-            "resolved.yaml": source.dump(printing.rounded(to_data(spec))).encode(),
-            "provenance.json": printing.join_json({**printing.json_members(own_origins), **self.origin_members}),
-            "manifest.json": printing.join_json({**self.manifest_members, **changed}),
+            "resolved.yaml": dump(rounded(to_data(spec))).encode(),
+            "provenance.json": render_json({**own_origins, **self.origins}),
+            "manifest.json": render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
         try:
@@ -190,7 +190,7 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         described = describe(spec, tree, infant, senses, setup)
     except UnplayableError as error:
         raise SpecError([written.problem(error.key, str(error))]) from None
-    manifest = Manifest.model_validate(printing.rounded(described.model_dump()))
+    manifest = Manifest.model_validate(rounded(described.model_dump()))
     scaled: dict[str, tuple[str, ...]] = {}
     for name, part in spec.body.parts.items():
         keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
@@ -211,12 +211,20 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         setup=setup,
         discs=outline(infant, spec.scene, tree),
         supplies=gather(spec, written),
-        files=printing.render_infant(infant),
+        files={**printing.render_infant(infant), **_arrays(senses)},
         manifest=manifest,
-        manifest_members=printing.json_members(manifest.model_dump()),
         origins=origins,
-        origin_members=printing.json_members(origins),
     )
+
+
+def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:
+    """Return the file that holds the large arrays of all senses, if there are any."""
+    arrays = {
+        f"{sense}/{name}": rounded_array(array)
+        for sense, placed in senses.items()
+        for name, array in placed.arrays.items()
+    }
+    return {ARRAYS: pack_arrays(arrays)} if arrays else {}
 
 
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:

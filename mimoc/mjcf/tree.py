@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.looks.appearance import Appearance, Material
 from mimoc.mjcf.furniture import BARE, Furniture, Headlight, WorldMaterial
 

@@ -1,28 +1,24 @@
 """The infant and what belongs to it, put somewhere else on the floor."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
 from mimoc.body.kinematics import FloatArray
+from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.mjcf.tree import Keyframe, Prop
 from mimoc.scenes.setting import Placement
+
+UP = (0.0, 0.0, 1.0)
 
 
 def put(pose: Keyframe, start: Placement) -> Keyframe:
     """Return a pose somewhere else on the floor, turned about the vertical."""
-    x, y, z, w, i, j, k = pose.qpos[:7]
-    cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
-    half_cos, half_sin = math.cos(start.yaw_rad / 2), math.sin(start.yaw_rad / 2)
-    place = (start.x_m + cos * x - sin * y, start.y_m + sin * x + cos * y, z)
-    turn = (
-        half_cos * w - half_sin * k,
-        half_cos * i - half_sin * j,
-        half_cos * j + half_sin * i,
-        half_cos * k + half_sin * w,
-    )
-    return Keyframe(pose.name, (*place, *turn, *pose.qpos[7:]), pose.settings)
+    x, y, z, *turn = pose.qpos[:7]
+    ((x, y, z),) = moved(np.array([(x, y, z)]), start).tolist()
+    w, i, j, k = turn
+    turned = quaternion_product(quaternion_from_axis(UP, start.yaw_rad), (w, i, j, k))
+    return Keyframe(pose.name, (x, y, z, *turned, *pose.qpos[7:]), pose.settings)
 
 
 def put_prop(prop: Prop, start: Placement) -> Prop:
@@ -33,6 +29,5 @@ def put_prop(prop: Prop, start: Placement) -> Prop:
 
 def moved(discs: FloatArray, start: Placement) -> FloatArray:
     """Return discs somewhere else on the floor, turned about the vertical with what is at the origin."""
-    cos, sin = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
-    places = discs[:, :2] @ np.array([[cos, sin], [-sin, cos]]) + (start.x_m, start.y_m)
+    places = discs[:, :2] @ matrix_from_axis(UP, start.yaw_rad)[:2, :2].T + (start.x_m, start.y_m)
     return np.column_stack([places, discs[:, 2]])

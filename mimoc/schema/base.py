@@ -5,7 +5,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from mimoc.schema.source import KeyPath
+from mimoc.schema.key_paths import KeyPath
 
 
 class Model(BaseModel):

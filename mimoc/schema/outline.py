@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any
 
 from mimoc.schema.composition import on_recompose
-from mimoc.schema.source import KeyPath
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.spec import InfantKeys
 
 

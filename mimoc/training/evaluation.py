@@ -50,7 +50,7 @@ def evaluate(
         TrainingError: If the episodes of this infant do not end.
     """
     infant: InfantEnv = env.unwrapped
-    if infant.manifest.task.steps is None:
+    if infant.max_steps is None:
         raise TrainingError(f"the episodes of '{infant.manifest.name}' do not end; set task.steps in its spec")
     bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]
     if follow is not None and follow not in bodies:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
 from typing import Any, Self
 
 from mimoc.errors import TrainingError
@@ -21,10 +22,19 @@ class Settings:
     checkpoint_every: int
     """Control steps between checkpoints, rounded up to whole rollouts."""
     hyper: Mapping[str, Number] = field(default_factory=dict)
+    custom: Mapping[str, str] = field(default_factory=dict)
+    """Classes of the objects that a script passed, as `module:Class`, by `task` or `senses.<name>`."""
 
     @classmethod
     def choose(
-        cls, algo: str, steps: int, seed: int, envs: int, checkpoint_every: int, hyper: Mapping[str, Number]
+        cls,
+        algo: str,
+        steps: int,
+        seed: int,
+        envs: int,
+        checkpoint_every: int,
+        hyper: Mapping[str, Number],
+        custom: Mapping[str, str] = MappingProxyType({}),
     ) -> Self:
         """Return settings with defaults for the hyperparameters that are not given.
 
@@ -37,7 +47,7 @@ class Settings:
                 raise TrainingError(f"{name}: expected at least 1, got {value}")
         if seed < 0:
             raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
-        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper))
+        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom))
         if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
                 f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
@@ -74,6 +84,7 @@ class Settings:
         """Return the options of `mimoc train` that give these settings."""
         options = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
         options += ["--checkpoint-every", str(self.checkpoint_every)]
+        options += ["--task", self.custom["task"]] if "task" in self.custom else []
         defaults = HYPERPARAMETERS[self.algo]
         changed = {name: value for name, value in self.hyper.items() if value != defaults[name].default}
         return options + [part for name, value in changed.items() for part in ("--set", f"{name}={value!r}")]
@@ -82,4 +93,4 @@ class Settings:
 def _flat(settings: Settings) -> dict[str, Any]:
     data = settings.data()
     del data["steps"]
-    return {**data.pop("hyper"), **data}
+    return {**data.pop("hyper"), **data.pop("custom"), **data}

@@ -2,8 +2,11 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -62,6 +65,8 @@ def train(
     processes: bool | None = None,
     force: bool = False,
     progress: ProgressCallback | None = None,
+    task: Any = None,
+    senses: Mapping[str, Any] | None = None,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -83,6 +88,9 @@ def train(
             is the same. A script that passes True needs `if __name__ == "__main__":`.
         force: Discard the training run in the folder and start over.
         progress: Called with the number of steps done and their total.
+        task: An object whose rewards replace those of the task in the bundle, as for `mimoc.make`.
+        senses: Objects to sense with, by name, as for `mimoc.make`. The folder keeps only the names of the classes of
+            these objects: pass them again to resume the run.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -92,8 +100,10 @@ def train(
         OutputError: If a file cannot be written.
         MissingExtraError: If matplotlib is not installed.
     """
-    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {})
+    custom = _class_names(task, senses or {})
+    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom)
     bundle = pipeline.compiled(source)
+    open_env = partial(_open_one, bundle, task, senses or {})
     check_learnable(bundle)
     draw_curves({})  # Fails now, not after hours of training, if matplotlib is missing.
     report = progress or (lambda done, total: None)
@@ -101,11 +111,22 @@ def train(
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
-            with _one_thread(), _open(bundle, settings, processes) as (agent, env):
-                reached = _train_to_end(folder, agent, env, settings, bundle, report)
+            with _one_thread(), _open(open_env, settings, processes) as (agent, env):
+                reached = _train_to_end(folder, agent, env, settings, open_env, report)
         folder.write_curve(reached.curve.to_csv())
         folder.write_plot(_plot(reached))
     return Training(reached.curve, folder.path / POLICY, before.steps)
+
+
+def _open_one(bundle: Bundle, task: Any, senses: Mapping[str, Any]) -> InfantEnv:
+    """Open one of the parallel environments, with copies of a script's objects of its own."""
+    return InfantEnv(bundle, task=deepcopy(task), senses=deepcopy(dict(senses)))
+
+
+def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
+    """Return the class of each object that was passed, as `module:Class`."""
+    objects = {f"senses.{name}": sense for name, sense in senses.items()} | ({} if task is None else {"task": task})
+    return {name: f"{type(each).__module__}:{type(each).__qualname__}" for name, each in objects.items()}
 
 
 def _read_progress(folder: RunFolder) -> Progress:
@@ -120,7 +141,7 @@ def _train_to_end(
     agent: BaseAlgorithm,
     env: VecNormalize,
     settings: Settings,
-    bundle: Bundle,
+    open_env: Callable[[], InfantEnv],
     report: ProgressCallback,
 ) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
@@ -128,10 +149,10 @@ def _train_to_end(
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
             reached = restore(checkpoint, agent, env)
-    infant = InfantEnv(bundle)
+    infant = open_env()
     try:
         while reached.steps < settings.steps:
-            reached = _train_interval(agent, settings, reached, ms_to_s(bundle.manifest.step_ms), report)
+            reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
             policy = pack_policy(agent, env, settings, infant)
             folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
             folder.write_curve(reached.curve.to_csv())
@@ -158,9 +179,11 @@ def _plot(progress: Progress) -> bytes:
 
 
 @contextmanager
-def _open(bundle: Bundle, settings: Settings, processes: bool | None) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
+def _open(
+    open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None
+) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
     """Open the parallel environments and make the agent."""
-    env = make_vector_env(bundle, settings, processes)
+    env = make_vector_env(open_env, settings, processes)
     try:
         yield make_agent(env, settings), env
     finally:

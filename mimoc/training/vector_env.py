@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable, Sequence
-from functools import partial
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -50,18 +49,18 @@ def check_learnable(bundle: Bundle) -> None:
         raise TrainingError(f"images of {size} px are too small to learn from; give at least {MIN_IMAGE_PX} px")
 
 
-def make_vector_env(bundle: Bundle, settings: Settings, processes: bool | None) -> VecNormalize:
+def make_vector_env(open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None) -> VecNormalize:
     """Return the parallel environments of a training run.
 
     Args:
-        bundle: The infant.
+        open_env: Opens one environment.
         settings: Settings of the training run.
         processes: Whether to run each environment in a process of its own; None chooses what is faster. The result of
             the training is the same.
     """
-    openers: list[Callable[[], Any]] = [partial(InfantEnv, bundle)] * settings.envs
+    openers: list[Callable[[], Any]] = [open_env] * settings.envs
     if processes is None:
-        processes = settings.envs > 1 and (os.cpu_count() or 1) > 1 and _measure_step_s(bundle) > MIN_STEP_S
+        processes = settings.envs > 1 and (os.cpu_count() or 1) > 1 and _measure_step_s(open_env) > MIN_STEP_S
     envs = VecMonitor(SinglePrecisionRewards(SubprocVecEnv(openers) if processes else DummyVecEnv(openers)))
     return VecNormalize(
         envs,
@@ -102,9 +101,9 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
     return {**env.obs_rms, "return": env.ret_rms}
 
 
-def _measure_step_s(bundle: Bundle) -> float:
+def _measure_step_s(open_env: Callable[[], InfantEnv]) -> float:
     """Return the median wall time of a control step, in [s]; an overestimate on a busy machine."""
-    env = InfantEnv(bundle)
+    env = open_env()
     env.action_space.seed(0)
     env.reset(seed=0)
     durations_s = []

@@ -27,7 +27,6 @@ def test_the_model_is_the_one_that_mujoco_reads_from_the_folder(bundle, tmp_path
     assert [name for name in on_disk if not np.array_equal(on_disk[name], in_memory[name])] == []
 
 
-@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("release", ["3.5.0", "3.17.0", "4.0.1", "4.1.0"])
 def test_other_releases_of_mujoco_use_the_sparse_solver(bundle, release, monkeypatch):
     monkeypatch.setattr(mujoco, "__version__", release)

@@ -1,85 +1,21 @@
+"""What each command does, and what it says of bad input."""
+
 import json
 import os
-import pty
 import re
 import shlex
 import shutil
-import signal
-import subprocess
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 import mimoc
-from mimoc import cli
 from mimoc.bundle.io import LOCK, seal
 from mimoc.compiler import validation
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SPEC = str(CONFIGS / "nine_months.yaml")
 PNG = b"\x89PNG\r\n\x1a\n"
-COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
-ESCAPE = "\x1b"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a command did."""
-
-    code: int
-    out: str
-    err: str
-
-
-@pytest.fixture
-def invoke(monkeypatch, capfd) -> Callable[..., Outcome]:
-    """Return what runs a command in this process."""
-
-    def run(*arguments: object) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["mimoc", *map(str, arguments)])
-        capfd.readouterr()
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as exit_:
-            code = exit_.code or 0
-        sys.stdout.flush()
-        return Outcome(code, *capfd.readouterr())
-
-    return run
-
-
-def process(*arguments: object, **options) -> subprocess.Popen:
-    """Start a command in a process of its own."""
-    command = [sys.executable, "-m", "mimoc", *map(str, arguments)]
-    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
-    return subprocess.Popen(command, **pipes | {"preexec_fn": heeding} | options)
-
-
-def finished(*arguments: object, **environment: str) -> Outcome:
-    """Return what a command in a process of its own did, under some environment variables."""
-    running = process(*arguments, env=os.environ | environment)
-    out, err = running.communicate()
-    return Outcome(running.returncode, out, err)
-
-
-@pytest.fixture(scope="module")
-def built(tmp_path_factory) -> Path:
-    """Return the folder of a bundle, which is only to be read."""
-    compiled = mimoc.build(mimoc.load_spec(SPEC))
-    return mimoc.write_bundle(compiled, tmp_path_factory.mktemp("bundles") / "nine_months")
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch) -> Path:
-    """Return an empty folder that is the working directory."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 # What the commands do.
@@ -217,59 +153,6 @@ def test_import_writes_a_spec_and_lists_settings_without_counterpart(invoke, her
     assert mimoc.load_spec("spec.yaml").scene.kind == "crib"
 
 
-# Help.
-
-
-def test_the_commands_are_in_this_order():
-    drawing, running = (
-        ["explain", "render", "see", "rooms"],
-        ["build", "validate", "run", "train", "experiment", "check"],
-    )
-    assert list(COMMANDS) == [*running, *drawing, "import"]
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-@pytest.mark.parametrize("option", ["--help", "-h"])
-def test_the_help_of_each_command_has_an_example(invoke, command, option):
-    done = invoke(command, option)
-    assert (done.code, done.err) == (0, "")
-    assert f"Example: mimoc {command} " in " ".join(done.out.split())
-
-
-def test_the_examples_work_as_they_are_printed(invoke, here):
-    (here / "configs").symlink_to(CONFIGS)
-    for command in COMMANDS.values():
-        program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
-        done = invoke(*arguments)
-        assert (program, done.code, done.err) == ("mimoc", 0, "")
-    assert sorted(os.listdir()) == [
-        "configs",
-        "growth.png",
-        "nine_months.png",
-        "out",
-        "rooms.png",
-        "runs",
-        "seen.png",
-        "self_touch.yaml",
-    ]
-
-
-def test_the_command_alone_is_help(invoke):
-    done = invoke()
-    assert "Start with" in done.out + done.err
-    for command in COMMANDS:
-        assert command in done.out + done.err
-
-
-def test_the_version_is_printed(invoke):
-    assert invoke("--version") == Outcome(0, f"mimoc {mimoc.__version__}\n", "")
-
-
-def test_python_dash_m_is_the_same_command(invoke, built, here):
-    assert finished("--version") == invoke("--version")
-    assert finished("explain", built, "body.left_foot.mass") == invoke("explain", built, "body.left_foot.mass")
-
-
 # Bad input.
 
 BAD_INPUT = {
@@ -382,91 +265,3 @@ def test_a_bug_in_mimoc_is_not_hidden(invoke, monkeypatch):
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         invoke("validate")
-
-
-# Terminals, pipes and signals.
-
-
-@pytest.mark.parametrize("arguments", ["run {built} --steps 1000000000", "validate"])
-def test_control_c_ends_a_command_at_once_and_quietly(arguments, built):
-    """In a terminal, once its progress bar has moved."""
-    ours, theirs = pty.openpty()
-    environment = os.environ | {"TERM": "xterm", "COLUMNS": "80"}
-    with process(*shlex.split(arguments.format(built=built)), stderr=theirs, env=environment) as running:
-        os.close(theirs)
-        shown = b""
-        while not re.search(rb"\d/\d", shown):
-            shown += os.read(ours, 1024)
-        running.send_signal(signal.SIGINT)
-        out = running.stdout.read()
-        shown += drained(ours)
-    os.close(ours)
-    assert (running.returncode, out) == (130, "")
-    assert b"Traceback" not in shown
-
-
-def drained(terminal: int) -> bytes:
-    """Return what is left to read of a terminal that nobody writes to any more."""
-    left = b""
-    try:
-        while some := os.read(terminal, 1024):
-            left += some
-    except OSError:
-        pass  # Linux's way of saying that it is at its end.
-    return left
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    ["validate --json", "validate", "explain {built} body.left_foot.mass", "run {built} --steps 3", "check {built}"],
-)
-def test_a_broken_pipe_is_no_error(arguments, built):
-    with process(*shlex.split(arguments.format(built=built))) as running:
-        running.stdout.close()
-        errors = running.stderr.read()
-    assert errors == ""
-    assert running.returncode == 141  # As of a process that SIGPIPE ends.
-
-
-@pytest.mark.parametrize(
-    "environment",
-    [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}],
-    ids=["ascii", "C locale"],
-)
-def test_a_terminal_without_unicode_is_no_error(environment, built, here):
-    for arguments in (["build", SPEC, "-o", "säugling"], ["run", built, "--steps", 3], ["build", "--help"]):
-        done = finished(*arguments, **environment)
-        assert (done.code, done.err) == (0, "")
-        assert done.out
-    refused = finished("check", "söugling", **environment)
-    assert refused.code == 2
-    assert len(refused.err.splitlines()) == 1
-    assert mimoc.read_bundle("säugling")
-
-
-@pytest.mark.parametrize("command", ["validate", "run {built} --steps 3", "check {built}", "explain {built} spec.name"])
-def test_a_pipe_gets_plain_text(invoke, command, built):
-    done = invoke(*shlex.split(command.format(built=built)))
-    assert done.out
-    assert ESCAPE not in done.out + done.err
-
-
-def test_colours_can_be_forced_and_switched_off(invoke, built, monkeypatch):
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    monkeypatch.setenv("TERM", "xterm-256color")
-    monkeypatch.delenv("NO_COLOR", raising=False)
-    colour = re.compile(r"\x1b\[[\d;]*3\d")
-    assert colour.search(invoke("check", built).out)
-    monkeypatch.setenv("NO_COLOR", "1")
-    assert not colour.search(invoke("check", built).out)
-
-
-@pytest.mark.parametrize("library", ["junk", "egl"])
-def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp_path):
-    """Importing MuJoCo fails then, even for commands that render nothing."""
-    for name in ("libEGL.so", "libEGL.so.1"):
-        (tmp_path / name).write_text("not a library")
-    done = finished("check", built, MUJOCO_GL=library, LD_LIBRARY_PATH=str(tmp_path))
-    assert (done.code, done.out) == (2, "")
-    assert done.err.startswith(f"MuJoCo cannot be loaded with MUJOCO_GL={library} (")
-    assert len(done.err.splitlines()) == 1

@@ -1,38 +1,22 @@
 """Commands accept a bundle, a spec, or a spec from standard input, and write images in the format of their names."""
 
-import io
 import os
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 from PIL import Image
 
 import mimoc
-from mimoc import cli
 
 SPEC = "mimoc: 1\nname: piped\nage_months: 9\nsenses: {proprioception: {}, touch: {density: 0.1}}\n"
 SMALL = "--width 32 --height 24"
 
 
 @pytest.fixture
-def run(monkeypatch, capfd, tmp_path):
-    """Return what runs a command in an empty folder, some text in its standard input: exit code, output, errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(arguments: str, piped: str = "") -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["mimoc", *arguments.split()])
-        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(piped.encode())))
-        capfd.readouterr()
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as exit_:
-            code = exit_.code or 0
-        return code, *capfd.readouterr()
-
-    return run
+def run(invoke, here):
+    """Return what runs a command in an empty folder, some text in its standard input."""
+    return lambda arguments, piped="": invoke(*arguments.split(), piped=piped)
 
 
 COMMANDS = {

@@ -6,8 +6,8 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc import cli
-from mimoc.runtime.rollout import POLICIES, random_policy
+from mimoc.kinds import PolicyKind
+from mimoc.policies import random
 
 
 @pytest.fixture(scope="module")
@@ -19,21 +19,9 @@ def built(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def run(monkeypatch, capfd, tmp_path, built):
-    """Return what runs `mimoc run` in an empty folder: exit code, output, errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def invoke(arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["mimoc", "run", str(built), *shlex.split(arguments)])
-        capfd.readouterr()
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as exit_:
-            code = exit_.code or 0
-        return code, *capfd.readouterr()
-
-    return invoke
+def run(invoke, here, built):
+    """Return what runs `mimoc run` in an empty folder."""
+    return lambda arguments: invoke("run", built, *shlex.split(arguments))
 
 
 def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
@@ -41,8 +29,8 @@ def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
     assert (code, err) == (0, "")
     assert "9 control steps" in out
     assert out.endswith("film.gif\n")
-    film = Image.open("film.gif")
-    assert (film.size, film.n_frames) == ((85 + 4 + 30, 64), 5)
+    with Image.open("film.gif") as film:
+        assert (film.size, film.n_frames) == ((85 + 4 + 30, 64), 5)
 
 
 @pytest.mark.parametrize(
@@ -69,14 +57,15 @@ def test_without_pyav_an_mp4_is_one_clear_line(run, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, monkeypatch):
+def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, registered):
     def stopping(env):
-        act, taken = random_policy(env), iter(range(12))
+        act, taken = random.bind(env), iter(range(12))
         return lambda *seen: act(*seen) if next(taken, None) is not None else (_ for _ in ()).throw(KeyboardInterrupt)
 
-    monkeypatch.setitem(POLICIES, "random", stopping)
-    code, out, err = run("--steps 1000000000 --video film.gif --size 64")
+    with registered(PolicyKind("stopping", "stops after 12 steps", stopping)):
+        code, out, err = run("--policy stopping --steps 1000000000 --video film.gif --size 64")
     assert (code, out) == (130, "")
     assert err.startswith("stopped; film.gif shows the run up to this point\n")
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
-    assert Image.open("film.gif").n_frames == 4
+    with Image.open("film.gif") as film:
+        assert film.n_frames == 4

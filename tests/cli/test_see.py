@@ -1,7 +1,6 @@
 import io
 import itertools
 import shlex
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,26 +8,13 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc import cli
 from mimoc.senses.vision.acuity_by_age import acuity_at
 
 
 @pytest.fixture
-def see(monkeypatch, capfd, tmp_path):
-    """Return what runs `mimoc see` on an infant without vision, in an empty folder: exit code, output, errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(arguments: str, infant: Path) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["mimoc", "see", str(infant), *shlex.split(arguments)])
-        capfd.readouterr()
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as exit_:
-            code = exit_.code or 0
-        return code, *capfd.readouterr()
-
-    return run
+def see(invoke, here):
+    """Return what runs `mimoc see` on an infant in an empty folder."""
+    return lambda arguments, infant: invoke("see", infant, *shlex.split(arguments))
 
 
 @pytest.fixture(scope="module")

@@ -41,7 +41,7 @@ def furnished(seed: int, age_months: int = 9, **scene: Any) -> SceneTree:
 
 @cache
 def usual() -> list[SceneTree]:
-    return [furnished(seed) for seed in range(1000)]
+    return [furnished(seed) for seed in range(120)]
 
 
 @cache
@@ -66,7 +66,7 @@ def half_floor_m(scene: SceneTree) -> np.ndarray:
 
 
 def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_every_pose():
-    """Over a thousand seeds."""
+    """Over a hundred and twenty seeds."""
     for scene, toys in zip(usual(), usual_discs(), strict=True):
         assert (np.abs(toys[:, :2]) + toys[:, 2:] <= half_floor_m(scene) - GAP_M + 1e-5).all()
         gaps = np.linalg.norm(toys[:, None, :2] - toys[:, :2], axis=2) - toys[:, 2] - toys[:, None, 2]
@@ -77,7 +77,7 @@ def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_e
 
 
 def test_every_pose_has_the_toys_at_their_places():
-    for scene in usual()[:50]:
+    for scene in usual()[:30]:
         resting = [number for prop in scene.world.props for number in (*prop.pos_m, *prop.quat)]
         assert [pose.name for pose in scene.keyframes] == ["supine", "prone", "sitting", "standing"]
         for pose in scene.keyframes:
@@ -87,12 +87,12 @@ def test_every_pose_has_the_toys_at_their_places():
 def test_first_toys_are_as_far_as_the_stated_distribution_says():
     """On an endless floor, as far as the infant itself leaves it free: counted by simulation of the same density."""
     infant = grown()
-    scenes = [furnished(seed, kind="flat", toys={"count": [1, 1]}) for seed in range(300)]
+    scenes = [furnished(seed, kind="flat", toys={"count": [1, 1]}) for seed in range(120)]
     here = infant.infant.keyframes[0].qpos
     reach = floor_reach(infant.tree, here)
     taken = footprint(infant.tree, [pose.qpos for pose in infant.infant.keyframes])
     toys = np.concatenate([discs(scene) for scene in scenes])
-    drawn = reach.draw(30_000, np.random.default_rng(0))
+    drawn = reach.draw(10_000, np.random.default_rng(0))
     sizes = np.random.default_rng(1).choice(toys[:, 2], len(drawn))
     nearest = (np.linalg.norm(drawn[:, None] - taken[:, :2], axis=2) - taken[:, 2]).min(axis=1)
     free = drawn[nearest >= sizes + GAP_M]
@@ -126,7 +126,7 @@ def test_the_same_seed_gives_the_same_scene_and_another_one_another():
 
 
 def test_more_toys_leave_the_room_the_infant_and_the_first_toys_alone():
-    for seed in range(50):
+    for seed in range(20):
         few, many = (furnished(seed, toys={"count": [count, count]}) for count in (2, 9))
         assert few.world.furniture == many.world.furniture
         assert few.world.props == many.world.props[:2]
@@ -148,7 +148,7 @@ def test_too_many_toys_are_refused():
 @pytest.mark.parametrize("age_months", INFANTS)
 @pytest.mark.parametrize("kind", ["room", "crib", "flat"])
 def test_nothing_overlaps_at_the_start_in_any_pose(kind, age_months):
-    for seed, model in compiled(kind, age_months, range(8)):
+    for seed, model in compiled(kind, age_months, range(4)):
         data = mujoco.MjData(model)
         for pose in range(model.nkey):
             mujoco.mj_resetDataKeyframe(model, data, pose)
@@ -170,7 +170,7 @@ def test_nothing_overlaps_at_the_start_in_any_pose(kind, age_months):
 @pytest.mark.parametrize("kind", ["room", "crib"])
 @pytest.mark.parametrize("age_months", [0, 24])
 def test_left_alone_toys_stay_where_they_are_for_five_seconds(kind, age_months):
-    for seed, model in compiled(kind, age_months, range(8)):
+    for seed, model in compiled(kind, age_months, range(4)):
         bodiless(model)
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, 0)
@@ -185,7 +185,7 @@ def test_left_alone_toys_stay_where_they_are_for_five_seconds(kind, age_months):
 
 @pytest.mark.parametrize("kind", ["room", "crib"])
 def test_no_toy_falls_through_or_flies_off_while_the_infant_moves(kind):
-    for seed, model in compiled(kind, 9, range(4)):
+    for seed, model in compiled(kind, 9, range(2)):
         data, rng = mujoco.MjData(model), np.random.default_rng(seed)
         mujoco.mj_resetDataKeyframe(model, data, model.key("supine").id)
         for _ in range(250):

@@ -150,11 +150,10 @@ def test_joints_stop_before_the_ends_of_their_ranges(held_infant):
         assert (angles < high + 0.1).all()
 
 
-@pytest.mark.parametrize("model", ["torque", "muscle"])
-@pytest.mark.parametrize("age_months", [3, 9, 18, 24])
+@pytest.mark.parametrize(("age_months", "model"), [(3, "muscle"), (9, "torque"), (18, "muscle"), (24, "torque")])
 def test_hands_reach_while_the_eyes_align(held_infant, age_months, model):
-    """Ten trials of both hands, so twenty reachable targets: millimetres and degrees after a second."""
-    errors = reach_errors(held_infant(age_months, model=model), ReachGains(), np.random.default_rng(0), 10, 2.0)
+    """Eight trials of both hands, so sixteen reachable targets: millimetres and degrees after a second."""
+    errors = reach_errors(held_infant(age_months, model=model), ReachGains(), np.random.default_rng(0), 8, 2.0)
     hands_m, eyes_rad = errors.hands_m[:, 100], errors.eyes_rad[:, 200]
     assert np.median(hands_m) < 0.002
     assert np.quantile(hands_m, 0.9) < 0.01
@@ -168,7 +167,7 @@ def test_five_finger_hands_reach_as_well(held_infant, model):
     assert np.quantile(errors.hands_m[:, -1], 0.9) < 0.02
 
 
-@settings(max_examples=5)
+@settings(max_examples=3)
 @given(st.floats(2, 24), st.integers(0, 1000))
 def test_hands_reach_at_any_age(held_infant, age_months, seed):
     errors = reach_errors(held_infant(round(age_months)), ReachGains(), np.random.default_rng(seed), 2, 1.0)

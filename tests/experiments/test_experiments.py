@@ -2,21 +2,29 @@
 
 import re
 import sys
+from functools import partial
 from importlib import import_module
 
 import pytest
 from PIL import Image
 
 import mimoc
-from mimoc import cli
 from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.experiments import EXPERIMENTS, run_experiment
 
+SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})
 SMALL = {
     "growth": {"QUICK_MONTHS": (0, 6, 18)},
     "strength": {"PAPER_MONTHS": (3, 18)},
     "acuity": {"PAPER_MONTHS": (1, 6), "QUICK_SIZE_PX": 32},
-    "delays": {"QUICK_STEPS": 4096, "QUICK_SEEDS": (1,), "DELAYS_MS": (0, 50), "EPISODES": 2, "SHOWN": 1},
+    "delays": {
+        "train": SHORT_ROUNDS,
+        "QUICK_STEPS": 1024,
+        "QUICK_SEEDS": (1,),
+        "DELAYS_MS": (0, 50),
+        "EPISODES": 2,
+        "SHOWN": 1,
+    },
     "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
     "rooms": {"QUICK_SEEDS": range(2), "PICTURE_PX": (64, 48)},
 }
@@ -59,7 +67,8 @@ def test_every_table_has_a_heading_with_units_and_a_value_in_each_column(made):
 
 def test_every_picture_is_whole_and_small(made):
     for path in made[1][0].glob("*.png"):
-        Image.open(path).verify()
+        with Image.open(path) as picture:
+            picture.verify()
         assert path.stat().st_size < 300_000
 
 
@@ -124,25 +133,17 @@ def test_a_file_in_the_way_is_refused(tmp_path):
         (["growth", "-o", "file"], "file: is a file, not a folder; choose another place"),
     ],
 )
-def test_the_command_says_in_one_line_what_is_wrong(arguments, message, tmp_path, monkeypatch, capfd):
+def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")
-    monkeypatch.setattr(sys, "argv", ["mimoc", "experiment", *arguments])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    out, err = capfd.readouterr()
-    assert (exit_.value.code, out, err) == (2, "", message + "\n")
+    assert invoke("experiment", *arguments) == (2, "", message + "\n")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_the_command_prints_where_the_page_is(tmp_path, monkeypatch, capfd):
+def test_the_command_prints_where_the_page_is(invoke, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(import_module(EXPERIMENTS["growth"]), "QUICK_MONTHS", (6,))
-    monkeypatch.setattr(sys, "argv", ["mimoc", "experiment", "growth", "-o", "out/growth", "--quick"])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 0
-    assert capfd.readouterr() == ("out/growth/growth.md\n", "")
+    assert invoke("experiment", "growth", "-o", "out/growth", "--quick") == (0, "out/growth/growth.md\n", "")
 
 
 def test_what_was_finished_outlives_an_interruption(tmp_path, monkeypatch):

@@ -35,10 +35,9 @@ def watch() -> Callable[[Path], tuple[np.ndarray, list[float]]]:
 
     def decode(file: Path) -> tuple[np.ndarray, list[float]]:
         if file.suffix == ".gif":
-            image = Image.open(file)
-            frames = [
-                (np.asarray(frame.convert("RGB")), frame.info["duration"]) for frame in ImageSequence.Iterator(image)
-            ]
+            with Image.open(file) as image:
+                shown = ImageSequence.Iterator(image)
+                frames = [(np.asarray(frame.convert("RGB")), frame.info["duration"]) for frame in shown]
             return np.stack([picture for picture, _ in frames]), list(np.cumsum([ms for _, ms in frames]) / 1000)
         with av.open(file) as container:
             frames = [(frame.to_ndarray(format="rgb24"), frame.time) for frame in container.decode(video=0)]

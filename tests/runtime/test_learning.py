@@ -13,7 +13,7 @@ SENSES = {
     "touch": {"density": 0.2},
     "vision": {"width_px": 40, "height_px": 40, "foveation": 3},
 }
-STEPS = 256
+STEPS = 64
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def test_stable_baselines_has_nothing_against_it(bundle, recwarn):
 
 def test_ppo_trains_on_all_senses(bundle):
     env = mimoc.make(bundle, max_episode_steps=100)
-    agent = PPO("MultiInputPolicy", env, n_steps=STEPS // 2, batch_size=64, n_epochs=1, seed=0, device="cpu")
+    agent = PPO("MultiInputPolicy", env, n_steps=STEPS // 2, batch_size=STEPS // 2, n_epochs=1, seed=0, device="cpu")
     before = [weights.detach().numpy().copy() for weights in agent.policy.parameters()]
     agent.learn(STEPS)
     after = [weights.detach().numpy() for weights in agent.policy.parameters()]

@@ -4,12 +4,11 @@ import os
 import pty
 import signal
 import subprocess
-import sys
 import time
-from functools import partial
 from pathlib import Path
 
 import pytest
+from support.commands import process
 
 import mimoc
 from mimoc import cli
@@ -24,24 +23,6 @@ DEADLINE_S = 60
 
 
 @pytest.fixture
-def invoke(monkeypatch, capfd):
-    """Return what runs a command in this process; it returns exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["mimoc", *map(str, arguments)])
-        capfd.readouterr()
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as exit_:
-            code = exit_.code or 0
-        sys.stdout.flush()
-        return code, *capfd.readouterr()
-
-    return run
-
-
-@pytest.fixture
 def here(tmp_path, monkeypatch, bundle) -> Path:
     """Return the working directory, with the bundle in `out`."""
     monkeypatch.chdir(tmp_path)
@@ -51,9 +32,8 @@ def here(tmp_path, monkeypatch, bundle) -> Path:
 
 def started(*arguments, **options) -> subprocess.Popen:
     """Start a training without end in a process of its own."""
-    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
-    command = [sys.executable, "-m", "mimoc", "train", "out", "-o", "run", "--steps", str(10**7), *TOLD, *arguments]
-    return subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=heeding, **options)
+    pipes = {"stdout": None, "stderr": None, "text": False}
+    return process("train", "out", "-o", "run", "--steps", 10**7, *TOLD, *arguments, **pipes | options)
 
 
 def wait_for(path: Path, running: subprocess.Popen) -> None:

@@ -50,7 +50,7 @@ def test_a_run_folder_has_all_that_is_needed_to_repeat_and_to_use_the_training(l
     assert sorted(os.listdir(folder / "checkpoints")) == [f"{each:010d}.zip" for each in steps]
     assert mimoc.read_bundle(folder / "bundle").files == bundle.files
     assert (folder / "curve.png").read_bytes().startswith(PNG)
-    rows = list(csv.DictReader((folder / "curve.csv").open()))
+    rows = list(csv.DictReader((folder / "curve.csv").read_text().splitlines()))
     assert [int(row["steps"]) for row in rows] == steps == training.curve.column("steps").tolist()
     assert (training.policy, training.resumed_at) == (folder / "policy.zip", 0)
     run = json.loads((folder / "run.json").read_text())

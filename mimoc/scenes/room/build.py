@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.looks.appearance import UNTINTED
 from mimoc.looks.wallpaper import Wallpaper
 from mimoc.mjcf.furniture import (

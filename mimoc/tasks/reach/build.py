@@ -1,13 +1,11 @@
 """The setup of reaching: a ball hangs before an infant that is held upright and looks at it."""
 
-import math
-
 import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, resting_state
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.ball import BALL, ball
 from mimoc.tasks.base import GazeEntry
 from mimoc.tasks.reach.spec import ReachEntry, ReachSpec
@@ -74,7 +72,5 @@ def _middle(tree: BodyTree, entry: ReachEntry, start: tuple[float, ...]) -> Vec3
     origin, (_, trunk) = placed[entry.shoulder][0], placed[entry.trunk]
     ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
     distance_m, azimuth, elevation = (sum(ends) / 2 for ends in ranges)
-    flat_m = distance_m * math.cos(elevation)
-    offset = (flat_m * math.cos(azimuth), flat_m * math.sin(azimuth), distance_m * math.sin(elevation))
-    x, y, z = (origin + trunk @ offset).tolist()
+    x, y, z = (origin + trunk @ (distance_m * direction(azimuth, elevation))).tolist()
     return x, y, z

@@ -8,6 +8,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import ConstraintsEntry
+from mimoc.geometry.rotations import direction
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.gaze import Gaze
@@ -70,10 +71,8 @@ class ReachTask(Task):
         entry = self._entry
         ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
         distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
-        level = np.cos(elevation)
-        direction = np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
         trunk = data.xmat[self._trunk].reshape(3, 3)
-        return data.xpos[self._shoulder] + trunk @ (distance_m * direction)
+        return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
 
 
 def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> ReachTask:

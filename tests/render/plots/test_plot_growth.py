@@ -24,8 +24,8 @@ def labelled(axes) -> dict[str, object]:
 
 def test_the_picture_is_a_png_of_its_size(tmp_path):
     plot_growth(SERIES, tmp_path / "growth.png")
-    picture = Image.open(tmp_path / "growth.png")
-    assert (picture.format, picture.size) == ("PNG", SIZE_PX)
+    with Image.open(tmp_path / "growth.png") as picture:
+        assert (picture.format, picture.size) == ("PNG", SIZE_PX)
     assert [path.name for path in tmp_path.iterdir()] == ["growth.png"]
 
 
@@ -38,7 +38,8 @@ def test_the_same_series_gives_the_same_bytes(tmp_path):
 def test_an_older_picture_is_replaced(tmp_path):
     (tmp_path / "growth.png").write_bytes(b"old")
     plot_growth(SERIES, tmp_path / "growth.png")
-    assert Image.open(tmp_path / "growth.png").size == SIZE_PX
+    with Image.open(tmp_path / "growth.png") as picture:
+        assert picture.size == SIZE_PX
 
 
 def test_every_indicator_has_a_panel_with_its_unit():

@@ -1,19 +1,14 @@
-from collections.abc import Iterator, Mapping
-from functools import cache
-from itertools import pairwise, product
-from typing import get_args
+from collections.abc import Mapping
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
-from support.touch_oracle import touch_loop
 
-import mimoc
-from mimoc.bundle.model import load_model
-from mimoc.senses.spec import TouchQuantity, TouchResponse
-from mimoc.senses.touch.run import MAX_FORCE_N, QUANTITIES, RESPONSES, Touch, bind
-from mimoc.senses.touch.spec import TouchEntry
+from mimoc.senses.touch.run import MAX_FORCE_N, Touch, bind
+from mimoc.senses.touch.spec import POINTS, SkinEntry, TouchEntry
 
 G_M_S2 = 9.81
 WORLD = """
@@ -43,14 +38,15 @@ def skin(
     data, points_m: Mapping[str, list], spacing_m=0.01, quantity="force_vector_global", response="linear"
 ) -> Touch:
     """Return the touch of some points of some bodies."""
-    spacings_m = dict.fromkeys(points_m, spacing_m)
-    entry = TouchEntry(quantity=quantity, response=response, points_m=points_m, spacing_m=spacings_m)
-    return bind(entry, None, data.model)
+    parts = tuple(SkinEntry(body=name, points=len(points), spacing_m=spacing_m) for name, points in points_m.items())
+    entry = TouchEntry(quantity=quantity, response=response, skin=parts)
+    stand_in: Any = SimpleNamespace(arrays={POINTS: np.concatenate([np.array(points) for points in points_m.values()])})
+    return bind(entry, data.model, stand_in)
 
 
-def points(reading):
-    """Return a reading of vectors point by point."""
-    return reading.reshape(-1, 3)
+def points(sample):
+    """Return a sample of vectors point by point."""
+    return sample.reshape(-1, 3)
 
 
 def contact_forces(data):
@@ -72,7 +68,7 @@ def test_the_floor_pushes_up():
     assert force[:2] == pytest.approx([0, 0], abs=1e-9)
 
 
-def test_what_rests_feels_its_weight():
+def test_a_body_at_rest_senses_its_weight():
     data = world('<body name="box" pos="0 0 0.05"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="2"/></body>')
     corners = list(product((-0.05, 0.05), repeat=3))
     touch = skin(data, {"box": corners})
@@ -84,7 +80,7 @@ def test_what_rests_feels_its_weight():
     assert not forces[~below].any()
 
 
-def test_a_fingertip_feels_its_share_of_the_weight():
+def test_a_fingertip_senses_its_share_of_the_weight():
     """A rod that turns about one end, and rests on the floor with the other: half of its weight."""
     rod = """
     <body name="rod" pos="0 0 0.01">
@@ -98,7 +94,7 @@ def test_a_fingertip_feels_its_share_of_the_weight():
     assert points(touch(data))[:, 2] == pytest.approx([0, 0.3 * G_M_S2 / 2], rel=1e-3)
 
 
-def test_friction_is_felt_too():
+def test_friction_is_sensed_too():
     """A ball that slides along x and y is held back."""
     data = world(ball())
     touch = skin(data, {"ball": [BOTTOM]})
@@ -108,7 +104,7 @@ def test_friction_is_felt_too():
     assert force[:2] / force[2] == pytest.approx(np.array([-1, 0.5]) / np.sqrt(1.25), rel=1e-2)
 
 
-def test_without_friction_only_the_normal_is_felt():
+def test_without_friction_only_the_normal_force_is_sensed():
     """The rows of MuJoCo's forces that follow are then those of the next contact."""
     data = world(ball(geom='condim="1"'), ball("other", "1 0 0.04", geom='condim="1"'), floor='condim="1"')
     forces = points(skin(data, {"ball": [BOTTOM], "other": [BOTTOM]})(data))
@@ -117,8 +113,8 @@ def test_without_friction_only_the_normal_is_felt():
     assert forces[1, 2] > forces[0, 2] > 0
 
 
-def test_a_force_is_felt_in_the_frame_of_the_body():
-    """A ball that lies on its left side feels the floor push to its right."""
+def test_a_force_is_sensed_in_the_frame_of_the_body():
+    """A ball that lies on its left side is pushed to its right by the floor."""
     data = world(ball(euler="-90 0 0"))
     left = {"ball": [(0, 0.05, 0)]}
     force = skin(data, left, quantity="force_vector")(data)
@@ -127,19 +123,19 @@ def test_a_force_is_felt_in_the_frame_of_the_body():
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_both_feel_the_same_contact_each_on_its_own_surface(order):
+def test_both_bodies_sense_the_same_contact_each_on_its_own_surface(order):
     """A ball that is 4 mm inside another."""
     data = world(*[ball("low", "0 0 0.5"), ball("high", "0 0 0.596")][::order])
     near_the_surface = [(0, 0, sign * height) for sign in (-1, 1) for height in (0.05, 0.0485, 0.046)]
     touch = skin(data, {"low": near_the_surface, "high": near_the_surface}, response="nearest")
-    low, high = (points(touch(data))[touch.skin.names == name] for name in ("low", "high"))
+    low, high = (points(touch(data))[touch.receptors.names == name] for name in ("low", "high"))
     assert np.flatnonzero(low.any(axis=1)).tolist() == [3]
     assert np.flatnonzero(high.any(axis=1)).tolist() == [0]
     assert high[0, 2] > 0
     assert (low[3] == -high[0]).all()
 
 
-def test_the_farther_from_a_touch_the_less_is_felt_to_nothing_at_two_spacings():
+def test_a_share_falls_with_the_distance_to_nothing_at_two_spacings():
     data = world(ball())
     row = [(x, 0, -0.05) for x in (0.0, 0.01, -0.015, 0.02, 0.03)]
     forces = points(skin(data, {"ball": row}, spacing_m=0.01)(data))
@@ -147,7 +143,7 @@ def test_the_farther_from_a_touch_the_less_is_felt_to_nothing_at_two_spacings():
     assert forces.sum() == pytest.approx(data.efc_force[0])
 
 
-def test_the_nearest_point_may_feel_everything():
+def test_the_nearest_point_alone_can_respond():
     data = world(ball())
     row = [(x, 0, -0.05) for x in (0.006, -0.005, 0.01)]
     forces = points(skin(data, {"ball": row}, response="nearest")(data))
@@ -155,7 +151,7 @@ def test_the_nearest_point_may_feel_everything():
 
 
 @pytest.mark.parametrize("others", [[], [(0, 0, 0.05), (0.05, 0, 0)]])
-def test_what_is_far_from_every_point_is_felt_by_the_nearest(others):
+def test_a_contact_far_from_every_point_goes_to_the_nearest(others):
     """Also where a skin has but one."""
     data = world(ball(), ball("near", "0.2 0 0.5"))
     lonely = (0.03, 0, -0.04)
@@ -169,22 +165,22 @@ def test_two_touches_of_one_point_add_up():
     assert touch(data) == pytest.approx([data.efc_force[[0, 3]].sum()])
 
 
-def test_only_skin_feels():
-    """Not a ball without it, of which the floor feels nothing either."""
+def test_only_skin_senses():
+    """A ball without skin does not, nor does the floor."""
     data = world(ball(), ball("toy", "1 0 0.049"), ball("next", "0.91 0 0.049"))
     touch = skin(data, {"ball": [BOTTOM]})
     assert data.ncon == 4
     assert points(touch(data))[0, 2] == pytest.approx(data.efc_force[0])
 
 
-def test_what_is_only_near_is_not_felt():
+def test_what_is_only_near_is_not_sensed():
     """MuJoCo lists such contacts, but not among those that push; which they are, 3.17 sees another way."""
     gaps = [world(ball(pos="0 0 0.055"), floor=f'margin="{margin_m}" gap="0.01"') for margin_m in (0.01, 0)]
     data = next(data for data in gaps if (data.contact.efc_address == -1).any())
     assert not skin(data, {"ball": [BOTTOM]})(data).any()
 
 
-def test_cloth_is_felt():
+def test_cloth_is_sensed():
     """It has no geoms: MuJoCo counts it as geom -1, which is not the last one."""
     cloth = """<flexcomp name="cloth" type="grid" dim="2" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.005" mass="1"
                pos="0 0 0.5"><contact selfcollide="none"/></flexcomp>"""
@@ -197,172 +193,19 @@ def test_cloth_is_felt():
 
 def test_no_touch_is_all_zeros():
     data = world(ball(pos="0 0 1"))
-    reading = skin(data, {"ball": [BOTTOM, (0, 0, 0.05)]})(data)
-    assert reading.shape == (6,)
-    assert not reading.any()
+    sample = skin(data, {"ball": [BOTTOM, (0, 0, 0.05)]})(data)
+    assert sample.shape == (6,)
+    assert not sample.any()
 
 
 @pytest.mark.parametrize(("quantity", "low"), [("force_vector", -MAX_FORCE_N), ("normal", 0)])
-@pytest.mark.parametrize("felt", [1e6, -1e6])
-def test_what_is_observed_keeps_to_its_bounds(quantity, low, felt):
+@pytest.mark.parametrize("force_n", [1e6, -1e6])
+def test_what_is_observed_keeps_to_its_bounds(quantity, low, force_n):
     touch = skin(world(ball()), {"ball": [BOTTOM]}, quantity=quantity)
-    reading = np.full(touch.spaces["touch"].shape, felt)
-    observed = touch.observe(reading)["touch"]
+    sample = np.full(touch.spaces["touch"].shape, force_n)
+    observed = touch.observe(sample)["touch"]
     assert observed in touch.spaces["touch"]
-    assert (observed == np.clip(felt, low, MAX_FORCE_N)).all()
-
-
-# Infants.
-
-
-@cache
-def built(age_months, hands, pose, **touch) -> mimoc.Bundle:
-    """Return an infant on a floor."""
-    spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands}}
-    spec |= {"senses": {"touch": touch}, "scene": {"kind": "flat", "pose": pose}}
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
-
-
-def infant(age_months=9, hands="mitten", pose="supine", quantity="force_vector", response="linear"):
-    """Return the touch of an infant, its simulation in a pose, and the loop that should feel the same."""
-    bundle = built(age_months, hands, pose)
-    model = load_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-    mujoco.mj_forward(model, data)
-    entry = bundle.manifest.senses.touch.model_copy(update={"quantity": quantity, "response": response})
-    return bind(entry, bundle, model), data, touch_loop(entry, bundle, model)
-
-
-def tangled(data, count, height_m=0) -> Iterator[mujoco.MjData]:
-    """Put an infant anyhow: bent, turned and moving, its limbs in each other and in the floor, or high in the air."""
-    random = np.random.default_rng(0)
-    low, high = data.model.jnt_range[1:].T
-    for _ in range(count):
-        root_m = random.uniform([0, 0, height_m], [1, 1, height_m + 0.1])
-        data.qpos[:] = *root_m, *random.normal(size=4), *random.uniform(low, high)
-        data.qvel[:] = random.normal(size=data.model.nv)
-        mujoco.mj_forward(data.model, data)
-        yield data
-
-
-def moving(data, count) -> Iterator[mujoco.MjData]:
-    """Let an infant move at random."""
-    random = np.random.default_rng(0)
-    for _ in range(count):
-        data.ctrl[:] = random.uniform(-1, 1, data.model.nu)
-        mujoco.mj_step(data.model, data, 5)
-        yield data
-
-
-def by_body(touch, data):
-    """Return what the points of each body feel together, shape (nbody, 3), in the world."""
-    total = np.zeros((data.model.nbody, 3))
-    np.add.at(total, touch.skin.bodies, touch.skin_state(data).forces)
-    return total
-
-
-@pytest.fixture(scope="module", params=[(0, "mitten"), (9, "five_finger"), (24, "mitten")], ids=str)
-def child(request):
-    age_months, hands = request.param
-    return infant(age_months, hands)[:2]
-
-
-@pytest.mark.parametrize("response", get_args(TouchResponse))
-@pytest.mark.parametrize("quantity", get_args(TouchQuantity))
-@pytest.mark.parametrize(
-    ("age_months", "hands", "pose"), [(0, "mitten", "supine"), (9, "five_finger", "sitting"), (24, "mitten", "prone")]
-)
-def test_it_feels_what_a_loop_over_all_points_feels(age_months, hands, pose, quantity, response):
-    touch, data, loop = infant(age_months, hands, pose, quantity=quantity, response=response)
-    touched = 0
-    for states in (moving(data, 40), tangled(data, 15)):
-        for state in states:
-            wanted = loop(state)
-            touched += wanted.any()
-            assert_allclose(touch(state), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
-    assert touched > 30
-
-
-@pytest.mark.matrix
-def test_the_points_of_a_body_feel_together_what_touches_it(child):
-    """In every direction, to the last digits."""
-    touch, data = child
-    skinned = np.unique(touch.bodies)
-    assert len(skinned) > 20
-    touched = np.zeros(3, int)
-    for state in tangled(data, 30):
-        wanted = np.zeros((state.model.nbody, 3))
-        for (first, second), force in contact_forces(state):
-            wanted[first] -= force
-            wanted[second] += force
-        assert_allclose(by_body(touch, state)[skinned], wanted[skinned], rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
-        touched += (wanted[skinned] != 0).sum(axis=0)
-    assert (touched > 60).all()
-
-
-def test_touching_oneself_is_felt_twice_and_opposite(child):
-    touch, data = child
-    touched = 0
-    for state in tangled(data, 30, height_m=10):
-        forces = by_body(touch, state)
-        touched += forces.any(axis=1).sum()
-        assert_allclose(forces.sum(axis=0), 0, atol=1e-9 * np.abs(forces).sum() + 1e-12)
-    assert touched > 20
-
-
-def test_reading_changes_nothing(child):
-    """Not MuJoCo's arrays, and so not what is read next."""
-    touch, data = child
-    contact = data.contact
-    for _ in tangled(data, 5):
-        mujoco_s = [contact.frame, contact.pos, contact.geom, contact.dist, data.efc_force, data.xmat, data.xpos]
-        before = [array.copy() for array in mujoco_s]
-        first, state, again = touch(data), touch.skin_state(data), touch(data)
-        assert (first == again).all()
-        assert not np.shares_memory(first, again)
-        assert (state.forces == touch.skin_state(data).forces).all()
-        assert all((array == copy).all() for array, copy in zip(mujoco_s, before, strict=True))
-
-
-@pytest.mark.matrix
-@pytest.mark.parametrize("pose", ["supine", "prone"])
-def test_an_infant_at_rest_feels_its_weight(pose):
-    touch, data, _ = infant(pose=pose)
-    mujoco.mj_step(data.model, data, 1500)
-    weight_n = data.model.body_mass.sum() * G_M_S2
-    assert touch.skin_state(data).forces.sum(axis=0) == pytest.approx([0, 0, weight_n], abs=0.01 * weight_n)
-
-
-def test_the_quantities_are_of_one_force():
-    """In the body's frame, in the world's, and its part along the normal."""
-    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
-    for state in tangled(data, 20):
-        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
-        forces, pressures = points(in_world(state)), normal(state)
-        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
-        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
-        assert ((pressures > 0) == forces.any(axis=1)).all()
-
-
-def test_pressures_add_up_to_the_normal_forces(child):
-    touch, data = child
-    normal = Touch(touch.skin, touch.feeling, QUANTITIES["normal"], touch.spread)
-    skinned = np.isin(np.arange(data.model.nbody), touch.bodies)
-    for state in tangled(data, 20):
-        sides = skinned[state.model.geom_bodyid[state.contact.geom]].sum(axis=1)
-        normals_n = state.efc_force[state.contact.efc_address]
-        assert normal(state).sum() == pytest.approx(sides @ normals_n, rel=1e-9)
-
-
-def test_every_number_has_a_name_a_unit_and_a_body(child):
-    touch, data = child
-    for quantity in QUANTITIES.values():
-        felt = Touch(touch.skin, touch.feeling, quantity, touch.spread)
-        layout = felt.layout
-        assert len(set(layout)) == len(layout) == len(felt.bodies) == felt.spaces["touch"].shape[0] == len(felt(data))
-        assert all(name.endswith(" [N]") for name in layout)
-        assert [name.split()[0] for name in layout] == [data.model.body(body).name for body in felt.bodies]
+    assert (observed == np.clip(force_n, low, MAX_FORCE_N)).all()
 
 
 def test_the_points_of_a_body_are_counted():
@@ -370,46 +213,3 @@ def test_the_points_of_a_body_are_counted():
     touch = skin(data, {"ball": [BOTTOM, BOTTOM], "other": [BOTTOM]})
     assert touch.layout[2:5] == ("ball 0 world z [N]", "ball 1 world x [N]", "ball 1 world y [N]")
     assert touch.layout[6] == "other 0 world x [N]"
-
-
-def test_what_is_observed_is_fresh_and_within_its_space(child):
-    touch, data = child
-    for state in moving(data, 10):
-        reading = touch(state)
-        observed = touch.observe(reading)["touch"]
-        assert observed in touch.spaces["touch"]
-        assert_allclose(observed, reading, rtol=1e-6)
-        assert not np.shares_memory(observed, touch.observe(reading)["touch"])
-
-
-def test_the_skin_moves_with_the_body(child):
-    """Its points stay where they are in the frames of their bodies."""
-    touch, data = child
-    in_body = []
-    for state in tangled(data, 3):
-        positions = touch.skin_state(state).positions
-        world_from_body = state.xmat[touch.skin.bodies].reshape(-1, 3, 3)
-        in_body.append(np.einsum("nji,nj->ni", world_from_body, positions - state.xpos[touch.skin.bodies]))
-    for once, later in pairwise(in_body):
-        assert_allclose(later, once, atol=1e-12)
-    assert_allclose(in_body[0], touch.skin.points_m, atol=1e-12)
-
-
-def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
-    states = [touch.skin_state(data) for touch, data, _ in (infant(quantity=quantity) for quantity in QUANTITIES)]
-    for state in states:
-        assert state.forces.any()
-        assert (state.forces == states[0].forces).all()
-        assert state.bodies.shape == (len(state.forces),)
-        assert {"head", "hip", "left_foot"} <= set(state.bodies.tolist())
-
-
-def test_a_denser_skin_feels_more():
-    coarse, fine = (built(9, "mitten", "supine", density=density) for density in (0.5, 2))
-    points = [len(bind(each.manifest.senses.touch, each, load_model(each)).skin.names) for each in (coarse, fine)]
-    assert points[1] == pytest.approx(4 * points[0], rel=0.1)
-
-
-def test_every_quantity_and_response_of_the_spec_can_be_felt():
-    assert QUANTITIES.keys() == set(get_args(TouchQuantity))
-    assert RESPONSES.keys() == set(get_args(TouchResponse))

@@ -264,7 +264,6 @@ def test_it_can_be_played_in_other_scenes(catch, kind):
     assert any(play(env, seed, Script)[1][2]["is_success"] for seed in range(5))
 
 
-@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("model", ["torque", "muscle"])
 def test_gymnasium_finds_no_fault(catch, model):
     env = mimoc.make(catch(model=model).bundle)

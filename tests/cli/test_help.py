@@ -1,0 +1,59 @@
+"""Which commands there are, and what their help says; its examples are run."""
+
+import os
+import shlex
+from pathlib import Path
+
+import pytest
+from support.commands import Outcome
+
+import mimoc
+from mimoc import cli
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
+
+
+def test_the_commands_are_in_this_order():
+    drawing, running = (
+        ["explain", "render", "see", "rooms"],
+        ["build", "validate", "run", "train", "experiment", "check"],
+    )
+    assert list(COMMANDS) == [*running, *drawing, "import"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_the_help_of_each_command_has_an_example(invoke, command, option):
+    done = invoke(command, option)
+    assert (done.code, done.err) == (0, "")
+    assert f"Example: mimoc {command} " in " ".join(done.out.split())
+
+
+def test_the_examples_work_as_they_are_printed(invoke, here):
+    (here / "configs").symlink_to(CONFIGS)
+    for command in COMMANDS.values():
+        program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
+        done = invoke(*arguments)
+        assert (program, done.code, done.err) == ("mimoc", 0, "")
+    assert sorted(os.listdir()) == [
+        "configs",
+        "growth.png",
+        "nine_months.png",
+        "out",
+        "rooms.png",
+        "runs",
+        "seen.png",
+        "self_touch.yaml",
+    ]
+
+
+def test_the_command_alone_is_help(invoke):
+    done = invoke()
+    assert "Start with" in done.out + done.err
+    for command in COMMANDS:
+        assert command in done.out + done.err
+
+
+def test_the_version_is_printed(invoke):
+    assert invoke("--version") == Outcome(0, f"mimoc {mimoc.__version__}\n", "")

@@ -1,0 +1,106 @@
+"""Commands in processes of their own: in terminals, in pipes, and when they are stopped."""
+
+import os
+import pty
+import re
+import shlex
+import signal
+from pathlib import Path
+
+import pytest
+from support.commands import finished, process
+
+import mimoc
+
+SPEC = str(Path(__file__).parents[2] / "configs" / "nine_months.yaml")
+ESCAPE = "\x1b"
+
+
+def test_python_dash_m_is_the_same_command(invoke, built, here):
+    assert finished("--version") == invoke("--version")
+    assert finished("explain", built, "body.left_foot.mass") == invoke("explain", built, "body.left_foot.mass")
+
+
+@pytest.mark.parametrize("arguments", ["run {built} --steps 1000000000", "validate"])
+def test_control_c_ends_a_command_at_once_and_quietly(arguments, built):
+    """In a terminal, once its progress bar has moved."""
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "80"}
+    with process(*shlex.split(arguments.format(built=built)), stderr=theirs, env=environment) as running:
+        os.close(theirs)
+        shown = b""
+        while not re.search(rb"\d/\d", shown):
+            shown += os.read(ours, 1024)
+        running.send_signal(signal.SIGINT)
+        out = running.stdout.read()
+        shown += drained(ours)
+    os.close(ours)
+    assert (running.returncode, out) == (130, "")
+    assert b"Traceback" not in shown
+
+
+def drained(terminal: int) -> bytes:
+    """Return what is left to read of a terminal that nobody writes to any more."""
+    left = b""
+    try:
+        while some := os.read(terminal, 1024):
+            left += some
+    except OSError:
+        pass  # Linux's way of saying that it is at its end.
+    return left
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    ["validate --json", "validate", "explain {built} body.left_foot.mass", "run {built} --steps 3", "check {built}"],
+)
+def test_a_broken_pipe_is_no_error(arguments, built):
+    with process(*shlex.split(arguments.format(built=built))) as running:
+        running.stdout.close()
+        errors = running.stderr.read()
+    assert errors == ""
+    assert running.returncode == 141  # As of a process that SIGPIPE ends.
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}],
+    ids=["ascii", "C locale"],
+)
+def test_a_terminal_without_unicode_is_no_error(environment, built, here):
+    for arguments in (["build", SPEC, "-o", "säugling"], ["run", built, "--steps", 3], ["build", "--help"]):
+        done = finished(*arguments, **environment)
+        assert (done.code, done.err) == (0, "")
+        assert done.out
+    refused = finished("check", "söugling", **environment)
+    assert refused.code == 2
+    assert len(refused.err.splitlines()) == 1
+    assert mimoc.read_bundle("säugling")
+
+
+@pytest.mark.parametrize("command", ["validate", "run {built} --steps 3", "check {built}", "explain {built} spec.name"])
+def test_a_pipe_gets_plain_text(invoke, command, built):
+    done = invoke(*shlex.split(command.format(built=built)))
+    assert done.out
+    assert ESCAPE not in done.out + done.err
+
+
+def test_colours_can_be_forced_and_switched_off(invoke, built, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    colour = re.compile(r"\x1b\[[\d;]*3\d")
+    assert colour.search(invoke("check", built).out)
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert not colour.search(invoke("check", built).out)
+
+
+@pytest.mark.parametrize("library", ["junk", "egl"])
+def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp_path):
+    """Importing MuJoCo fails then, even for commands that render nothing."""
+    for name in ("libEGL.so", "libEGL.so.1"):
+        (tmp_path / name).write_text("not a library")
+    done = finished("check", built, MUJOCO_GL=library, LD_LIBRARY_PATH=str(tmp_path))
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(f"MuJoCo cannot be loaded with MUJOCO_GL={library} (")
+    assert len(done.err.splitlines()) == 1

@@ -1,0 +1,58 @@
+"""Commands of mimoc, run in this process or in one of their own."""
+
+import io
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import pytest
+
+from mimoc import cli
+
+
+class Outcome(NamedTuple):
+    """What a command did."""
+
+    code: int
+    """The exit code."""
+    out: str
+    err: str
+
+
+@pytest.fixture
+def invoke(monkeypatch, capfd) -> Callable[..., Outcome]:
+    """Return what runs a command in this process, given its arguments and what is piped into it."""
+
+    def run(*arguments: object, piped: str | None = None) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["mimoc", *map(str, arguments)])
+        if piped is not None:
+            monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(piped.encode())))
+        capfd.readouterr()
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as exit_:
+            code = int(exit_.code or 0)
+        sys.stdout.flush()
+        return Outcome(code, *capfd.readouterr())
+
+    return run
+
+
+def process(*arguments: object, **options: Any) -> subprocess.Popen[str]:
+    """Start a command in a process of its own."""
+    command = [sys.executable, "-m", "mimoc", *map(str, arguments)]
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # What runs the tests may have it ignored.
+    return subprocess.Popen(command, **pipes | {"preexec_fn": heeding} | options)
+
+
+def finished(*arguments: object, **environment: str) -> Outcome:
+    """Return what a command in a process of its own did, under some environment variables."""
+    running = process(*arguments, env=os.environ | environment)
+    out, err = running.communicate()
+    return Outcome(running.returncode, out, err)
