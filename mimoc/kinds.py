@@ -65,7 +65,7 @@ class ActuationKind:
     about: str
     """One sentence for help."""
     build: Code
-    """`build(spec, body, timestep_s) -> Drive`: the actuators in the MJCF, and the joints as they leave them."""
+    """`build(spec, body, timestep_s) -> ActuationSetup`: the actuators, and what they leave of springs and dampers."""
     run: Code
     """`bind(entry, model) -> Actuation`: from an action to controls."""
     spec: "type[Model] | None" = None

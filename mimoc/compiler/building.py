@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
-from mimoc.actuation.drives import Drive, build_drive
+from mimoc.actuation.setup import ActuationSetup, build_actuation
 from mimoc.body.provenance import Entry, trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, seal
@@ -21,7 +21,7 @@ from mimoc.compiler.diagnosis import diagnose
 from mimoc.compiler.furnish import FurnishedScene, covered_floor, furnish, set_up_task
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
-from mimoc.compiler.provenance.actuation import trace_drive
+from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
 from mimoc.compiler.provenance.delays import trace_delays
 from mimoc.compiler.provenance.plugins import trace_plugins
@@ -143,10 +143,10 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
     spec = validated(spec)
     refuse_unavailable(spec)
     anatomy, measurements, tree = _grow(spec, compatibility)
-    drive, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
+    actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
     origins = {
         **trace_body(measurements, anatomy, tree, _scaled_parts(spec, tree)),
-        **trace_drive(spec.actuation.model, anatomy, tree, replace(drive, actuators=infant.actuators)),
+        **trace_actuation(spec.actuation.model, anatomy, tree, replace(actuation, actuators=infant.actuators)),
         **dict(trace_delays(spec, manifest.delays)),
         **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
@@ -181,18 +181,18 @@ def _grow(
 
 def _equip(
     spec: InfantSpec, tree: body.BodyTree, compatibility: CompatibilityTarget
-) -> tuple[Drive, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
+) -> tuple[ActuationSetup, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
     """Return actuators and senses of a body, what its task needs, the infant with all of them, and its manifest."""
     try:
-        drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+        actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
-        scene, task_setup = set_up_task(compose(spec, tree, drive, senses), spec, tree, drive)
+        scene, task_setup = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
         infant = compatibility.infant(scene, spec.actuation.model)
         described = describe(spec, tree, infant, senses, task_setup)
     except UnplayableError as error:
         raise SpecError([as_written(spec).problem(error.key, str(error))]) from None
     data = {**described.model_dump(), "plugins": used_plugins(spec)}
-    return drive, senses, task_setup, infant, Manifest.model_validate(rounded(data))
+    return actuation, senses, task_setup, infant, Manifest.model_validate(rounded(data))
 
 
 def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from mimoc.actuation.drives import Drive
+from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.poses import standing_height
 from mimoc.kinds import function_of
@@ -27,37 +27,37 @@ def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
     return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
 
 
-def compose(spec: InfantSpec, tree: BodyTree, drive: Drive, senses: Mapping[str, Placed]) -> SceneTree:
+def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> SceneTree:
     """Return the scene of a spec around a grown body, its poses at the origin of a world without anything.
 
     Args:
         spec: The spec.
         tree: The body.
-        drive: What moves it.
+        actuation: What moves it.
         senses: Its senses.
     """
-    parts = _parts(tree, drive, senses)
+    parts = _parts(tree, actuation, senses)
     return SceneTree(
         name=spec.name,
-        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=drive.integrator),
+        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress(spec.body.expression),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         frictionless=tree.frictionless,
         excluded=tree.excluded,
-        actuator_defaults=drive.defaults,
-        actuators=drive.actuators,
+        actuator_defaults=actuation.defaults,
+        actuators=actuation.actuators,
         sensors=(
             *sensor_sites.VESTIBULAR_SENSORS,
             *sensor_sites.torque_sensors(tree),
             *(sensor for placed in senses.values() for sensor in placed.sensors),
         ),
         world=World(),
-        keyframes=tuple(drive.keyframe(keyframe) for keyframe in keyframes(tree)),
+        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree)),
     )
 
 
-def _parts(tree: BodyTree, drive: Drive, senses: Mapping[str, Placed]) -> dict[str, Node]:
+def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> dict[str, Node]:
     """Return all parts by name, each with those that it carries."""
     sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
     for placed in senses.values():
@@ -70,7 +70,7 @@ def _parts(tree: BodyTree, drive: Drive, senses: Mapping[str, Placed]) -> dict[s
             pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(drive.joints[joint.name]) for joint in body.joints),
+            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
             geoms=(*map(_geom, body.geoms), *_features(body)),
             sites=sites.get(body.name, ()),
             cameras=cameras.get(body.name, ()),

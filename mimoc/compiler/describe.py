@@ -7,7 +7,16 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.stature import stature
-from mimoc.bundle.manifest import ChildEntry, FaceEntry, FasteningsEntry, LockEntry, Manifest, ToyEntry, WeldEntry
+from mimoc.bundle.manifest import (
+    ChildEntry,
+    ConstraintsEntry,
+    FaceEntry,
+    LockEntry,
+    Manifest,
+    ToyEntry,
+    WeldEntry,
+)
+from mimoc.compiler.anatomy import describe_anatomy
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.furnish import start_pose
 from mimoc.delays.presets import delays
@@ -42,10 +51,11 @@ def describe(
         pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
         actuation=_actuation(spec, tree, scene, setup),
+        anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
-        fastenings=_fastenings(spec, tree, setup),
-        task=setup.goal,
+        constraints=_constraints(spec, tree, setup),
+        task=setup.entry,
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )
@@ -104,8 +114,8 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _fastenings(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> FasteningsEntry:
-    return FasteningsEntry(
+def _constraints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> ConstraintsEntry:
+    return ConstraintsEntry(
         locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, setup)),
         welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, setup)),
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mimoc.actuation.drives import Drive
+from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.provenance import Entry
@@ -44,7 +44,9 @@ class FurnishedScene:
     """Where the numbers of the kind of scene come from."""
 
 
-def set_up_task(scene: SceneTree, spec: InfantSpec, tree: BodyTree, drive: Drive) -> tuple[SceneTree, TaskSetup]:
+def set_up_task(
+    scene: SceneTree, spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup
+) -> tuple[SceneTree, TaskSetup]:
     """Return the scene with one more pose, if the task of its spec starts from its own, and what the task needs.
 
     Poses in which held parts or locked joints would be elsewhere are left out: MuJoCo would pull the infant out of
@@ -57,7 +59,7 @@ def set_up_task(scene: SceneTree, spec: InfantSpec, tree: BodyTree, drive: Drive
     poses = scene.keyframes
     if spec.task and setup.start is not None:
         own = Keyframe(spec.task.kind, setup.start)
-        poses = (*poses, drive.keyframe(own))
+        poses = (*poses, actuation.at_rest(own))
     (start,) = (pose for pose in poses if pose.name == start_pose(spec, setup))
     joints, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))

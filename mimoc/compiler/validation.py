@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
-from mimoc.actuation.drives import build_drive
+from mimoc.actuation.setup import build_actuation
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose
@@ -166,8 +166,8 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
-    drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
-    infant = furnish(compose(plain, tree, drive, {}), plain, tree, SceneAssets()).scene
+    actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+    infant = furnish(compose(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
     return compile_model(printing.render_scene(infant))
 
 

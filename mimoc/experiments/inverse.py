@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.compiler import pipeline
-from mimoc.control.reaching import GAIN_SETS, ReachErrors, ReachGains, reach_errors
+from mimoc.control import GAIN_SETS, ReachGains
 from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.policies.reach_errors import ReachErrors, reach_errors
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.runtime.env import InfantEnv

@@ -28,7 +28,6 @@ HURRY = 0.1
 GAP_PX = 4
 """Between the pictures of a frame."""
 PAPER = 255
-EYES = ("eye_left", "eye_right")
 SHARP = 2
 """How many times larger the view of eyes that the infant does not use is drawn, and then averaged down."""
 
@@ -135,7 +134,7 @@ def _eyes_of(env: InfantEnv, size_px: int) -> _Observed | _Sharp:
     vision = env.manifest.senses.vision
     if vision is not None:
         return _Observed(vision.cameras)
-    cameras = [eye for eye in EYES if mujoco.mj_name2id(env.model, mujoco.mjtObj.mjOBJ_CAMERA, eye) >= 0]
+    cameras = [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
         raise RenderingError(f"'{env.manifest.name}' has no eyes; leave the eyes' view out")
     return _Sharp(env.model, cameras, size_px)

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
-from mimoc.runtime.fastenings import Fastenings
+from mimoc.runtime.constraints import Constraints
 from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s, rad_to_deg
 
@@ -121,7 +121,7 @@ def _check_pose(model: mujoco.MjModel, bundle: Bundle, pose: str, generator: np.
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
         mujoco.mj_kinematics(model, data)
-        Fastenings(manifest.fastenings, model).keep(data)
+        Constraints(manifest.constraints, model).keep(data)
         found.append(flail(data, commands(model, generator, step_s), step_s, manifest.root_body))
     furthest = max(found, key=lambda flailing: flailing.beyond_deg)
     return PoseCheck(

@@ -18,14 +18,15 @@ from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.delays.schedule import Schedule, Timing
 from mimoc.errors import UnknownNameError
+from mimoc.model_fields import ModelFields
 from mimoc.render.environment import MODES, EnvRenderer, available_modes
-from mimoc.runtime.fastenings import Fastenings
+from mimoc.runtime.constraints import Constraints
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
-from mimoc.tasks.task import NOTHING_EARNED
+from mimoc.tasks.task import NO_REWARD
 from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
@@ -180,15 +181,15 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._schedule.step(action, self.data)
         self._steps += 1
         unstable = broke_down(self.data)
-        verdict = NOTHING_EARNED if unstable else self._task.judge(self.data, action, self.effort)
+        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         observation = self._observe()
         if unstable:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
         self._renderer.show()
         late = self._task.steps is not None and self._steps >= self._task.steps
-        info = {"is_success": verdict.success, "reward_terms": dict(verdict.terms), "unstable": unstable}
-        return observation, verdict.reward, verdict.ends or unstable, late, info
+        info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
+        return observation, verdict.reward, verdict.terminated or unstable, late, info
 
     def get_state(self) -> dict[str, Any]:
         """Return all that the future depends on: physics, signals on their way, and chance.
@@ -202,7 +203,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             {
                 "physics": physics,
                 "signals": self._schedule.state,
-                "fastenings": self._fastenings.state,
+                "model": self._model_fields.state,
                 "task": self._task.state,
                 "steps": self._steps,
                 "chance": chance,
@@ -228,7 +229,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if np.shape(state["physics"]) != (mujoco.mj_stateSize(self.model, STATE),):
             raise ValueError("this is the state of another infant, whose model has other parts")
         state = copy.deepcopy(state)
-        self._fastenings.state, self._task.state, self._steps = state["fastenings"], state["task"], state["steps"]
+        self._model_fields.state, self._task.state, self._steps = state["model"], state["task"], state["steps"]
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)
         mujoco.mj_forward(self.model, self.data)
@@ -268,12 +269,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.data = mujoco.MjData(self.model)
         self._act = bind_actuation(self.manifest.actuation, self.model)
         self._senses = bind_senses(self.bundle, self.model, former, self._custom_senses)
-        self._fastenings = Fastenings(self.manifest.fastenings, self.model)
+        self._constraints = Constraints(self.manifest.constraints, self.model)
         self._task = (
-            bind_task(self.bundle, self.model, self._fastenings)
+            bind_task(self.bundle, self.model)
             if self._custom_task is None
             else CustomTask(self._custom_task, self.model, self.bundle)
         )
+        fields = (*self._constraints.model_fields, *self._task.model_fields)
+        self._model_fields = ModelFields(self.model, fields)
         self._schedule = Schedule(self._senses, self._act, self.model, self._timing())
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
@@ -307,7 +310,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._steps = 0
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
         mujoco.mj_kinematics(self.model, self.data)
-        self._fastenings.keep(self.data)
+        self._constraints.keep(self.data)
         mujoco.mj_forward(self.model, self.data)
         self._task.start(self.data, self.np_random)
         self._schedule.reset(self.data)
@@ -324,7 +327,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_schedule", "_keypoints", "_renderer"}
+BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
 """What an environment cannot give to a copy of itself."""
 
 

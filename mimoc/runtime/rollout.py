@@ -1,5 +1,6 @@
-"""Run an infant under a policy and sum up what happened."""
+"""Run an infant under a policy and summarize what happened."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from mimoc.kinds import function_of
 from mimoc.policies import POLICIES
-from mimoc.policies.policy import Policy, PolicyMaker
+from mimoc.policies.policy import Policy, PolicyMaker, metrics_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
@@ -27,31 +28,29 @@ class Summary:
     """Time it took, pictures and printing not counted."""
     total_reward: float
     hip_path_m: float
-    """Length of the way that the hip went."""
+    """Length of the path of the hip."""
     head_height_m: tuple[float, float]
-    """Lowest and highest place of the head's centre, above z = 0."""
+    """Lowest and highest place of the head's centre of mass, above z = 0."""
     joint_speed_rad_s: float
     """Mean speed over joints and steps."""
     unstable: bool
-    """Whether an episode ended because the simulation broke down."""
+    """Whether an episode ended because the simulation became unstable."""
     task: str
-    """What it was to achieve: the kind of task."""
+    """Name of the task."""
     finished: int
-    """Episodes that came to their end."""
+    """Episodes that terminated or were truncated."""
     successes: int
-    """Of these, those that reached their goal."""
+    """Of these, those with success at the end."""
     mean_return: float | None
-    """Of the episodes that came to their end; None if none did."""
+    """Mean over the finished episodes of the sum of rewards; None if there are none."""
     time_to_success_s: float | None
-    """Mean of the episodes that reached their goal, in simulated time; None if none did."""
-    hand_error_m: float | None = None
-    """How near hands came to their targets, at the median; None where they had none."""
-    fell_after_s: float | None = None
-    """When an infant that was to keep its seat fell over, in simulated time; None if it did not."""
+    """Mean simulated time of the successful episodes; None if there are none."""
+    metrics: Mapping[str, float]
+    """What else the policy tells, by name with its unit; see `Policy`."""
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
-    """Return the policy of a name, or what makes one for an environment.
+    """Return a policy for an environment, by its name or from what makes one.
 
     Raises:
         UnknownNameError: If there is none of that name.
@@ -61,7 +60,7 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
 
 
 class Run:
-    """A run of an environment under a policy: step it as often as wanted, then sum it up."""
+    """A run of an environment under a policy: step it as often as wanted, then ask for the summary."""
 
     def __init__(self, env: InfantEnv, policy: str | PolicyMaker, seed: int):
         """Reset *env*; *policy* is a key of `POLICIES` or makes one, *seed* that of the policy and the reset.
@@ -73,6 +72,7 @@ class Run:
         self._generator = np.random.default_rng(seed)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
         model = env.model
+        self._head = env.manifest.anatomy.head or env.manifest.root_body
         self._hinges = model.jnt_dofadr[model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE]
         self._hip_m: list[FloatArray] = []
         self._head_m: list[float] = []
@@ -93,7 +93,7 @@ class Run:
         self._unstable |= info["unstable"]
         data, root = self.env.data, self.env.manifest.root_body
         self._hip_m.append(data.body(root).xpos.copy())
-        self._head_m.append(float(data.geom("head").xpos[2]))
+        self._head_m.append(float(data.body(self._head).xipos[2]))
         self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
         if terminated or truncated:
             self._end_episode(info["is_success"])
@@ -124,6 +124,5 @@ class Run:
             head_height_m=(min(self._head_m), max(self._head_m)),
             joint_speed_rad_s=float(np.mean(self._speeds)),
             unstable=self._unstable,
-            hand_error_m=getattr(self._act, "hand_error_m", None),
-            fell_after_s=getattr(self._act, "fell_after_s", None),
+            metrics=metrics_of(self._act),
         )

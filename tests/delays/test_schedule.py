@@ -160,7 +160,7 @@ def test_a_wrong_action_leaves_everything_as_it_was(all_senses):
     ):
         actions = commands(env, 2)[::2]
         env.reset(seed=0)
-        with pytest.raises(ValueError, match="an action is 44 numbers"):
+        with pytest.raises(ValueError, match=r"expected a finite action of shape \(44,\), got"):
             env.step(np.zeros(3))
         seen = [env.step(action)[0]["touch"] for action in actions]
         assert np.array_equal(seen, [each["touch"] for each in observations(other, actions)[1:]])

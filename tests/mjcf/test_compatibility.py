@@ -88,7 +88,7 @@ def test_lights_are_written_as_older_mujocos_read_them(pair):
 
 
 def test_only_locked_joints_have_active_locks(pair):
-    model, locked = load_model(pair[1]), {lock.joint for lock in pair[1].manifest.fastenings.locks}
+    model, locked = load_model(pair[1]), {lock.joint for lock in pair[1].manifest.constraints.locks}
     active = {name for name in names(model, "equality") if model.equality(name).active0[0]}
     assert {name for name in active if name.startswith("robot:")} == locked
 
@@ -247,7 +247,7 @@ def test_mimoc_runs_a_bundle_for_mimo():
         actuation={"locked": ["legs"]},
     )
     bundle = mimoc.build(wanted, "mimo")
-    assert [weld.body for weld in bundle.manifest.fastenings.welds] == ["upper_body"]
+    assert [weld.body for weld in bundle.manifest.constraints.welds] == ["upper_body"]
     with closing(mimoc.InfantEnv(bundle)) as env:
         observation, _ = env.reset(seed=0)
         held = env.data.body("upper_body").xpos.copy()

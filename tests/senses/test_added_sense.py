@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from mimoc.mjcf.tree import Sensor, Site
 from pydantic import Field
 
 import mimoc
@@ -16,6 +15,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import explain
 from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, SenseKind
+from mimoc.mjcf.infant import Sensor, Site
 from mimoc.mjcf.placed import Placed
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real

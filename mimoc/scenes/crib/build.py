@@ -11,6 +11,7 @@ from mimoc.body.stature import stature
 from mimoc.looks.wallpaper import WALLS, Wallpapers
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, UNTOUCHED, Furniture, WorldGeom
 from mimoc.mjcf.materials import WorldMaterial, WorldTexture
+from mimoc.mjcf.rails import RAIL_IN_CHILDREN, RAIL_RADIUS_M
 from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
 from mimoc.scenes.spec import SceneSpec
@@ -20,11 +21,8 @@ INNER_M = (1.2, 0.6)
 """Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""
 LENGTH_IN_CHILDREN = 1.25
 """Least length inside, in lengths of the child."""
-RAIL_IN_CHILDREN = 0.43 / 0.82
-"""Height of the rail's middle above the mattress: at 18 months, 0.82 m long, MIMo holds it at 0.42 to 0.45 m."""
-RAIL_RADIUS_M = 0.01
 BAR_RADIUS_M = 0.006
-"""A hand closes around bars and rail: their girth is 4 and 6 cm, a newborn's hand is 6 cm long."""
+"""A hand closes around bars, too: their girth is 4 cm, a newborn's hand is 6 cm long."""
 WIDEST_GAP_M = 0.058
 """Between two bars: EN 716-1 asks for 45 to 65 mm."""
 POST_HALF_M = 0.02

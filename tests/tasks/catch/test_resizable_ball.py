@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.tasks.base import BallEntry
-from mimoc.tasks.catch.ball_size import Marble
+from mimoc.tasks.catch.resizable_ball import ResizableBall
 
 BALL = BallEntry(body="ball", joint="ball:free", geom="ball")
 
@@ -36,7 +36,7 @@ def numbers(model: mujoco.MjModel) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize(("radius_m", "mass_kg"), [(0.005, 0.05), (0.005, 0.5), (0.025, 0.05), (0.025, 0.5)])
 def test_a_changed_ball_is_as_if_compiled_so(radius_m, mass_kg):
     model = compiled(0.025, 0.0654)
-    ball = Marble(BALL, model)
+    ball = ResizableBall(BALL, model)
     ball.change(radius_m, mass_kg)
     wanted = numbers(compiled(radius_m, mass_kg))
     for name, value in numbers(model).items():
@@ -47,7 +47,7 @@ def test_a_changed_ball_is_as_if_compiled_so(radius_m, mass_kg):
 def test_a_changed_ball_rolls_and_falls_as_if_compiled_so():
     places = []
     for model in (compiled(0.02, 0.3), compiled(0.025, 0.0654)):
-        ball = Marble(BALL, model)
+        ball = ResizableBall(BALL, model)
         ball.change(0.02, 0.3)
         data = mujoco.MjData(model)
         data.qpos[ball.place] = (0.05, 0.02, 1.1)

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from mimoc.model_fields import ModelField
 from mimoc.tasks.base import BallEntry
 
 SOLID_SPHERE = 2 / 5
@@ -12,7 +13,7 @@ WORLD = 0
 """The body that everything hangs on."""
 
 
-class Marble:
+class ResizableBall:
     """A sphere of a model that takes any radius and mass, with all that MuJoCo's compiler derives from them."""
 
     def __init__(self, entry: BallEntry, model: mujoco.MjModel):
@@ -28,13 +29,26 @@ class Marble:
 
     @property
     def radius_m(self) -> float:
-        """How large it is."""
+        """Its radius."""
         return float(self._model.geom_size[self.geom, 0])
 
     @property
     def mass_kg(self) -> float:
-        """How heavy it is."""
+        """Its mass."""
         return float(self._model.body_mass[self.body])
+
+    @property
+    def model_fields(self) -> tuple[ModelField, ...]:
+        """What `change` changes in the model."""
+        body, geom, turning = np.array([self.body]), np.array([self.geom]), self._speeds[3:]
+        return (
+            *(ModelField(name, geom) for name in ("geom_size", "geom_rbound", "geom_aabb")),
+            ModelField("bvh_aabb", self._boxes),
+            *(ModelField(name, body) for name in ("body_mass", "body_inertia", "body_invweight0")),
+            ModelField("body_subtreemass", np.array([WORLD, self.body])),
+            ModelField("dof_length", turning),
+            *(ModelField(name, self._speeds) for name in ("dof_M0", "dof_invweight0")),
+        )
 
     def change(self, radius_m: float, mass_kg: float) -> None:
         """Give it another radius and mass."""

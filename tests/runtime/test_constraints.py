@@ -33,7 +33,7 @@ def flail(env: mimoc.InfantEnv, steps: int = 100, seed: int = 0) -> None:
 def test_locked_joints_stay_at_the_angles_of_the_pose(open_env, model, pose):
     env = open_env(actuation={"model": model, "locked": ["legs", "neck"]}, scene={"kind": "flat", "pose": pose})
     env.reset(seed=0)
-    locked = [lock.joint for lock in env.manifest.fastenings.locks]
+    locked = [lock.joint for lock in env.manifest.constraints.locks]
     at = [env.model.joint(joint).qposadr[0] for joint in locked]
     before = env.data.qpos[at].copy()
     flail(env)
@@ -65,7 +65,7 @@ def test_the_model_alone_holds_the_spec_pose(built):
     mujoco.mj_resetDataKeyframe(model, data, model.key("sitting").id)
     mujoco.mj_forward(model, data)
     is_equality = data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-    assert is_equality.sum() == len(bundle.manifest.fastenings.locks) + 6
+    assert is_equality.sum() == len(bundle.manifest.constraints.locks) + 6
     assert np.abs(data.efc_pos[: data.nefc][is_equality]).max() < 1e-7
 
 
@@ -102,7 +102,7 @@ def test_commands_go_to_the_regions_that_are_not_locked(regions, locked):
     assert (of_arms <= commanded) == ("arms" in regions or {"left_arm", "right_arm"} <= regions)
     data["actuation"] = {"locked": sorted(locked)}
     manifest = mimoc.build(InfantSpec.model_validate(data)).manifest
-    kept = {lock.joint for lock in manifest.fastenings.locks}
+    kept = {lock.joint for lock in manifest.constraints.locks}
     assert {entry.joint for entry in manifest.actuation.actuators if not entry.commanded} == kept & everything
 
 

@@ -1,15 +1,13 @@
 """What drives the joints, whatever the actuation model."""
 
-from typing import get_args
-
 import mujoco
 import numpy as np
 import pytest
 
-from mimoc.actuation.drives import DRIVES
+from mimoc.actuation import ACTUATIONS
+from mimoc.actuation.setup import build_actuation
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body import assemble, grow
-from mimoc.compiler.provenance.actuation import TRACES
 from mimoc.fits import measure
 
 TIMESTEP_S = 0.005
@@ -20,26 +18,24 @@ def tree(request):
     return grow(measure(18), assemble(request.param, True))
 
 
-def test_every_model_of_the_language_drives_and_is_traced():
-    assert list(DRIVES) == list(TRACES) == list(get_args(ActuationSpec.model_fields["model"].annotation))
-
-
-@pytest.mark.parametrize("model", DRIVES)
+@pytest.mark.parametrize("model", ACTUATIONS)
 def test_every_actuator_moves_the_joint_of_mimos(model, tree):
-    actuators = DRIVES[model].actuators(tree, TIMESTEP_S)
+    actuators = build_actuation(ActuationSpec(model=model), tree, TIMESTEP_S).actuators
     joints = {motor.name: motor.joint for motor in tree.motors}
     assert {actuator.mimo_actuator for actuator in actuators} == joints.keys()
     assert all(actuator.joint == joints[actuator.mimo_actuator] for actuator in actuators)
     assert len({actuator.name for actuator in actuators}) == len(actuators)
 
 
-@pytest.mark.parametrize("model", DRIVES)
+@pytest.mark.parametrize("model", ACTUATIONS)
 def test_a_body_has_an_actuator_a_joint_or_two_muscles(model, tree):
-    count = len(DRIVES[model].actuators(tree, TIMESTEP_S)) // (2 if model == "muscle" else 1)
+    count = len(build_actuation(ActuationSpec(model=model), tree, TIMESTEP_S).actuators) // (
+        2 if model == "muscle" else 1
+    )
     assert count == (46 if len(tree.motors) < 50 else 90)
 
 
-@pytest.mark.parametrize("model", DRIVES)
+@pytest.mark.parametrize("model", ACTUATIONS)
 def test_an_actuation_model_leaves_a_joint_all_but_its_spring_and_damper(model, driven):
     plain, changed = driven("torque", 9, "five_finger"), driven(model, 9, "five_finger")
     for what in ("jnt_axis", "jnt_range", "dof_frictionloss", "dof_armature", "jnt_pos", "body_mass"):
