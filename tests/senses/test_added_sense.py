@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from mimoc.bundle.folder import Bundle
 from pydantic import Field
 
 import mimoc
 from mimoc.body import BodyTree
+from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import explain
 from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, SenseKind
