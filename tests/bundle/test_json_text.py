@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.bundle.json_text import join_json, json_members, render_json
+from mimoc.bundle.json_text import render_json
 from mimoc.rounding import rounded
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -35,8 +35,3 @@ def test_json_has_lists_of_numbers_on_one_line_and_all_else_spread_out():
 def test_json_without_nan(value):
     with pytest.raises(ValueError, match="JSON compliant"):
         render_json({"value": value})
-
-
-@given(data=st.dictionaries(st.text(), plain_data, max_size=3))
-def test_members_that_were_written_one_by_one_join_to_the_same_text(data):
-    assert join_json(json_members(data)) == (render_json(data) if data else b"{\n\n}\n")

@@ -22,5 +22,6 @@ def skin_markers(bundle: Bundle, model: mujoco.MjModel, data: mujoco.MjData) -> 
             "add `senses: {touch: {}}` to its spec, and build it again"
         )
     state = bind_sense("touch", bundle, model).skin_state(data)
-    spacings_m = np.array([entry.spacing_m[body] for body in state.bodies])
+    by_body_m = {part.body: part.spacing_m for part in entry.skin}
+    spacings_m = np.array([by_body_m[body] for body in state.bodies])
     return force_markers(state.positions, np.linalg.norm(state.forces, axis=1), spacings_m)

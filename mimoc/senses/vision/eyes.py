@@ -45,10 +45,10 @@ class Eyes:
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
         self._renderer = Renderer(model, width_px, height_px * len(cameras), lambda model: _lean(model, height_px))
-        self._look_into(model)
+        self._find_names(model)
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
-        """Return what the cameras see."""
+        """Return what the cameras draw."""
         self._renderer.make_current()
         for camera, part in zip(self._cameras, self._parts, strict=True):
             self._compose(camera, data)
@@ -62,13 +62,13 @@ class Eyes:
             RenderingError: If OpenGL has no room for it.
         """
         self._renderer.change_model(model)
-        self._look_into(model)
+        self._find_names(model)
 
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine."""
         self._renderer.close()
 
-    def _look_into(self, model: mujoco.MjModel) -> None:
+    def _find_names(self, model: mujoco.MjModel) -> None:
         """Find cameras and unseen geoms in the model that is drawn now."""
         self._groups = model.geom_group
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
@@ -94,7 +94,7 @@ def _fixed_camera(index: int) -> mujoco.MjvCamera:
 
 
 def _lean(model: mujoco.MjModel, height_px: int) -> tuple[Setting, ...]:
-    """Return what asks MuJoCo for no more than pictures of a height need."""
+    """Return the settings with which MuJoCo draws pictures of a height, and no more."""
     quality = model.vis.quality
     slices = max(LEAST_SLICES, math.ceil(SLICES_PER_ROOT_PX * math.sqrt(height_px)))
     return (
