@@ -37,7 +37,7 @@ _HOMES = {
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "load_policy": "mimoc.training",
-    "load_spec": "mimoc.compiler.pipeline",
+    "load_spec": "mimoc.compiler.loading",
     "make": "mimoc.environments",
     "read_bundle": "mimoc.bundle.io",
     "record": "mimoc.recording",

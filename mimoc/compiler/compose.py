@@ -1,4 +1,4 @@
-"""An infant with its senses, motors and clothes, before it is put into its world."""
+"""An infant with its senses, actuators and looks, before it is placed in its world."""
 
 from collections.abc import Mapping
 
@@ -125,7 +125,7 @@ def _geom(geom: Geom) -> PrintedGeom:
 
 
 def _features(body: Body) -> tuple[PrintedGeom, ...]:
-    """Return what the head shows and physics does not know: nose, ears, lids."""
+    """Return the geoms of the head that are only seen: nose, ears, lids."""
     if body.name != "head":
         return ()
     (head,) = body.geoms

@@ -16,11 +16,11 @@ class CompatibilityTarget:
     """What has to be different in a model that some other software is to read."""
 
     body: Callable[[BodyTree], BodyTree]
-    """Of the body: its parts and their order."""
+    """Changes the body: its parts and their order."""
     infant: Callable[[SceneTree, str], SceneTree]
-    """Of the infant, in no world yet; the other argument is its actuation model."""
+    """Changes the infant, before it is placed in a world; the other argument is its actuation model."""
     world: Callable[[SceneTree], SceneTree]
-    """Of the world it is in."""
+    """Changes the scene it is placed in."""
 
 
 UNCHANGED = CompatibilityTarget(lambda tree: tree, lambda infant, model: infant, lambda scene: scene)

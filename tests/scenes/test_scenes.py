@@ -7,6 +7,7 @@ import pytest
 
 import mimoc
 from mimoc.compiler import building
+from mimoc.errors import SpecError
 from mimoc.kinds import function_of
 from mimoc.looks.wallpaper import Wallpapers
 from mimoc.mjcf.scene import Keyframe
@@ -47,6 +48,14 @@ def test_in_an_empty_world_the_infant_floats():
     mujoco.mj_step(model, data, nstep=100)
     assert data.ncon == 0
     assert data.subtree_com[1] == pytest.approx(start, abs=1e-3), "springs pull limbs, nothing pulls the whole"
+
+
+def test_toys_need_a_scene_with_a_floor(tmp_path):
+    path = tmp_path / "x.yaml"
+    path.write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: empty, toys: {}}\n")
+    said = r"scene\.toys: toys require scene\.kind: flat or crib or room; change it, or leave the toys out"
+    with pytest.raises(SpecError, match=said):
+        mimoc.load_spec(path)
 
 
 def test_a_dropped_infant_stays_above_the_floor():

@@ -16,7 +16,7 @@ COLOURS = {"main": RED, "accent": BLUE, "dark": DARK, "light": LIGHT}
 
 @pytest.fixture(params=BUILTIN_TOYS.names)
 def toy(request) -> Toy:
-    return Toy(BUILTIN_TOYS.take(request.param), 0.1, 0.5, COLOURS)
+    return Toy(BUILTIN_TOYS.load(request.param), 0.1, 0.5, COLOURS)
 
 
 def test_a_prop_says_what_it_is_and_where(toy):
@@ -64,14 +64,14 @@ def test_the_solids_are_within_the_radius_that_is_kept_free(toy):
 
 def test_a_toy_that_stands_on_a_cylinder_leans_by_more_than_rounding():
     """MuJoCo loses the contacts of a cylinder that is upright but for rounding."""
-    model = compiled([make_object(Toy(BUILTIN_TOYS.take("bottle"), 0.1, 0.5, COLOURS), 1, (0, 0))])
+    model = compiled([make_object(Toy(BUILTIN_TOYS.load("bottle"), 0.1, 0.5, COLOURS), 1, (0, 0))])
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, nstep=1000)
     assert 1e-8 < np.hypot(*data.qpos[4:6]) < 1e-4
 
 
 def test_names_are_unique_among_toys_of_one_kind():
-    ball = Toy(BUILTIN_TOYS.take("ball"), 0.1, 0.0, COLOURS)
+    ball = Toy(BUILTIN_TOYS.load("ball"), 0.1, 0.0, COLOURS)
     props = [make_object(ball, number, (number, 0)) for number in (1, 2)]
     for things in ("geoms", "materials", "meshes"):
         names = [thing.name for prop in props for thing in getattr(prop, things)]
@@ -81,7 +81,7 @@ def test_names_are_unique_among_toys_of_one_kind():
 
 def test_a_ball_that_rolls_slows_down_and_a_block_stops_soon():
     for name in ("ball", "apple", "sofa", "car"):
-        model = compiled([make_object(Toy(BUILTIN_TOYS.take(name), 0.08, 0.0, COLOURS), 1, (0, 0))])
+        model = compiled([make_object(Toy(BUILTIN_TOYS.load(name), 0.08, 0.0, COLOURS), 1, (0, 0))])
         data = mujoco.MjData(model)
         data.qvel[0] = 0.3
         mujoco.mj_step(model, data, nstep=3000)
