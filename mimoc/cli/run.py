@@ -13,7 +13,10 @@ from mimoc.cli.infants import take_bundle
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
-    from mimoc.runtime.rollout import PolicyMaker
+    from contextlib import AbstractContextManager
+
+    from mimoc.recording.record import Look
+    from mimoc.runtime.rollout import PolicyMaker, Run
 
 EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"
 
@@ -52,15 +55,22 @@ def run(
     with closing(InfantEnv(take_bundle(infant), render_mode="human" if window else None)) as env:
         running = Run(env, _read_policy(policy), seed)
         film = recording.filming(running, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
-        with _kept(video), console.progress("running") as show, film as look:
-            for step in range(steps):
-                running.step()
-                if look:
-                    look()
-                show(step + 1, steps)
+        _run(running, steps, film, video)
     console.print_run(running.summary())
     if video:
         print(video)
+
+
+def _run(running: "Run", steps: int, film: "AbstractContextManager[Look | None]", video: Path | None) -> None:
+    """Take some steps, shown as progress, and film them if there is a film."""
+    from mimoc.cli import console
+
+    with _kept(video), console.progress("running") as show, film as look:
+        for step in range(steps):
+            running.step()
+            if look:
+                look()
+            show(step + 1, steps)
 
 
 @contextmanager

@@ -11,6 +11,18 @@ from mimoc.cli.infants import take_bundle
 
 EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
 
+Knobs = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A hyper-parameter, such as gamma=0.99; a wrong name lists them."),
+]
+Processes = Annotated[
+    bool | None,
+    typer.Option(
+        "--processes/--one-process",
+        help="Whether each infant has a process of its own; by itself, where that is faster.",
+    ),
+]
+
 
 def train(
     infant: InfantPath,
@@ -24,19 +36,8 @@ def train(
     every: Annotated[
         int, typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints; a kill loses at most these.")
     ] = 20_480,
-    knobs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="NAME=VALUE", help="A hyper-parameter, such as gamma=0.99; a wrong name lists them."
-        ),
-    ] = None,
-    processes: Annotated[
-        bool | None,
-        typer.Option(
-            "--processes/--one-process",
-            help="Whether each infant has a process of its own; by itself, where that is faster.",
-        ),
-    ] = None,
+    knobs: Knobs = None,
+    processes: Processes = None,
     force: Annotated[bool, typer.Option("--force", help="Begin anew what is in the folder.")] = False,
 ) -> None:
     """Train the infant; the same command again goes on with a training that was interrupted."""

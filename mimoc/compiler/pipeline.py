@@ -18,7 +18,7 @@ from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose
 from mimoc.compiler.describe import describe, describe_toys
-from mimoc.compiler.diagnosis import blame
+from mimoc.compiler.diagnosis import diagnose
 from mimoc.compiler.furnish import Supplies, furnish, outline, set_stage
 from mimoc.compiler.provenance.actuation import trace_drive
 from mimoc.compiler.provenance.child import trace_child
@@ -182,7 +182,7 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         measurements = body.measure_child(spec, anatomy)
         tree = wanted.body(body.grow_child(spec, measurements, anatomy))
     except (GeometryError, IndividualError) as error:
-        raise SpecError([blame(error, spec, written)]) from None
+        raise SpecError([diagnose(error, spec, written)]) from None
     try:
         staged, stage = set_stage(compose(spec, tree), spec, tree)
         infant = wanted.infant(staged, spec.actuation.model)

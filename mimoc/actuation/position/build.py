@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.body import BodyTree, Joint, Motor
-from mimoc.body.heft import inertias
+from mimoc.body.inertia import inertias
 from mimoc.mjcf.tree import Actuator, Keyframe
 from mimoc.units import deg_to_rad
 
