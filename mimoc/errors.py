@@ -43,7 +43,7 @@ class GeometryError(MimocError):
 
 
 class IndividualError(MimocError):
-    """A child that there is none of."""
+    """No child matches the requested measures."""
 
 
 class NoRoomError(MimocError):

@@ -33,7 +33,7 @@ def rooms(
     from mimoc.compiler import pipeline
     from mimoc.render.overview import overview
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.picture_grid import draw_grid
+    from mimoc.render.picture_grid import captioned_grid
 
     check_picture_name(file)
     wanted, infant, pictures = read_range(seeds), take_bundles_spec(spec), []
@@ -43,7 +43,7 @@ def rooms(
         for number, seed in enumerate(wanted, start=1):
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
             show(number, len(wanted))
-    print(write_picture(file, draw_grid(pictures, [f"seed {seed}" for seed in wanted])))
+    print(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted])))
 
 
 def _say_what_differs(spec: "InfantSpec") -> None:

@@ -34,7 +34,7 @@ def see(
     """Draw what the infant looks at: as fine as several ages see it, foveated as well, and as it is drawn."""
     from mimoc import schema
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.picture_grid import draw_sheet
+    from mimoc.render.picture_grid import tile_pictures
     from mimoc.senses.vision.comparison import compare_ages, read_ages
     from mimoc.senses.vision.preview import glimpse
 
@@ -43,4 +43,4 @@ def see(
     vision = resolved_spec(built).senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
     pictures = glimpse(built, compared.sights, pose, down, fovy)
-    print(write_picture(file, draw_sheet(pictures, compared.columns, compared.rows)))
+    print(write_picture(file, tile_pictures(pictures, compared.columns, compared.rows)))
