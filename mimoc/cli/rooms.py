@@ -37,7 +37,7 @@ def rooms(
     from mimoc.compiler import building
     from mimoc.render.overview import overview
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.picture_grid import draw_grid
+    from mimoc.render.picture_grid import captioned_grid
 
     check_picture_name(file)
     wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), []
@@ -47,7 +47,7 @@ def rooms(
         for number, seed in enumerate(wanted, start=1):
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
             show(number, len(wanted))
-    print(write_picture(file, draw_grid(pictures, [f"seed {seed}" for seed in wanted])))
+    print(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted])))
 
 
 def _check_seed_matters(spec: "InfantSpec") -> None:

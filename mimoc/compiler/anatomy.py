@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mimoc.body import BodyTree
 from mimoc.body.regions import ARM, EYE, EYE_SIDES, HEAD, LEG, LIMB_SIDES, TRUNK, Ends
-from mimoc.body.strengthen import muscle_groups
+from mimoc.body.strength import muscle_groups
 from mimoc.bundle.manifest import AnatomyEntry, EyeEntry, LimbEntry
 
 

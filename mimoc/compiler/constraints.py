@@ -6,7 +6,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world
-from mimoc.body.strengthen import muscle_groups
+from mimoc.body.strength import muscle_groups
 from mimoc.errors import UnplayableError
 from mimoc.geometry.rotations import quaternion_from_matrix
 from mimoc.mjcf.constraints import Lock, Weld

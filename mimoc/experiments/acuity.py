@@ -8,7 +8,7 @@ from mimoc.compiler import building
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
 from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.looks.drawing import encode_palette_png
-from mimoc.render.picture_grid import Picture, draw_sheet
+from mimoc.render.picture_grid import Picture, tile_pictures
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.schema.infant import InfantSpec
@@ -108,7 +108,7 @@ def _sheet(size_px: int) -> bytes:
     (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
     middles = [_middle(picture, size_px) for picture in larger]
     rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
-    return encode_palette_png(draw_sheet([*pictures, middles], whole.columns, rows), COLOURS)
+    return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
 
 
 def _middle(picture: Picture, size_px: int) -> Picture:

@@ -13,7 +13,7 @@ from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.looks.drawing import encode_palette_png
 from mimoc.render.overview import overview
-from mimoc.render.picture_grid import Picture, draw_grid
+from mimoc.render.picture_grid import Picture, captioned_grid
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.scenes.room.build import CLEARANCE_M
@@ -98,7 +98,7 @@ def run(notebook: Notebook) -> Path:
         rooms.append(take_inventory(builder, seed))
         pictures.append(overview(bundle, *PICTURE_PX))
         notebook.progress(done, len(seeds))
-    sheet = draw_grid(pictures, [f"seed {seed}" for seed in seeds])
+    sheet = captioned_grid(pictures, [f"seed {seed}" for seed in seeds])
     notebook.write_picture("rooms.png", encode_palette_png(sheet, COLOURS))
     notebook.write_table("rooms.csv", ROOM_HEADINGS, (room.row for room in rooms))
     notebook.write_table("toys.csv", TOY_HEADINGS, (row for room in rooms for row in room.toy_rows))

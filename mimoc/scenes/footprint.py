@@ -66,13 +66,13 @@ def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:
     """Return a body in the world."""
     hip, turn = hip_in_world(state)
     posed = pose(tree, dict(zip(tree.joints, state[7:], strict=True)))
-    return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.turns)
+    return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.rotations)
 
 
 def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:
     """Return where an upper arm begins, shape (3,): at one end of its axis."""
     index = _index(posed, upper_arm)
-    return posed.centres[index] - posed.turns[index][:, 2] * posed.geoms[index].size_m[1]
+    return posed.centres[index] - posed.rotations[index][:, 2] * posed.geoms[index].size_m[1]
 
 
 def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
@@ -81,7 +81,7 @@ def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
     arm = posed.only([i for i, geom in enumerate(posed.geoms) if side in geom.name and _is_of_arm(geom.name)])
     offsets = arm.centres - shoulder
     distances = np.linalg.norm(offsets, axis=1)
-    local = np.einsum("nij,ni->nj", arm.turns, offsets / distances[:, None])
+    local = np.einsum("nij,ni->nj", arm.rotations, offsets / distances[:, None])
     return float((distances + arm.extents.along(local)).max())
 
 
@@ -94,7 +94,7 @@ def _index(posed: Posed, name: str) -> int:
 
 
 def _discs(posed: Posed) -> Iterator[tuple[float, float, float]]:
-    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.turns, strict=True):
+    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.rotations, strict=True):
         axis, half_m, radius_m = _spine(geom)
         count = max(1, math.ceil(2 * half_m / (FINE * radius_m)) + 1)
         for offset_m in np.linspace(-half_m, half_m, count) if count > 1 else (0.0,):

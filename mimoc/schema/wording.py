@@ -64,7 +64,7 @@ def fault(details: ErrorDetails, data: dict[str, Any]) -> Fault:
     return Fault(path, "value", _wrong_value(details, outline(path)))
 
 
-def nothing_at(path: KeyPath) -> Fault:
+def missing_value(path: KeyPath) -> Fault:
     """Return the fault of a key that was written without a value."""
     known = outline(path)
     if path[-1] in outline(path[:-1]).schema.get("required", ()):
@@ -148,7 +148,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "less_than" | "less_than_equal":
             return f"{value} is too large; give {_range(known)}"
         case "finite_number":
-            return f"{value} is not a number to build from; give {_range(known)}"
+            return f"{value} is not finite; give {_range(known)}"
         case "string_pattern_mismatch":
             return f"{value} is not a name; {_better_name(details['input'])}"
         case "string_too_short":
@@ -158,7 +158,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
         case "union_tag_not_found":
-            return f"{value} is no acuity; write off, age, a number of months or {{cpd: 4.2}}"
+            return f"{value} is not an acuity; write off, age, a number of months or {{cpd: 4.2}}"
     return _wrong_type(details["input"], known)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mimoc.body import BodyTree
-from mimoc.body.strengthen import body_groups, muscle_groups
+from mimoc.body.strength import body_groups, muscle_groups
 from mimoc.errors import UnplayableError
 from mimoc.geometry.rotations import Vec3
 from mimoc.kinds import function_of

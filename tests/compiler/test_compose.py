@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 import pytest
-
 from mimoc.actuation.drives import build_drive
+
 from mimoc.body import assemble, grow
 from mimoc.compiler.building import builder
 from mimoc.compiler.compose import compose, place_senses

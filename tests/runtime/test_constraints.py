@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.body.strengthen import GROUPS
+from mimoc.body.strength import GROUPS
 from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import STRENGTH_GROUPS

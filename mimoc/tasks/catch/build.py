@@ -66,7 +66,7 @@ def _hand_length(tree: BodyTree, side: Side) -> float:
     stretched = pose(tree, {})
     names = {geom.name for body in tree.bodies if body.name in bodies_of(tree, f"{side}_hand") for geom in body.geoms}
     kept = [index for index, geom in enumerate(stretched.geoms) if geom.name in names]
-    hand = Posed(tuple(stretched.geoms[index] for index in kept), stretched.centres[kept], stretched.turns[kept])
+    hand = Posed(tuple(stretched.geoms[index] for index in kept), stretched.centres[kept], stretched.rotations[kept])
     along = frames(tree, {})[f"{side}_hand"][1][:, 2]
     return hand.extent(along) + hand.extent(-along)
 

@@ -1,4 +1,4 @@
-"""Where the parts of a body are, as plain values."""
+"""Sizes and positions of the parts of a body, as plain values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from mimoc.geometry.rotations import Vec3
 
 
 @dataclass(frozen=True, slots=True)
-class Solid:
+class Shape:
     """Size and centre of a geom, as MuJoCo wants them."""
 
     size_m: tuple[float, ...]
@@ -15,20 +15,20 @@ class Solid:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
-    """Where things are on the right side, by their names in `anatomy`."""
+class Dimensions:
+    """Sizes and positions on the right side, by the names in `anatomy`."""
 
     origins: Mapping[str, Vec3] = field(default_factory=dict)
     """Bodies, in the frame of their parent."""
-    solids: Mapping[str, Solid] = field(default_factory=dict)
+    shapes: Mapping[str, Shape] = field(default_factory=dict)
     """Geoms, in the frame of their body."""
     anchors: Mapping[str, Vec3] = field(default_factory=dict)
     """Joints that do not turn about the origin of their body."""
 
-    def __or__(self, other: "Layout") -> "Layout":
-        """Return both layouts as one."""
-        return Layout(
+    def __or__(self, other: "Dimensions") -> "Dimensions":
+        """Return the union of both."""
+        return Dimensions(
             {**self.origins, **other.origins},
-            {**self.solids, **other.solids},
+            {**self.shapes, **other.shapes},
             {**self.anchors, **other.anchors},
         )

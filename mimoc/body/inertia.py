@@ -1,4 +1,4 @@
-"""How light and how heavy each joint can be to turn."""
+"""The least and the largest inertia about each joint, over all poses."""
 
 from collections.abc import Mapping
 
@@ -9,13 +9,13 @@ from mimoc.body.tree import BodyTree, Geom
 from mimoc.units import deg_to_rad
 
 POSES = 4
-"""How many poses are looked at, spread evenly over the ranges of all joints."""
+"""Number of sampled poses, spread evenly over the ranges of all joints."""
 
 
 def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
-    """Return the least and the largest inertia about each joint over some poses, armature included, in [kg m²].
+    """Return the least and the largest inertia about each joint over the sampled poses, armature included, in [kg m²].
 
-    Over all poses, the least is no less than half of that, and mostly a fifth less at most.
+    The least over all poses is at least half of what is found here, and for most joints at least four fifths.
     """
     moved, joints, found = _moved(tree), tree.joints, []
     for angles_rad in _spread_poses(tree):
@@ -29,7 +29,7 @@ def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
 def _spread_poses(tree: BodyTree) -> list[dict[str, float]]:
     """Return angles of all joints, in [rad], within their ranges: points of an additive recurrence (Kronecker).
 
-    Both sides have the same ones, in whatever order the joints come, so that both are as heavy.
+    Both sides get the same angles, in whatever order the joints come, so that their inertias are equal.
     """
     joints = sorted({_sideless(name) for name in tree.joints})
     steps = dict(zip(joints, np.sqrt(np.arange(2, 2 + len(joints)) + 0.5) % 1, strict=True))
@@ -61,7 +61,7 @@ def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatA
     masses = np.array([geom.mass_kg for geom in posed.geoms])
     arms = np.cross(posed.centres - anchors[:, None], axes[:, None])
     own = np.array([_gyration_squares(geom) for geom in posed.geoms])
-    local = np.einsum("gij,ki->kgj", posed.turns, axes)
+    local = np.einsum("gij,ki->kgj", posed.rotations, axes)
     squares = (arms**2).sum(axis=2) + (local**2 * own).sum(axis=2)
     return (moved * masses * squares).sum(axis=1)
 
