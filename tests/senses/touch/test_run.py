@@ -203,3 +203,10 @@ def test_what_is_observed_keeps_to_its_bounds(quantity, low, felt):
     observed = touch.observe(reading)["touch"]
     assert observed in touch.spaces["touch"]
     assert (observed == np.clip(felt, low, MAX_FORCE_N)).all()
+
+
+def test_the_points_of_a_body_are_counted():
+    data = world(ball(), ball("other", "1 0 1"))
+    touch = skin(data, {"ball": [BOTTOM, BOTTOM], "other": [BOTTOM]})
+    assert touch.layout[2:5] == ("ball 0 world z [N]", "ball 1 world x [N]", "ball 1 world y [N]")
+    assert touch.layout[6] == "other 0 world x [N]"

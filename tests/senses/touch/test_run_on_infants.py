@@ -1,11 +1,36 @@
 """What whole infants feel with their skin: at rest, on the move, and tangled."""
-<mujoco>
-  <option cone="elliptic"/>
-  <worldbody><geom name="floor" type="plane" size="1 1 1" {floor}/>{bodies}</worldbody>
-</mujoco>
-"""
-BALL = '<body name="{name}" pos="{pos}" euler="{euler}"><freejoint/><geom size="0.05" mass="1" {geom}/></body>'
-BOTTOM = (0, 0, -0.05)
+
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from typing import get_args
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.touch_oracle import touch_loop
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.senses.spec import TouchQuantity, TouchResponse
+from mimoc.senses.touch.run import QUANTITIES, RESPONSES, Touch, bind
+
+G_M_S2 = 9.81
+
+
+def points(reading):
+    """Return a reading of vectors point by point."""
+    return reading.reshape(-1, 3)
+
+
+def contact_forces(data):
+    """Return what MuJoCo says of contacts: of each the two bodies and the force on the second, in the world."""
+    for index in range(data.ncon):
+        wrench = np.zeros(6)
+        mujoco.mj_contactForce(data.model, data, index, wrench)
+        contact = data.contact[index]
+        yield data.model.geom_bodyid[contact.geom], contact.frame.reshape(3, 3).T @ wrench[:3]
 
 
 @cache
@@ -127,17 +152,6 @@ def test_an_infant_at_rest_feels_its_weight(pose):
     assert touch.skin_state(data).forces.sum(axis=0) == pytest.approx([0, 0, weight_n], abs=0.01 * weight_n)
 
 
-def test_the_quantities_are_of_one_force():
-    """In the body's frame, in the world's, and its part along the normal."""
-    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
-    for state in tangled(data, 20):
-        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
-        forces, pressures = points(in_world(state)), normal(state)
-        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
-        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
-        assert ((pressures > 0) == forces.any(axis=1)).all()
-
-
 def test_pressures_add_up_to_the_normal_forces(child):
     touch, data = child
     normal = Touch(touch.skin, touch.feeling, QUANTITIES["normal"], touch.spread)
@@ -156,13 +170,6 @@ def test_every_number_has_a_name_a_unit_and_a_body(child):
         assert len(set(layout)) == len(layout) == len(felt.bodies) == felt.spaces["touch"].shape[0] == len(felt(data))
         assert all(name.endswith(" [N]") for name in layout)
         assert [name.split()[0] for name in layout] == [data.model.body(body).name for body in felt.bodies]
-
-
-def test_the_points_of_a_body_are_counted():
-    data = world(ball(), ball("other", "1 0 1"))
-    touch = skin(data, {"ball": [BOTTOM, BOTTOM], "other": [BOTTOM]})
-    assert touch.layout[2:5] == ("ball 0 world z [N]", "ball 1 world x [N]", "ball 1 world y [N]")
-    assert touch.layout[6] == "other 0 world x [N]"
 
 
 def test_what_is_observed_is_fresh_and_within_its_space(child):
@@ -206,3 +213,14 @@ def test_a_denser_skin_feels_more():
 def test_every_quantity_and_response_of_the_spec_can_be_felt():
     assert QUANTITIES.keys() == set(get_args(TouchQuantity))
     assert RESPONSES.keys() == set(get_args(TouchResponse))
+
+
+def test_the_quantities_are_of_one_force():
+    """In the body's frame, in the world's, and its part along the normal."""
+    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
+    for state in tangled(data, 20):
+        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
+        forces, pressures = points(in_world(state)), normal(state)
+        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
+        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
+        assert ((pressures > 0) == forces.any(axis=1)).all()
