@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.body import assemble, grow
-from mimoc.compiler import compose
+from mimoc.compiler.compose import compose
 from mimoc.fits import measure
 from mimoc.looks.appearance import HEAD_FEATURES
 from mimoc.looks.expressions import FACES

@@ -195,12 +195,12 @@ def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value
 @pytest.fixture
 def no_left_hand(monkeypatch):
     """Let every hand be written with a size that MuJoCo refuses."""
-    render_infant = pipeline.render.render_infant
+    render_infant = pipeline.printing.render_infant
 
     def spoil(tree):
         return broken(render_infant(tree), "left_hand1", "size", "-1 1 1")
 
-    monkeypatch.setattr(pipeline.render, "render_infant", spoil)
+    monkeypatch.setattr(pipeline.printing, "render_infant", spoil)
 
 
 def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):
