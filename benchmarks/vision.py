@@ -22,12 +22,12 @@ from measuring import cpu_medians_s
 from scipy.ndimage import map_coordinates
 
 import mimoc
-from mimoc.bundle.manifest import VisionEntry
 from mimoc.bundle.model import load_model
 from mimoc.senses.vision import eyes as eyes_module
 from mimoc.senses.vision.eyes import Eyes
 from mimoc.senses.vision.foveation import to_source
 from mimoc.senses.vision.run import Vision, bind, perceive
+from mimoc.senses.vision.spec import VisionEntry
 
 SIZES_PX = (64, 128)
 AGE_MONTHS = 4

@@ -7,20 +7,22 @@ from mimoc.registration import register_envs
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
-    from mimoc.bundle.folder import Bundle, read_bundle, write_bundle
+    from mimoc.bundle.io import Bundle, read_bundle, write_bundle
     from mimoc.compiler.pipeline import build, load_spec
     from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
     from mimoc.environments import make
     from mimoc.errors import MimocError
     from mimoc.experiments import run_experiment
+    from mimoc.plugins import register
     from mimoc.recording import record
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.schema.infant import InfantSpec
+    from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
 
 _HOMES = {
     "Align": "mimoc.control",
-    "Bundle": "mimoc.bundle.folder",
+    "Bundle": "mimoc.bundle.io",
     "Gains": "mimoc.control",
     "InfantEnv": "mimoc.runtime",
     "InfantSpec": "mimoc.schema.infant",
@@ -29,17 +31,20 @@ _HOMES = {
     "MimocError": "mimoc.errors",
     "Posture": "mimoc.control",
     "Reach": "mimoc.control",
+    "Task": "mimoc.tasks.task",
+    "Verdict": "mimoc.tasks.task",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.pipeline",
     "make": "mimoc.environments",
-    "read_bundle": "mimoc.bundle.folder",
+    "read_bundle": "mimoc.bundle.io",
     "record": "mimoc.recording",
+    "register": "mimoc.plugins",
     "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
-    "write_bundle": "mimoc.bundle.folder",
+    "write_bundle": "mimoc.bundle.io",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
 
@@ -54,6 +59,8 @@ __all__ = [
     "MimocError",
     "Posture",
     "Reach",
+    "Task",
+    "Verdict",
     "__version__",
     "build",
     "evaluate",
@@ -62,6 +69,7 @@ __all__ = [
     "make",
     "read_bundle",
     "record",
+    "register",
     "run_experiment",
     "torque_limits",
     "train",

@@ -7,16 +7,17 @@ from typing import Any
 import gymnasium
 
 from mimoc import runtime
-from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.errors import MimocError
+from mimoc.plugins import load_plugins
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.yaml_scalars import dump
+from mimoc.tasks import TASKS
 
 RESOLVED = "resolved.yaml"
 """The file of a bundle that holds its whole spec."""
-STEP_MS = {"selfbody": 5.0}
-"""Control step of a task, where it is not that of the others, 10 ms (MIMo)."""
 
 
 def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
@@ -26,13 +27,15 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
 
     Args:
         source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec.
-        options: For the environment, and `max_episode_steps` for Gymnasium.
+        options: For the environment: `render_mode`, `width`, `height`; `task`, an object whose rewards replace those of
+            the infant's task (see `mimoc.tasks.custom`); `senses`, a dictionary of objects to sense with besides the
+            infant's senses (see `mimoc.senses.custom`); and `max_episode_steps` for Gymnasium.
 
     Raises:
         SpecError: If a spec cannot be built.
-        BundleError: If a folder is not a whole bundle.
+        BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
         ModelError: If MuJoCo refuses the model.
-        RenderingError: If the infant sees, and there is no OpenGL here.
+        RenderingError: If the infant has vision, and there is no OpenGL here.
     """
     is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
     if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
@@ -49,38 +52,33 @@ def make_task(
     age_months: float | None = None,
     hands: str | None = None,
     actuation: str | None = None,
-    steps: int | None = None,
-    hand: str | None = None,
-    reward: str | None = None,
     **options: Any,
 ) -> InfantEnv:
     """Return the environment of a task, as `gymnasium.make("mimoc/Reach-v0", ...)` does.
 
     Args:
-        kind: Of the task.
+        kind: Name of the task.
         bundle: The infant, as a bundle or the folder of one; if it was built for another task or none, it is compiled
-            anew for this one. Left out, an average child that feels its joints and its balance.
-        age_months: Of that child; 18 if left out.
-        hands: Of that child: `mitten`, if left out, or `five_finger`.
-        actuation: Of that child: `torque`, if left out, `muscle` or `position`.
-        steps: Control steps of an episode, if not the task's own.
-        hand: `right` or `left`, for tasks of one hand.
-        reward: `dense` or `shaped`, for `rollover`.
-        options: For the environment.
+            again for this one. Left out, an average child with proprioception and the vestibular sense.
+        age_months: Age of that child; 18 if left out.
+        hands: Hands of that child: `mitten`, if left out, or `five_finger`.
+        actuation: Actuation model of that child; `torque` if left out.
+        options: For the environment; and keys of the task, such as `steps` and `hand`.
 
     Raises:
-        BundleError: If a folder is not a whole bundle.
+        BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
         SpecError: If there is no such child, or it cannot do this task.
         MimocError: If a bundle is given, and an age, hands or an actuation model as well.
     """
-    task = {"kind": kind, **_given(steps=steps, hand=hand, reward=reward)}
-    child = _given(age_months=age_months, hands=hands, actuation=actuation)
+    load_plugins()
+    own = _given(**{key: options.pop(key) for key in TASKS.find(kind).spec.model_fields if key in options})
+    task, child = {"kind": kind, **own}, _given(age_months=age_months, hands=hands, actuation=actuation)
     if bundle is None:
         return InfantEnv(**_compiled(_child(task, **child)), **options)
     if child:
-        raise MimocError(f"the bundle says what infant it is; leave {' and '.join(child)} out, or the bundle")
+        raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
-    if found.manifest.task.kind == kind and len(task) == 1:
+    if found.manifest.task.kind == kind and not own:
         return InfantEnv(found, **options)
     return InfantEnv(**_compiled(_for_task(found, task)), **options)
 
@@ -112,10 +110,9 @@ def _child(
         "body": {"hands": hands},
         "actuation": {"model": actuation},
         "senses": {"proprioception": {}, "vestibular": {}},
-        "control": {"step_ms": STEP_MS.get(kind, 10.0)},
         "task": task,
     }
-    return read_spec(source.parse(source.dump(data), f"<{kind}>"))
+    return read_spec(source.parse(dump(data), f"<{kind}>"))
 
 
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:

@@ -1,29 +1,29 @@
-"""What can go wrong, said so that a user knows where and what to do."""
+"""The errors of mimoc: each says where the problem is, what is wrong and what to do."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-_MOST_NAMES = 40
-"""As many names as an error lists when none is near."""
+_MAX_NAMES = 40
+"""Number of names that an error lists when none is similar."""
 
 
 class MimocError(Exception):
-    """Base of every error a user of mimoc is meant to see."""
+    """Base class of all errors that mimoc reports to its users."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Problem:
-    """One thing wrong in one place of a spec."""
+    """One problem in one place of a spec."""
 
     file: str
     line: int
-    """From 1; 0 where there are no lines to look at, as of a spec that was made in Python."""
+    """Line number from 1; 0 if there are no lines, as in a spec created in Python."""
     column: int
     key: str
-    """Dotted path of the key, or empty where the whole file is meant."""
+    """Dotted path of the key; empty if the problem concerns the whole file."""
     message: str
-    """What is wrong; what to do."""
+    """What is wrong, and what to do."""
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
@@ -31,7 +31,7 @@ class Problem:
 
 
 class SpecError(MimocError):
-    """A spec that cannot be built, with every problem found in it."""
+    """A spec cannot be built; the error lists every problem found in it."""
 
     def __init__(self, problems: Iterable[Problem]):
         self.problems = tuple(sorted(set(problems)))
@@ -39,70 +39,83 @@ class SpecError(MimocError):
 
 
 class GeometryError(MimocError):
-    """Measurements that no body can have."""
+    """No body can have the given measurements."""
 
 
 class IndividualError(MimocError):
-    """A child that there is none of."""
+    """No child matches the requested measures."""
 
 
 class NoRoomError(MimocError):
-    """Toys that have no place."""
+    """There is not enough room for the toys in the scene."""
 
 
 class UnplayableError(MimocError):
-    """A spec that asks of an infant what it has no limbs or no world for."""
+    """A spec asks for something that its body or scene does not allow."""
 
     def __init__(self, message: str, key: tuple[str, ...] = ("task", "kind")):
         super().__init__(message)
         self.key = key
-        """Of the spec, what asks for it."""
+        """Key of the spec that asks for it."""
 
 
 class DataError(MimocError):
-    """A table that came with mimoc is missing or damaged."""
+    """A data table of mimoc is missing or damaged."""
+
+
+class KindError(MimocError):
+    """A sense, a task or another kind that cannot be registered or passed."""
 
 
 class BundleError(MimocError):
-    """A folder that is not a bundle, or not the one that was written."""
+    """A folder is not a bundle, or its files were changed."""
 
 
 class TextureError(MimocError):
-    """Pictures of a user's own that a room cannot be decorated with."""
+    """A user's images cannot be used as textures."""
 
 
 class ModelError(MimocError):
-    """MuJoCo refuses a compiled model."""
+    """MuJoCo rejects a compiled model."""
 
     def __init__(self, message: str, element: str | None = None):
         super().__init__(message)
         self.element = element
-        """Name of the element that it refuses, if it says so."""
+        """Name of the rejected element, if MuJoCo gives one."""
 
 
 class RenderingError(MimocError):
-    """Pictures cannot be drawn here."""
+    """Images cannot be rendered on this machine."""
 
 
 class ToyError(MimocError):
-    """A toy that cannot be had, or no folder to have it from."""
+    """A toy, or the folder with its data, cannot be found or used."""
 
     def __init__(self, message: str, name: str | None = None):
         super().__init__(message)
         self.name = name
-        """Of the object or category, if one is meant."""
+        """Name of the object or category, if the problem concerns one."""
+
+
+class UnknownToysError(ToyError):
+    """Toys that are not among those of a source."""
+
+    def __init__(self, messages: Mapping[str, str]):
+        super().__init__("\n".join(messages.values()))
+        self.messages = messages
+        """What is wrong with each name."""
 
 
 class TrainingError(MimocError):
-    """A training that cannot be begun or gone on with."""
+    """A training run cannot be started or resumed."""
 
 
 class PolicyError(MimocError):
-    """A file that is no trained policy, or the policy of another infant."""
+    """A file is not a trained policy, or the policy does not fit the infant."""
 
 
 class ControlError(MimocError):
-    """A controller is asked for what it cannot do."""
+    """A controller cannot do what it is asked to do."""
 
 
 class OutputError(MimocError):
@@ -117,19 +130,19 @@ class MissingExtraError(MimocError):
 
 
 class UnknownNameError(MimocError):
-    """A name that is not in the table it was looked up in."""
+    """A name is unknown; the error suggests similar ones."""
 
     def __init__(self, kind: str, name: str, known: Collection[str]):
         super().__init__(f"'{name}' is not a {kind}; {suggestion(name, known)}")
 
 
 def suggestion(name: str, known: Collection[str]) -> str:
-    """Return advice on which of *known* was meant by *name*, as the second half of a message."""
+    """Return the second half of an error message: which of the *known* names may be meant by *name*."""
     near = get_close_matches(name, known, n=3, cutoff=0.6)
     if near:
         return f"did you mean {_alternatives(near)}?"
     names = sorted(known)
-    shown = names if len(names) <= _MOST_NAMES else [*names[:_MOST_NAMES], f"... ({len(names)} in all)"]
+    shown = names if len(names) <= _MAX_NAMES else [*names[:_MAX_NAMES], f"... ({len(names)} in all)"]
     return f"choose from {', '.join(shown)}"
 
 

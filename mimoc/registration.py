@@ -2,22 +2,26 @@
 
 from gymnasium.envs.registration import register, registry
 
+from mimoc.kinds import announced
+from mimoc.tasks import TASKS
+
 INFANT = "mimoc/Infant-v0"
-TASKS = {
-    "mimoc/Reach-v0": "reach",
-    "mimoc/Standup-v0": "standup",
-    "mimoc/Selfbody-v0": "selfbody",
-    "mimoc/Catch-v0": "catch",
-    "mimoc/Rollover-v0": "rollover",
-    "mimoc/Free-v0": "free",
-}
-"""The task of each environment that is named after one."""
+
+
+def env_name(task: str) -> str:
+    """Return the name of the environment of a task: `mimoc/Reach-v0` for `reach`."""
+    return f"mimoc/{''.join(word.capitalize() for word in task.split('_'))}-v0"
 
 
 def register_envs() -> None:
-    """Tell Gymnasium of mimoc's environments; calling it again changes nothing."""
+    """Tell Gymnasium of all environments, those of plug-ins included; calling it again changes nothing."""
     if INFANT not in registry:
         register(id=INFANT, entry_point="mimoc.runtime.env:InfantEnv")
-    for name, kind in TASKS.items():
-        if name not in registry:
-            register(id=name, entry_point="mimoc.environments:make_task", kwargs={"kind": kind})
+    for task in (*TASKS, *announced("mimoc.tasks")):
+        register_task_env(task)
+
+
+def register_task_env(task: str) -> None:
+    """Tell Gymnasium of the environment of one task."""
+    if env_name(task) not in registry:
+        register(id=env_name(task), entry_point="mimoc.environments:make_task", kwargs={"kind": task})

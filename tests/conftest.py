@@ -20,7 +20,13 @@ from hypothesis import settings
 import mimoc
 from mimoc.compiler.validation import compile_infant
 
-pytest_plugins = ["support.commands", "support.cpu_times", "support.driven", "support.running"]
+pytest_plugins = [
+    "support.commands",
+    "support.cpu_times",
+    "support.driven",
+    "support.registering",
+    "support.running",
+]
 
 settings.register_profile("mimoc", deadline=None, derandomize=True)
 settings.load_profile("mimoc")

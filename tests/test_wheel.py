@@ -1,10 +1,5 @@
 """The wheel alone is enough: installed elsewhere, it builds an infant that plain MuJoCo opens."""
 
-import os
-import subprocess
-import sys
-import sysconfig
-import venv
 import zipfile
 from collections.abc import Callable
 from email.parser import BytesParser
@@ -12,6 +7,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from support.installed import install
 
 import mimoc
 
@@ -22,24 +18,11 @@ Run = Callable[..., str]
 @pytest.fixture(scope="module")
 def run(wheel, tmp_path_factory) -> Run:
     """Return a function that runs a program of a new environment with the wheel, in an empty folder."""
-    home = tmp_path_factory.mktemp("environment")
-    venv.create(home, with_pip=False, symlinks=True)
-    scheme = {"base": str(home), "platbase": str(home)}
-    packages = Path(sysconfig.get_path("purelib", "venv", scheme))
-    options = ["--no-deps", "--no-index", "--no-warn-script-location", "--disable-pip-version-check", "--quiet"]
-    python = Path(sysconfig.get_path("scripts", "venv", scheme)) / "python"
-    subprocess.run([sys.executable, "-m", "pip", "--python", str(python), "install", *options, str(wheel)], check=True)
-    # What mimoc needs comes from here, where a .pth file's folders come last and their own .pth files are not read:
-    # so not from the checkout, even where mimoc is installed as editable.
-    dependencies = [folder for folder in sys.path if folder.endswith(("site-packages", "dist-packages"))]
-    (packages / "dependencies.pth").write_text("\n".join(dependencies) + "\n")
-    elsewhere = tmp_path_factory.mktemp("elsewhere")
-    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    program_of = install(tmp_path_factory.mktemp("environment"), wheel)
 
     def run(program: str, *arguments: object) -> str:
-        command = [str(python.with_name(program)), *map(str, arguments)]
-        done = subprocess.run(command, cwd=elsewhere, env=clean, capture_output=True, text=True, timeout=120)
-        assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+        done = program_of(program, *arguments)
+        assert done.returncode == 0, f"{program} {arguments}: {done.stdout}{done.stderr}"
         return done.stdout
 
     return run

@@ -1,15 +1,13 @@
 """Actuation: from an action to the controls of the model."""
 
-from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import mujoco
 import numpy.typing as npt
 
-from mimoc.actuation.muscle.run import bind_muscle
-from mimoc.actuation.position.run import bind_position
-from mimoc.actuation.torque.run import bind_torque
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation import ACTUATIONS
+from mimoc.actuation.spec import ActuationEntry
+from mimoc.kinds import function_of
 from mimoc.senses.sense import FloatArray, IntArray
 
 
@@ -45,11 +43,6 @@ class Actuation(Protocol):
         ...
 
 
-ACTUATIONS: Mapping[str, Callable[[ActuationEntry, mujoco.MjModel], Actuation]] = {
-    "torque": bind_torque,
-    "muscle": bind_muscle,
-    "position": bind_position,
-}
-"""By actuation model."""
-
-__all__ = ["ACTUATIONS", "Actuation"]
+def bind_actuation(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
+    """Return what turns actions into controls, for the actuators of *entry* in *model*."""
+    return function_of(ACTUATIONS[entry.model].run, "bind")(entry, model)

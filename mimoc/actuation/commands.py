@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.manifest import ActuationEntry, ActuatorEntry
+from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.senses.sense import FloatArray, IntArray
 
 

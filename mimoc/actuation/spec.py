@@ -1,36 +1,32 @@
-"""What moves the joints, and how strongly."""
+"""The `actuation` of a spec and of a manifest."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
+from pydantic.fields import FieldInfo
 
-from mimoc.errors import suggestion
+from mimoc.actuation import ACTUATIONS
 from mimoc.schema.base import KeyedError, Model
-from mimoc.schema.names import STRENGTH_GROUPS, single_groups
-from mimoc.schema.quantities import Age, Distinct, Real
-
-OTHER_WORDS = {"head": "neck", "body": "trunk", "chest": "trunk", "fingers": "hands", "feet": "legs", "toes": "legs"}
-"""What else one may call some groups, or parts of them."""
-
-
-def _known_group(name: str) -> str:
-    if name not in STRENGTH_GROUPS:
-        meant = OTHER_WORDS.get(name)
-        advice = f"write '{meant}'" if meant else suggestion(name, STRENGTH_GROUPS)
-        raise ValueError(f"unknown group of muscles; {advice}")
-    return name
+from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.groups import GroupName, Groups
+from mimoc.schema.names import single_groups
+from mimoc.schema.quantities import Age, Real
 
 
-GroupName = Annotated[str, AfterValidator(_known_group)]
-Groups = Annotated[tuple[GroupName, ...], Distinct]
+def _fields() -> dict[str, FieldInfo]:
+    about = (
+        "Torque on a spring and damper, two muscles a joint, or a commanded angle that muscles of that strength go to."
+    )
+    return {"model": choice_field(ACTUATIONS, "torque", about), **own_sections(ACTUATIONS)}
 
 
+@composed(_fields)
 class ActuationSpec(Model):
     """What moves the joints."""
 
-    model: Literal["torque", "muscle", "position"] = "torque"
-    """Torque on a spring and damper, two muscles a joint, or a commanded angle that muscles of that strength go to."""
+    model: str = "torque"
+    """Actuation model."""
     strength_age_months: Age | None = None
     """Age that strength is taken from; left out, that of the body."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(default_factory=dict)
@@ -48,3 +44,30 @@ class ActuationSpec(Model):
                 message = f"{' and '.join(sorted(both))} cannot be moved and locked; leave it out here or in 'locked'"
                 raise KeyedError(("regions", index), message, against=("locked",))
         return self
+
+
+class ActuatorEntry(Model):
+    """One actuator of the model, as the action sees it."""
+
+    name: str
+    """Name in the model."""
+    mimo_actuator: str
+    """The actuator of MIMo that it stands for, alone or with others."""
+    joint: str
+    """The hinge it moves."""
+    action_low: float
+    """Least command."""
+    action_high: float
+    """Largest command."""
+    commanded: bool = True
+    """Whether the action has a command for it; else it rests."""
+
+
+@composed(lambda: {"model": choice_field(ACTUATIONS, "torque", "Actuation model.")})
+class ActuationEntry(Model):
+    """How the infant is moved."""
+
+    model: str = "torque"
+    """Actuation model."""
+    actuators: tuple[ActuatorEntry, ...]
+    """In the order of the model; of those that are commanded, of the action."""

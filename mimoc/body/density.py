@@ -14,9 +14,9 @@ from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.figures import GeomFigures
 from mimoc.body.geometry import Layout, lay_out
-from mimoc.body.mass import volume
 from mimoc.body.proportions import proportions
 from mimoc.fits import measure
+from mimoc.geometry.primitives import volume
 
 Size = tuple[float, ...]
 """As MuJoCo wants it, in [m]."""

@@ -9,11 +9,11 @@ from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.density import density, reference_volumes, volumes
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.geometry import Layout, lay_out
-from mimoc.body.mass import volume
 from mimoc.body.proportions import proportions
 from mimoc.body.scaling import check_limbs, check_trunk, scale_part
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
+from mimoc.geometry.primitives import volume
 
 SIDES = ("", "right", "left")
 

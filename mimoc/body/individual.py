@@ -5,6 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import NormalDist
 
+from scipy.optimize import root_scalar
+
 from mimoc.body.tree import BodyTree
 from mimoc.errors import IndividualError
 from mimoc.fits import Measurements, load_tables
@@ -23,8 +25,8 @@ BUILDS: Bounds = (0.65, 1.45)
 HEADS: Bounds = (0.75, 1.4)
 """Least and largest head against length, both relative to the average child's; WHO's combine to .79 to 1.33."""
 HEAD = ("head_circumference", "head_breadth", "head_length")
-_BISECTIONS = 24
-"""To a ten-millionth of the factor: a milligram."""
+_PRECISION = 1e-12
+"""Of a factor, so that no digit that files hold depends on the search."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +112,7 @@ def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm:
 
 
 def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, child: str) -> float:
-    """Return the factor at which a child weighs what is wanted, by bisection.
+    """Return the factor at which a child weighs what is wanted.
 
     Raises:
         IndividualError: If none within *bounds* does; it gives the weights that are possible.
@@ -120,10 +122,7 @@ def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, ch
     if not lightest_kg <= wanted_kg <= heaviest_kg:
         possible = _range((lightest_kg, heaviest_kg), WEIGHTS_KG, "kg")
         raise IndividualError(f"a child of {child} does not weigh {wanted_kg:.1f} kg; {possible}")
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if weigh(middle) < wanted_kg else (low, middle)
-    return (low + high) / 2
+    return root_scalar(lambda factor: weigh(factor) - wanted_kg, bracket=(low, high), xtol=_PRECISION).root
 
 
 def _range(bounds: Bounds, limits: Bounds, unit: str) -> str:

@@ -1,13 +1,15 @@
 """The poses an infant starts in, resting on the ground."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, Posed, pose
+from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.units import deg_to_rad
 
 
@@ -66,6 +68,7 @@ CONTACT_DEPTH_M = 1e-4
 
 _STEP_DEG = 0.5
 """How finely a body's roll is followed down to where it comes to rest."""
+_PRECISION_RAD = 1e-9
 
 
 def standing_height(tree: BodyTree) -> float:
@@ -96,11 +99,16 @@ def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
     posed = pose(tree, angles)
     pitch = _resting_pitch(posed, deg_to_rad(wanted.pitch_deg))
     height_m = posed.solid.extent(_down(pitch)) - CONTACT_DEPTH_M
-    return (0.0, 0.0, height_m, math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0, *angles.values())
+    return (0.0, 0.0, height_m, *pitched(pitch), *angles.values())
+
+
+def pitched(pitch_rad: float) -> Quaternion:
+    """Return the rotation about y of a hip, as qpos has it."""
+    return quaternion_from_axis((0.0, 1.0, 0.0), pitch_rad)
 
 
 def _resting_pitch(posed: Posed, start_rad: float) -> float:
-    """Return the pitch at which a body that starts at *start_rad* comes to rest: downhill, then golden sections."""
+    """Return the pitch at which a body that starts at *start_rad* comes to rest: downhill, then the minimum there."""
     centre, solid = posed.centre_of_mass, posed.solid
 
     def height(pitch: float) -> float:
@@ -112,16 +120,9 @@ def _resting_pitch(posed: Posed, start_rad: float) -> float:
         step = -step
     while height(start_rad + step) < height(start_rad):
         start_rad += step
-    return round(_golden_section(height, start_rad - step, start_rad + step), 6)  # What follows is noise.
-
-
-def _golden_section(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return where *function*, which has one minimum between *low* and *high*, is least."""
-    golden = (math.sqrt(5) - 1) / 2
-    for _ in range(30):
-        left, right = high - golden * (high - low), low + golden * (high - low)
-        low, high = (low, right) if function(left) < function(right) else (left, high)
-    return (low + high) / 2
+    low, high = sorted((start_rad - step, start_rad + step))
+    lowest = minimize_scalar(height, bounds=(low, high), method="bounded", options={"xatol": _PRECISION_RAD})
+    return round(float(lowest.x), 6)  # What follows is noise.
 
 
 def _down(pitch_rad: float) -> FloatArray:

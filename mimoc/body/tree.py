@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-Vec3 = tuple[float, float, float]
+from mimoc.geometry.rotations import Vec3
+
 GeomType = Literal["sphere", "capsule", "cylinder", "box"]
 
 FREE_JOINT = "mimo_location"

@@ -1,4 +1,4 @@
-"""Single files, written whole or not at all."""
+"""Atomic writing of single files."""
 
 import os
 import secrets
@@ -9,46 +9,46 @@ from mimoc.errors import OutputError
 
 
 def write_file(path: str | Path, content: bytes) -> Path:
-    """Write a file into an existing folder; whoever reads it sees the old content or the new one.
+    """Write a file into an existing folder atomically: a reader sees either the old content or the new.
 
     Raises:
-        OutputError: If it cannot be written.
+        OutputError: If the file cannot be written.
     """
     path = Path(path).expanduser()
-    beside = name_beside(path)
+    temporary = temporary_path(path)
     try:
-        beside.write_bytes(content)
+        temporary.write_bytes(content)
     except OSError as error:
-        discard(beside)
-        raise cannot_be_written(path, error) from None
-    return put_in_place(beside, path)
+        discard(temporary)
+        raise write_error(path, error) from None
+    return move_into_place(temporary, path)
 
 
-def name_beside(path: Path) -> Path:
-    """Return a name in the folder of a file for what is to take its place once it is whole."""
+def temporary_path(path: Path) -> Path:
+    """Return the path of a temporary file in the same folder, to be renamed to *path* when it is complete."""
     return path.parent / f".mimoc-{secrets.token_hex(8)}.tmp"
 
 
-def put_in_place(beside: Path, path: Path) -> Path:
-    """Give a file that is whole its name, which may be that of an older one.
+def move_into_place(temporary: Path, path: Path) -> Path:
+    """Rename a complete temporary file to *path*, replacing any existing file.
 
     Raises:
-        OutputError: If that cannot be; the file is gone then.
+        OutputError: If it cannot be renamed; the temporary file is removed then.
     """
     try:
-        os.replace(beside, path)
+        os.replace(temporary, path)
     except OSError as error:
-        discard(beside)
-        raise cannot_be_written(path, error) from None
+        discard(temporary)
+        raise write_error(path, error) from None
     return path
 
 
-def discard(beside: Path) -> None:
-    """Remove a file that is not to be, if it is there."""
+def discard(temporary: Path) -> None:
+    """Remove a temporary file if it exists."""
     with suppress(OSError):
-        beside.unlink()
+        temporary.unlink()
 
 
-def cannot_be_written(path: Path, error: OSError) -> OutputError:
-    """Return the error that tells a user why a file cannot be written."""
+def write_error(path: Path, error: OSError) -> OutputError:
+    """Return the error that says why a file cannot be written."""
     return OutputError(f"{path}: cannot be written ({error.strerror}); choose another place")

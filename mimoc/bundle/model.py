@@ -8,33 +8,34 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.poses import pose_of
 from mimoc.errors import ModelError
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
-"""MuJoCo release whose Newton solver is wrong in rare states when the Jacobian is sparse (design.md, section 6)."""
+"""MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
 BREAKDOWNS = tuple(
     int(kind)
     for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 )
-"""MuJoCo's warnings after which a simulation means nothing."""
+"""MuJoCo's warnings that mean the simulation has become unstable."""
 
 
 def load_model(bundle: Bundle) -> mujoco.MjModel:
     """Return the compiled scene of a bundle.
 
     Raises:
-        ModelError: If MuJoCo refuses it.
+        ModelError: If MuJoCo rejects it.
     """
     try:
         model = mujoco.MjModel.from_xml_string(bundle.files[bundle.manifest.scene].decode(), assets=dict(bundle.files))
     except ValueError as error:
-        raise ModelError(f"MuJoCo {mujoco.__version__} refuses the bundle: {' '.join(str(error).split())}") from None
+        raise ModelError(f"MuJoCo {mujoco.__version__} rejects the bundle: {' '.join(str(error).split())}") from None
     if mujoco.__version__ == FAULTY_SPARSE_SOLVER:
         warnings.warn(
-            f"MuJoCo {FAULTY_SPARSE_SOLVER} solves sparse contact problems wrongly now and then; mimoc uses its slower "
-            "dense solver instead. Any other release from 3.5 on is right: pip install 'mujoco!=4.0.0'",
+            f"the sparse solver of MuJoCo {FAULTY_SPARSE_SOLVER} gives wrong contact forces in rare states; mimoc uses "
+            "the slower dense solver instead. Other releases from 3.5 on do not need this: pip install 'mujoco!=4.0.0'",
             stacklevel=2,
         )
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
@@ -42,14 +43,45 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
     return model
 
 
+def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Return the compiled scene of a bundle and its state in a pose, all that is derived from it included.
+
+    Args:
+        bundle: The infant.
+        pose: A keyframe; else the bundle's own.
+
+    Raises:
+        ModelError: If MuJoCo refuses the model.
+        UnknownNameError: If the bundle has no such pose.
+    """
+    pose = pose_of(bundle.manifest, pose)
+    model = load_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Return the compiled scene of a bundle and its state with all joints at zero.
+
+    Raises:
+        ModelError: If MuJoCo refuses the model.
+    """
+    model = load_model(bundle)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
 def broke_down(data: mujoco.MjData) -> bool:
-    """Return whether a simulation has become unstable since its reset; MuJoCo then starts it anew by itself."""
+    """Return whether a simulation has become unstable since its reset; MuJoCo then resets it automatically."""
     counts = data.warning.number
     return any(counts[kind] for kind in BREAKDOWNS)
 
 
 def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
-    """Return the kinds of warning that MuJoCo has raised in a simulation."""
+    """Return the kinds of warnings that MuJoCo has raised in a simulation."""
     return tuple(
         mujoco.mjtWarning(kind).name.removeprefix("mjWARN_")
         for kind in range(mujoco.mjtWarning.mjNWARNING)
@@ -57,8 +89,8 @@ def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
     )
 
 
-def hanging_on(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bool_]:
-    """Return which bodies are one of some bodies or hang on one, shape (nbody,)."""
+def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bool_]:
+    """Return a mask of the root bodies and all their descendants, shape (nbody,)."""
     found = np.zeros(model.nbody, bool)
     found[list(roots)] = True
     for body in range(1, model.nbody):  # Parents come before children.
@@ -67,9 +99,9 @@ def hanging_on(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bo
 
 
 def _keep_mujoco_quiet() -> None:
-    """Send MuJoCo's warnings to Python's log; it would print them, and write MUJOCO_LOG.TXT wherever one stands.
+    """Redirect MuJoCo's warnings to Python's log; by default it prints them and writes MUJOCO_LOG.TXT.
 
-    None is lost: each is counted in its `MjData`, and `info["unstable"]` says when it matters.
+    No warning is lost: each is counted in its `MjData`, and `info["unstable"]` reports the serious ones.
     """
     if mujoco.get_mju_user_warning() is None:
         mujoco.set_mju_user_warning(logging.getLogger(__name__).info)

@@ -1,16 +1,17 @@
-"""Poses: the keyframes of a bundle that an infant can be put into."""
+"""The poses of a bundle: keyframes that an episode can start from."""
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.errors import UnknownNameError
 
 
 def pose_of(manifest: Manifest, pose: str | None) -> str:
-    """Return a pose that a bundle has, or its own if none is named.
+    """Return the name of a pose, the bundle's default if *pose* is None.
 
     Raises:
-        UnknownNameError: If it has no such pose.
+        UnknownNameError: If the bundle has no such pose.
     """
     if pose is None or pose in manifest.poses:
         return pose or manifest.pose
     kept = manifest.fastenings.locks or manifest.fastenings.welds
-    raise UnknownNameError("pose with what is held or locked in place" if kept else "pose", str(pose), manifest.poses)
+    what = "pose for an infant with held bodies or locked joints" if kept else "pose"
+    raise UnknownNameError(what, str(pose), manifest.poses)

@@ -1,4 +1,4 @@
-"""The `mimoc` command: thin commands over the library, one module each."""
+"""The `mimoc` command line: one thin module per command."""
 
 from mimoc.cli.commands import app
 from mimoc.cli.entry import main

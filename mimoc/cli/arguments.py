@@ -1,4 +1,4 @@
-"""Arguments that several commands take."""
+"""Arguments shared by several commands."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,15 +6,15 @@ from typing import Annotated
 import typer
 
 SpecPath = Annotated[
-    Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant; `-` reads it from a pipe.")
+    Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant, or `-` for standard input.")
 ]
 InfantPath = Annotated[
     Path,
     typer.Argument(
         metavar="INFANT",
-        help="Folder of a bundle that `mimoc build` wrote, or a spec (.yaml), built in memory; `-` is one from a pipe.",
+        help="Bundle folder written by `mimoc build`, or a spec (.yaml, or `-` for standard input) to build in memory.",
     ),
 ]
 PicturePath = Annotated[
-    Path, typer.Option("-o", "--out", metavar="FILE", help="Picture to write: .png, .jpg, .webp, .bmp or .tiff.")
+    Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]

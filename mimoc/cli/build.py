@@ -6,27 +6,31 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import SpecPath
-from mimoc.cli.infants import take_spec
+from mimoc.cli.infants import load_spec
 
 EXAMPLE = "Example:  mimoc build configs/nine_months.yaml -o out/nine_months"
 
 
 def build(
     spec: SpecPath,
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write the bundle to.")],
-    force: Annotated[bool, typer.Option("--force", help="Replace the bundle that is there.")] = False,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the scene; the spec's.")] = None,
-    convention: Annotated[str | None, typer.Option("--for", help="Other code that is to read it: mimo.")] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder for the bundle.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing bundle.")] = False,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Random seed of the scene; default: the spec's.")
+    ] = None,
+    convention: Annotated[
+        str | None, typer.Option("--for", help="Write a model for other code to load: mimo (MIMo's code).")
+    ] = None,
 ) -> None:
-    """Compile SPEC into a bundle: MuJoCo XML, textures, and all that is known of them."""
-    from mimoc.bundle import folder
+    """Compile SPEC into a bundle: MuJoCo XML, textures, manifest, and the provenance of every number."""
+    from mimoc.bundle.io import write_bundle
     from mimoc.cli import console
     from mimoc.compiler import pipeline
 
-    infant = take_spec(spec)
+    infant = load_spec(spec)
     with console.status("building"):
         built = pipeline.builder(infant, convention)(infant.scene.seed if seed is None else seed)
-    folder = folder.write_bundle(built, out, force=force)
+    written = write_bundle(built, out, force=force)
     console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
     console.print_toys(built.manifest)
-    print(f"{folder}: open {folder / built.manifest.scene} with MuJoCo, or try: mimoc run {folder}")
+    print(f"{written}: open {written / built.manifest.scene} with MuJoCo, or try: mimoc run {written}")

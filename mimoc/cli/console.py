@@ -1,4 +1,4 @@
-"""What the commands say on the screen."""
+"""Console output of the commands."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ LABELS = {
 
 
 PIPE_WIDTH = 200
-"""Columns where no terminal says how many there are: enough for lines to stay whole, as `grep` wants them."""
+"""Width of the output when it is piped: wide enough that lines are not broken, for `grep`."""
 
 
 class _Console(Console):
     def on_broken_pipe(self) -> None:
-        """Leave it to `mimoc.cli.entry` what becomes of a command whose output nobody reads."""
+        """Exit; `mimoc.cli.entry` handles output that is no longer read."""
         raise SystemExit(1)
 
 
@@ -47,7 +47,7 @@ def _console() -> Console:
 
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a progress bar on the terminal; yields the function that is told how much is done, and of how much."""
+    """Show a progress bar on the terminal; yield the function to call with the steps done and their total."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
@@ -56,7 +56,7 @@ def progress(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
-    """Print what a child measures, and where that stands among WHO's children."""
+    """Print a child's measures and their WHO percentiles."""
     measures = manifest.child.model_dump()
     table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
     table.add_column("measure")
@@ -70,7 +70,7 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
 
 @contextmanager
 def status(what: str) -> Iterator[None]:
-    """Show on the terminal that something is being done."""
+    """Show a spinner on the terminal while something is being done."""
     console = Console(stderr=True)
     if console.is_terminal:
         with console.status(what):
@@ -80,7 +80,7 @@ def status(what: str) -> Iterator[None]:
 
 
 def print_toys(manifest: Manifest) -> None:
-    """Print the toys around an infant, and what its user should know."""
+    """Print the toys of the scene and the notes on the build."""
     console = _console()
     if manifest.toys:
         table = Table(title=f"{len(manifest.toys)} toys", title_justify="left")
@@ -95,13 +95,13 @@ def print_toys(manifest: Manifest) -> None:
 
 
 def print_growth(report: GrowthReport) -> None:
-    """Print one table for each indicator, a row for each age, and what it comes to."""
+    """Print one table per growth indicator, with a row for each age, and the verdict."""
     console = _console()
     for indicator, worst in report.worst.items():
         console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
         rows = [row for row in report.rows if row.indicator == indicator]
-        alone = ", ".join(f"{who} {_furthest(rows, reference)}" for who, reference in ALONE.items())
-        console.print(f"furthest from WHO's mean {_furthest([worst], 'mean')}; from {alone}\n")
+        by_sex = ", ".join(f"{who} {_largest_deviation(rows, reference)}" for who, reference in SEXES.items())
+        console.print(f"largest deviation from WHO's mean {_largest_deviation([worst], 'mean')}; from {by_sex}\n")
     verdict = "within one SD of the mean of WHO's boys and girls at every age"
     if report.within_one_sd:
         console.print(Text(f"ok: {verdict}", style="green"))
@@ -110,10 +110,10 @@ def print_growth(report: GrowthReport) -> None:
         console.print(Text(f"failed: not {verdict}: {', '.join(outside)}", style="red"))
 
 
-ALONE: Mapping[str, Reference] = {"boys alone": "male", "girls alone": "female"}
+SEXES: Mapping[str, Reference] = {"boys": "male", "girls": "female"}
 
 
-def _furthest(rows: Iterable[Row], reference: Reference) -> str:
+def _largest_deviation(rows: Iterable[Row], reference: Reference) -> str:
     row = max(rows, key=lambda row: abs(row.z[reference]))
     return f"at {row.age_months:g} months: z = {row.z[reference]:+.2f}"
 
@@ -135,31 +135,31 @@ def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:
 
 
 def _z_text(z: float) -> Text:
-    """Return a z-score, marked with a star and in yellow beyond one SD."""
+    """Return a z-score as text, in yellow and with a star if it is beyond one SD."""
     return Text(f"{z:+.2f}{'*' if abs(z) > 1 else ' '}", style="yellow" if abs(z) > 1 else "")
 
 
 def print_run(summary: Summary) -> None:
-    """Print what happened in a run, and how fast it went."""
+    """Print the summary of a run and its speed."""
     table = Table(title=f"{summary.steps} control steps, {summary.simulated_s:g} s simulated", title_justify="left")
-    table.add_column("what")
+    table.add_column("quantity")
     table.add_column("value", justify="right")
     low, high = summary.head_height_m
     rows = {
         "episodes": f"{summary.episodes}",
         "total reward": f"{summary.total_reward:.6g}",
         **_outcomes(summary),
-        "way of the hip [m]": f"{summary.hip_path_m:.6f}",
-        "height of the head, lowest [m]": f"{low:.6f}",
-        "height of the head, highest [m]": f"{high:.6f}",
+        "path length of the hip [m]": f"{summary.hip_path_m:.6f}",
+        "minimum height of the head [m]": f"{low:.6f}",
+        "maximum height of the head [m]": f"{high:.6f}",
         "mean joint speed [rad/s]": f"{summary.joint_speed_rad_s:.6f}",
-        "stable": "no: the simulation broke down" if summary.unstable else "yes",
+        "stable": "no: the simulation became unstable" if summary.unstable else "yes",
     }
     if summary.hand_error_m is not None:
-        rows["distance of hands from their targets after 1.5 s, median [m]"] = f"{summary.hand_error_m:.6f}"
+        rows["distance from hand to target after 1.5 s, median [m]"] = f"{summary.hand_error_m:.6f}"
     if summary.fell_after_s is not None:
-        rows["keeps its seat"] = (
-            f"no: it fell over after {summary.fell_after_s:.2f} s, too weak or too unsteady to sit freely"
+        rows["stays seated"] = (
+            f"no: it fell over after {summary.fell_after_s:.2f} s, too weak or too unsteady to sit unsupported"
         )
     for what, value in rows.items():
         table.add_row(what, value)
@@ -170,30 +170,30 @@ def print_run(summary: Summary) -> None:
 
 
 def _outcomes(summary: Summary) -> dict[str, str]:
-    """Return what came of the episodes that came to their end."""
+    """Return the outcomes of the completed episodes."""
     if summary.mean_return is None:
-        return {"successes": "0 of 0 episodes; the first goes on"} if summary.task != "free" else {}
+        return {"successes": "0 of 0 completed episodes"} if summary.task != "free" else {}
     share = summary.successes / summary.finished
     found = {
-        "return of an episode, mean": f"{summary.mean_return:.6g}",
-        "successes": f"{summary.successes} of {summary.finished} episodes ({share:.0%})",
+        "mean return per episode": f"{summary.mean_return:.6g}",
+        "successes": f"{summary.successes} of {summary.finished} completed episodes ({share:.0%})",
     }
     if summary.time_to_success_s is not None:
-        found["time to success, mean [s]"] = f"{summary.time_to_success_s:.3f}"
+        found["mean time to success [s]"] = f"{summary.time_to_success_s:.3f}"
     return found
 
 
 def print_training(training: Training) -> None:
-    """Print how well an infant did at the beginning of its training, and at the end."""
+    """Print the first and the last row of a training's learning curve."""
     rows = training.curve.rows
     table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
-    for heading in ("while learning", "at first", "in the end"):
-        table.add_column(heading, justify="left" if heading == "while learning" else "right")
-    for what, name in LEARNED.items():
+    for heading in ("quantity", "start", "end"):
+        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for what, name in CURVE_LABELS.items():
         table.add_row(what, *(_number_text(getattr(row, name)) for row in (rows[0], rows[-1])))
     console = _console()
     console.print(table)
-    resumed = f", {training.began_at} steps of them before" if training.began_at else ""
+    resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
 
 
@@ -203,43 +203,43 @@ def _number_text(value: float) -> str:
     return f"{value:.4g}" if math.isfinite(value) else "-"
 
 
-LEARNED = {
-    "steps so far": "steps",
-    "episodes that ended": "episodes",
-    "return of an episode, mean": "episode_return",
+CURVE_LABELS = {
+    "steps": "steps",
+    "completed episodes": "episodes",
+    "mean return per episode": "episode_return",
     "success rate": "success_rate",
-    "steps of an episode, mean": "episode_steps",
-    "time to success, mean [s]": "time_to_success_s",
+    "mean steps per episode": "episode_steps",
+    "mean time to success [s]": "time_to_success_s",
 }
-"""What is told of a row of a learning curve, by how it is called."""
+"""Field of a learning curve's row by its label."""
 
 
 def print_check(checks: Iterable[PoseCheck]) -> bool:
-    """Print the check of each pose as it comes in; return whether all passed."""
+    """Print the result for each pose as it becomes available; return whether all passed."""
     console, passed = _console(), True
     for check in checks:
         passed &= check.passed
         verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
         warnings = ", ".join(check.warnings) or "no warnings"
-        console.print(verdict, f"{check.pose}: {warnings}, {_calm(check)}")
+        console.print(verdict, f"{check.pose}: {warnings}, {_extremes(check)}")
     return passed
 
 
-def _calm(check: PoseCheck) -> str:
-    """Return how calm an infant stayed."""
-    energy = f"at most {check.energy_j_per_kg:.2f} J/kg of motion"
+def _extremes(check: PoseCheck) -> str:
+    """Return the largest kinetic energy and the largest violation of a joint limit as text."""
+    energy = f"kinetic energy at most {check.energy_j_per_kg:.2f} J/kg"
     if not check.joint:
-        return f"{energy}, no joint beyond its limits"
-    return f"{energy}, joints at most {check.beyond_deg:.0f} degrees beyond a limit ({check.joint})"
+        return f"{energy}, no joint limit exceeded"
+    return f"{energy}, joint limits exceeded by at most {check.beyond_deg:.0f} degrees ({check.joint})"
 
 
 def print_explanation(explanation: Explanation) -> None:
-    """Print where a number comes from, as a tree."""
+    """Print the provenance of a number as a tree."""
     _console().print(_branch(explanation))
 
 
 def print_contents(contents: Mapping[str, Sequence[str]]) -> None:
-    """Print the names of numbers, a line for each thing that they are of, as `grep` wants them."""
+    """Print the names of numbers, one line per object, for `grep`."""
     for thing, names in contents.items():
         print(f"{thing}: {' '.join(names)}")
     if sys.stdout.isatty():

@@ -1,4 +1,4 @@
-"""The `mimoc` command as the shell starts it: errors as one line each."""
+"""Entry point of the `mimoc` command: errors of the user are printed as one line each."""
 
 import io
 import os
@@ -7,22 +7,22 @@ import sys
 from typing import TextIO
 
 from mimoc.cli.commands import app
-from mimoc.cli.exits import BAD_INPUT, FAILED_CHECK, READER_GONE
+from mimoc.cli.exit_codes import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK
 from mimoc.errors import MimocError
 
 
 def main() -> None:
-    """Run the command line; what a user did wrong ends in exit code 2, without a traceback."""
+    """Run the command line; a user's mistake ends with exit code 2 and no traceback."""
     out = sys.stdout
     if isinstance(out, io.TextIOWrapper):
-        out.reconfigure(errors="backslashreplace")  # For names of folders that the terminal cannot show.
+        out.reconfigure(errors="backslashreplace")  # For folder names that the terminal cannot encode.
     try:
         _run()
     except SystemExit as ended:
-        if not _reader_has_gone(out, ended.code):
+        if not _is_pipe_broken(out, ended.code):
             raise
-        os.dup2(os.open(os.devnull, os.O_WRONLY), out.fileno())  # Or Python complains when it flushes at its end.
-        sys.exit(READER_GONE)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), out.fileno())  # Otherwise flushing at exit raises again.
+        sys.exit(BROKEN_PIPE)
 
 
 def _run() -> None:
@@ -34,22 +34,24 @@ def _run() -> None:
     except Exception as error:
         if "MUJOCO_GL" not in os.environ or "mujoco" in sys.modules:
             raise
-        wished = os.environ["MUJOCO_GL"]
-        print(f"MuJoCo does not start with MUJOCO_GL={wished} ({error}); unset it or choose another", file=sys.stderr)
+        backend = os.environ["MUJOCO_GL"]
+        print(
+            f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it or choose another", file=sys.stderr
+        )
         sys.exit(BAD_INPUT)
 
 
-def _reader_has_gone(out: TextIO, code: object) -> bool:
-    """Say whether a command ended, or is about to end, for nobody reads its output any more, as behind `| head`."""
+def _is_pipe_broken(out: TextIO, code: object) -> bool:
+    """Return whether the reader of the output has closed its end of the pipe, as `| head` does."""
     try:
         out.flush()
     except BrokenPipeError:
         return True
-    if code != FAILED_CHECK:  # What click and rich make of a broken pipe, too.
+    if code != FAILED_CHECK:  # The code that click and rich exit with on a broken pipe, too.
         return False
     pipe = select.poll()
     try:
         pipe.register(out.fileno(), 0)
-    except OSError:  # It is no file.
+    except OSError:  # Not a file.
         return False
     return any(events & (select.POLLERR | select.POLLHUP) for _, events in pipe.poll(0))

@@ -5,22 +5,25 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.exits import can_go_on
+from mimoc.cli.exit_codes import resumable
 
 EXAMPLE = "Example:  mimoc experiment growth -o out/growth --quick"
 
 
 def experiment(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="growth, strength, acuity, delays, inverse, rooms.")],
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, pictures and page.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms.")
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, figures and report.")],
     quick: Annotated[
-        bool, typer.Option("--quick", help="Fewer ages, seeds or steps: seconds, or minutes for delays.")
+        bool,
+        typer.Option("--quick", help="Fewer ages, seeds or steps: takes seconds, or minutes for delays."),
     ] = False,
 ) -> None:
-    """Repeat an experiment of the paper: CSV, PNG, and a page with what was measured next to what the paper says."""
+    """Reproduce an experiment of the paper: tables (CSV), figures (PNG), and a report that compares the results."""
     from mimoc import experiments
     from mimoc.cli import console
 
-    with console.progress(name) as show, can_go_on():
+    with console.progress(name) as show, resumable():
         page = experiments.run_experiment(name, out, quick=quick, progress=show)
     print(page)

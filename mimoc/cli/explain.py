@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import InfantPath
-from mimoc.cli.infants import take_bundle
+from mimoc.cli.infants import load_infant
 
 EXAMPLE = "Example:  mimoc explain out/nine_months body.left_foot.mass"
 
@@ -16,16 +16,16 @@ def explain(
         str | None,
         typer.Argument(
             metavar="NUMBER",
-            help="Its name, `actuator.act:left_elbow.gear`, or any part of that: `weight`, `left_foot`, `toy1`, "
-            "`*.mass`. Several matches are listed with their values; none given, all that can be asked is listed.",
+            help="Name of the number, such as `actuator.act:left_elbow.gear`, or part of it: `weight`, `left_foot`, "
+            "`toy1`, `*.mass`. Several matches are listed with their values; without a name, all numbers are listed.",
         ),
     ] = None,
 ) -> None:
-    """Say where a number comes from: table row, growth curve, rule, XML attribute."""
+    """Explain where a number comes from: table row, growth curve, rule, XML attribute."""
     from mimoc.cli import console
     from mimoc.compiler.explain import contents, explain, find
 
-    bundle = take_bundle(infant)
+    bundle = load_infant(infant)
     if key is None:
         console.print_contents(contents(bundle))
         return

@@ -11,20 +11,20 @@ EXAMPLE = "Example:  mimoc import babybench configs/babybench.yml -o self_touch.
 
 
 def import_config(
-    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Whose configuration it is: babybench.")],
-    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="The configuration, a YAML file.")],
+    system: Annotated[str, typer.Argument(metavar="FORMAT", help="Format of the configuration: babybench.")],
+    config: Annotated[Path, typer.Argument(metavar="CONFIG", help="Configuration to convert, a YAML file.")],
     file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write.")],
-    force: Annotated[bool, typer.Option("--force", help="Replace the spec that is there.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Turn the configuration of another system into a spec, and say what of it has no counterpart."""
+    """Convert another system's configuration into a spec, and list the settings that have no counterpart."""
     from mimoc import importers
     from mimoc.bundle import files
 
     imported = importers.import_config(system, config)
     if file.resolve() == config.resolve():
-        raise OutputError(f"{file}: this is the configuration itself; choose another place")
+        raise OutputError(f"{file}: this is the configuration itself; choose another file")
     if file.exists() and not force:
-        raise OutputError(f"{file}: is there already; choose another place, or replace it with --force")
+        raise OutputError(f"{file}: already exists; choose another file, or replace it with --force")
     written = files.write_file(file, imported.text.encode())
     for note in imported.notes:
         print(note)

@@ -1,4 +1,4 @@
-"""The infants that commands take: a bundle, a spec, or a spec from a pipe."""
+"""Loading the infant that a command is given: a bundle, a spec, or a spec from standard input."""
 
 import sys
 from pathlib import Path
@@ -7,65 +7,65 @@ from typing import TYPE_CHECKING
 from mimoc.errors import BundleError
 
 if TYPE_CHECKING:
-    from mimoc.bundle.folder import Bundle
+    from mimoc.bundle.io import Bundle
     from mimoc.schema.infant import InfantSpec
 
-PIPE = Path("-")
+STDIN = Path("-")
 
 
-def take_spec(path: Path) -> "InfantSpec":
-    """Return the spec that a file holds, or for `-` the standard input; relative paths in that are seen from here.
+def load_spec(path: Path) -> "InfantSpec":
+    """Return the spec in a file or, for `-`, in standard input, where paths are relative to the working directory.
 
     Raises:
-        SpecError: If anything is wrong with it.
+        SpecError: If the spec is invalid.
     """
     from mimoc import schema
     from mimoc.compiler import pipeline
     from mimoc.schema import source
 
-    if path != PIPE:
+    if path != STDIN:
         return pipeline.load_spec(path)
     if sys.stdin.isatty():
-        print("reading a spec from the terminal; Ctrl-D ends it", file=sys.stderr)
+        print("reading a spec from the terminal; end it with Ctrl-D", file=sys.stderr)
     return schema.read_spec(source.read_stream(sys.stdin.buffer, "<stdin>"))
 
 
-def take_bundle(path: Path) -> "Bundle":
-    """Return the bundle in a folder, or what a spec, from a file or for `-` from the standard input, compiles to.
+def load_infant(path: Path) -> "Bundle":
+    """Return the bundle in a folder, or the bundle built from a spec in a file or, for `-`, in standard input.
 
     Raises:
-        BundleError: If it is no whole bundle.
-        SpecError: If a spec cannot be built.
-        ModelError: If MuJoCo refuses the model.
+        BundleError: If the folder is not an intact bundle.
+        SpecError: If the spec cannot be built.
+        ModelError: If MuJoCo rejects the model.
     """
-    from mimoc.bundle import folder
+    from mimoc.bundle.io import read_bundle
     from mimoc.cli import console
     from mimoc.compiler import pipeline
 
     if path.is_file() and path.suffix.lower() not in pipeline.SPEC_SUFFIXES:
         raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
-    if path.is_dir() or (path != PIPE and path.suffix.lower() not in pipeline.SPEC_SUFFIXES):
-        return folder.read_bundle(path)
-    spec = take_spec(path)
+    if path.is_dir() or (path != STDIN and path.suffix.lower() not in pipeline.SPEC_SUFFIXES):
+        return read_bundle(path)
+    spec = load_spec(path)
     with console.status("building"):
         return pipeline.build(spec)
 
 
-def take_bundles_spec(path: Path) -> "InfantSpec":
-    """Return the spec that a file, the standard input or a bundle holds.
+def load_spec_of_infant(path: Path) -> "InfantSpec":
+    """Return the spec in a file, in standard input or in a bundle.
 
     Raises:
-        BundleError: If it is no whole bundle.
-        SpecError: If anything is wrong with the spec.
+        BundleError: If the folder is not an intact bundle.
+        SpecError: If the spec is invalid.
     """
-    from mimoc.bundle import folder
+    from mimoc.bundle.io import read_bundle
 
-    return resolved_spec(folder.read_bundle(path)) if path.is_dir() else take_spec(path)
+    return resolved_spec(read_bundle(path)) if path.is_dir() else load_spec(path)
 
 
-def resolved_spec(built: "Bundle") -> "InfantSpec":
-    """Return the whole spec of a bundle."""
+def resolved_spec(bundle: "Bundle") -> "InfantSpec":
+    """Return the spec of a bundle with all defaults filled in."""
     from mimoc import schema
     from mimoc.schema import source
 
-    return schema.read_spec(source.parse(built.files["resolved.yaml"].decode(), "resolved.yaml"))
+    return schema.read_spec(source.parse(bundle.files["resolved.yaml"].decode(), "resolved.yaml"))

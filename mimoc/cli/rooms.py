@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.cli.arguments import PicturePath
-from mimoc.cli.infants import take_bundles_spec
+from mimoc.cli.infants import load_spec_of_infant
 from mimoc.errors import MimocError, SpecError
 
 if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec
 
-MOST_ROOMS = 400
-"""On one sheet."""
+MAX_ROOMS = 400
+"""Largest number of scenes in one image."""
 
 EXAMPLE = "Example:  mimoc rooms configs/playroom.yaml --seeds 0:12 -o rooms.png"
 
@@ -22,13 +22,17 @@ EXAMPLE = "Example:  mimoc rooms configs/playroom.yaml --seeds 0:12 -o rooms.png
 def rooms(
     spec: Annotated[
         Path,
-        typer.Argument(metavar="SPEC", help="YAML file with a room or toys, `-` for one from a pipe, or a bundle."),
+        typer.Argument(
+            metavar="SPEC", help="Spec with a room or toys (.yaml, or `-` for standard input), or a bundle."
+        ),
     ],
     file: PicturePath,
-    seeds: Annotated[str, typer.Option("--seeds", metavar="FIRST:END", help="Seeds of the scenes.")] = "0:12",
-    size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each picture, pixels.")] = 320,
+    seeds: Annotated[
+        str, typer.Option("--seeds", metavar="FIRST:END", help="Seeds of the scenes; END is excluded.")
+    ] = "0:12",
+    size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each scene's image in pixels.")] = 320,
 ) -> None:
-    """Draw the scenes that several seeds give, on one sheet."""
+    """Render the scenes of several seeds in one image."""
     from mimoc.cli import console
     from mimoc.compiler import pipeline
     from mimoc.render.overview import overview
@@ -36,8 +40,8 @@ def rooms(
     from mimoc.render.picture_grid import draw_grid
 
     check_picture_name(file)
-    wanted, infant, pictures = read_range(seeds), take_bundles_spec(spec), []
-    _say_what_differs(infant)
+    wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), []
+    _check_seed_matters(infant)
     builder = pipeline.builder(infant)
     with console.progress("drawing") as show:
         for number, seed in enumerate(wanted, start=1):
@@ -46,11 +50,11 @@ def rooms(
     print(write_picture(file, draw_grid(pictures, [f"seed {seed}" for seed in wanted])))
 
 
-def _say_what_differs(spec: "InfantSpec") -> None:
-    """Say so where there is no room to draw, and refuse a scene in which a seed changes nothing.
+def _check_seed_matters(spec: "InfantSpec") -> None:
+    """Print a note if only the toys depend on the seed.
 
     Raises:
-        SpecError: If all pictures would be the same.
+        SpecError: If nothing in the scene depends on the seed.
     """
     from mimoc.schema.infant import as_written
 
@@ -60,19 +64,19 @@ def _say_what_differs(spec: "InfantSpec") -> None:
     if spec.scene.toys is None:
         message = f"'{kind}' without toys is the same for every seed; write 'kind: room', or add toys"
         raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
-    print(f"note: the scene is '{kind}', not a room: only its toys differ from seed to seed", file=sys.stderr)
+    print(f"note: in a '{kind}' scene only the toys depend on the seed", file=sys.stderr)
 
 
-def read_range(text: str) -> range:
-    """Return the seeds that a text such as `0:12` names: the first, and the first that is not.
+def parse_seeds(text: str) -> range:
+    """Return the seeds given by a text such as `0:12` (the end is excluded) or `7`.
 
     Raises:
-        MimocError: If it names none.
+        MimocError: If the text is not a range of seeds, or the range is empty or too large.
     """
     first, colon, end = text.partition(":")
     if not (first.isdecimal() and (end if colon else first).isdecimal()):
-        raise MimocError(f"'{text}' names no seeds; write the first and the end, such as 0:12")
+        raise MimocError(f"'{text}' is not a range of seeds; write FIRST:END, such as 0:12")
     found = range(int(first), int(end) if colon else int(first) + 1)
-    if not 0 < len(found) <= MOST_ROOMS:
-        raise MimocError(f"'{text}' names {len(found)} seeds; give 1 to {MOST_ROOMS}")
+    if not 0 < len(found) <= MAX_ROOMS:
+        raise MimocError(f"'{text}' is a range of {len(found)} seeds; give 1 to {MAX_ROOMS}")
     return found

@@ -9,13 +9,21 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.cli.arguments import InfantPath
-from mimoc.cli.infants import take_bundle
+from mimoc.cli.infants import load_infant
 from mimoc.errors import MimocError
+from mimoc.kinds import announced
+from mimoc.policies import POLICIES
 
 if TYPE_CHECKING:
     from mimoc.runtime.rollout import PolicyMaker
 
 EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"
+
+
+def _policies() -> str:
+    """Return what `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
+    own = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
+    return ", ".join((*own, *announced("mimoc.policies")))
 
 
 def run(
@@ -24,58 +32,60 @@ def run(
         str,
         typer.Option(
             "--policy",
-            help="What acts: random, zero, reach (by inverse dynamics; not for servos), or a training's policy.zip.",
+            help=f"{_policies()}; or a trained policy.zip.",
         ),
     ] = "random",
-    steps: Annotated[int, typer.Option("--steps", min=1, help="Control steps to run.")] = 1000,
+    steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,
     seed: Annotated[
-        int, typer.Option("--seed", min=0, help="Of the policy and the episodes: the same gives the same.")
+        int,
+        typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run."),
     ] = 0,
-    window: Annotated[bool, typer.Option("--window", help="Show it in a window, in real time.")] = False,
+    window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: Annotated[
-        Path | None, typer.Option("--video", metavar="FILE", help="Film it, as an .mp4 (`mimoc[record]`) or a .gif.")
+        Path | None,
+        typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif."),
     ] = None,
-    eyes: Annotated[bool, typer.Option("--eyes", help="Show beside the film what its eyes see.")] = False,
-    fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Pictures a second of the film.")] = 25,
-    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the film, pixels.")] = 360,
+    eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
+    fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Frames per second of the video.")] = 25,
+    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
 ) -> None:
-    """Run the infant under a policy, with progress and a closing summary; film it in real time."""
+    """Run the infant under a policy and print a summary; show it in a window or record a video."""
     from mimoc import recording
     from mimoc.cli import console
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import Run
 
     if eyes and not video:
-        raise MimocError("--eyes shows what the infant sees beside its film; say where that goes, with --video FILE")
+        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
     if video:
         recording.check_video(video)
-    with closing(InfantEnv(take_bundle(infant), render_mode="human" if window else None)) as env:
-        running = Run(env, _read_policy(policy), seed)
-        film = recording.filming(running, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
-        with _kept(video), console.progress("running") as show, film as look:
+    with closing(InfantEnv(load_infant(infant), render_mode="human" if window else None)) as env:
+        rollout = Run(env, _read_policy(policy), seed)
+        recorded = recording.filming(rollout, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
+        with _interruptible(video), console.progress("running") as show, recorded as capture:
             for step in range(steps):
-                running.step()
-                if look:
-                    look()
+                rollout.step()
+                if capture:
+                    capture()
                 show(step + 1, steps)
-    console.print_run(running.summary())
+    console.print_run(rollout.summary())
     if video:
         print(video)
 
 
 @contextmanager
-def _kept(video: Path | None) -> Iterator[None]:
-    """Say, where Ctrl-C ends a film, that what was filmed is there."""
+def _interruptible(video: Path | None) -> Iterator[None]:
+    """On Ctrl-C, say that the video recorded so far is kept."""
     try:
         yield
     except KeyboardInterrupt:
         if video:
-            print(f"stopped; {video} shows what happened until then", file=sys.stderr)
+            print(f"stopped; {video} shows the run up to this point", file=sys.stderr)
         raise
 
 
 def _read_policy(policy: str) -> "str | PolicyMaker":
-    """Return what the name of a file makes act; any other name as it is."""
+    """Return the trained policy if the name is that of a file, else the name itself."""
     if not policy.endswith(".zip"):
         return policy
     from mimoc.training import load_policy

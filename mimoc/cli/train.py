@@ -6,46 +6,56 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import InfantPath
-from mimoc.cli.exits import can_go_on
-from mimoc.cli.infants import take_bundle
+from mimoc.cli.custom import import_object
+from mimoc.cli.exit_codes import resumable
+from mimoc.cli.infants import load_infant
 
 EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
 
 
 def train(
     infant: InfantPath,
-    out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training.")],
-    algo: Annotated[str, typer.Option("--algo", help="How it learns: ppo or sac.")] = "ppo",
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training run.")],
+    algo: Annotated[str, typer.Option("--algo", help="Learning algorithm: ppo or sac.")] = "ppo",
     steps: Annotated[
-        int, typer.Option("--steps", min=1, help="Control steps to learn from, of all infants.")
+        int, typer.Option("--steps", min=1, help="Control steps to train for, summed over all environments.")
     ] = 500_000,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed: the same learns the same.")] = 0,
-    envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Infants that act at a time.")] = 8,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed; the same seed gives the same result.")] = 0,
+    envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
     every: Annotated[
-        int, typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints; a kill loses at most these.")
+        int,
+        typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints: the most that a kill can lose."),
     ] = 20_480,
-    knobs: Annotated[
+    assignments: Annotated[
         list[str] | None,
-        typer.Option(
-            "--set", metavar="NAME=VALUE", help="A hyper-parameter, such as gamma=0.99; a wrong name lists them."
-        ),
+        typer.Option("--set", metavar="NAME=VALUE", help="Set a hyperparameter, as in gamma=0.99; repeatable."),
     ] = None,
     processes: Annotated[
         bool | None,
         typer.Option(
             "--processes/--one-process",
-            help="Whether each infant has a process of its own; by itself, where that is faster.",
+            help="Run each environment in a process of its own, or all in one; default: whichever is faster.",
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Begin anew what is in the folder.")] = False,
+    task: Annotated[
+        str | None,
+        typer.Option(
+            "--task",
+            metavar="MODULE:CLASS",
+            help="Take rewards from a class of your own, in a module of this folder.",
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
+        False
+    ),
 ) -> None:
-    """Train the infant; the same command again goes on with a training that was interrupted."""
+    """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
     from mimoc.cli import console
-    from mimoc.training import hyper
+    from mimoc.training import hyperparameters
 
-    chosen, bundle = hyper.read(algo, knobs or []), take_bundle(infant)
-    with console.progress("training") as show, can_go_on():
+    chosen, bundle = hyperparameters.parse(algo, assignments or []), load_infant(infant)
+    with console.progress("training") as show, resumable():
         done = training.train(
             bundle,
             out,
@@ -58,6 +68,7 @@ def train(
             processes=processes,
             force=force,
             progress=show,
+            task=import_object(task) if task else None,
         )
     console.print_training(done)
     print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")

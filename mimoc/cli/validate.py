@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.exits import FAILED_CHECK
-from mimoc.cli.infants import take_spec
+from mimoc.cli.exit_codes import FAILED_CHECK
+from mimoc.cli.infants import load_spec
 from mimoc.errors import UnknownNameError
 
 EXAMPLE = "Example:  mimoc validate --against who --plot growth.png"
@@ -17,17 +17,18 @@ def validate(
     spec: Annotated[
         Path | None,
         typer.Argument(
-            metavar="SPEC", help="Infant to grow from 0 to 24 months, or `-` for one from a pipe; the average child."
+            metavar="SPEC",
+            help="Spec of the infant, or `-` for standard input; default: the average child.",
         ),
     ] = None,
     against: Annotated[str, typer.Option("--against", help="Growth standard: who.")] = "who",
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", metavar="FILE", help="Draw growth against WHO: .png, .svg, .pdf, .jpg or .webp."),
+        typer.Option("--plot", metavar="FILE", help="Plot growth against WHO: .png, .svg, .pdf, .jpg or .webp."),
     ] = None,
 ) -> None:
-    """Compare the compiled infant with WHO's growth standards, month by month; exit 1 if it is off by over one SD."""
+    """Compare the infant with WHO's growth standards at 0 to 24 months; exit code 1 if it deviates by over one SD."""
     from mimoc.cli import console
     from mimoc.compiler import validation
     from mimoc.render.plots import check_plot_name, plot_growth
@@ -36,7 +37,7 @@ def validate(
         raise UnknownNameError("growth standard", against, ["who"])
     if plot:
         check_plot_name(plot)
-    infant = take_spec(spec) if spec else None
+    infant = load_spec(spec) if spec else None
     with console.progress("growing") as show:
         report = validation.grow_against_who(infant, progress=show)
     if plot:

@@ -1,28 +1,44 @@
 """An infant with its senses, motors and clothes, before it is put into its world."""
 
-from mimoc.actuation.drives import DRIVES
+from collections.abc import Mapping
+
+from mimoc.actuation.drives import Drive
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.poses import standing_height
+from mimoc.kinds import function_of
 from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.keyframes import keyframes
 from mimoc.mjcf.keypoints import keypoint_sites
+from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver, World
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.touch.skin_points import grow_skin
+from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
 
 BODY_GROUP, LOOKS_GROUP = 0, 1
 
 
-def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
-    """Return the scene of a spec around a grown body, its poses at the origin of a world without anything."""
-    fovy_deg = spec.senses.vision.fovy_deg if spec.senses.vision else 60.0
-    sites, cameras = sensor_sites.sites(tree), sensor_sites.cameras(tree, fovy_deg)
+def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
+    """Return the senses that a spec asks for on a body, by name."""
+    asked = {name: getattr(spec.senses, name) for name in SENSES}
+    return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
 
-    touch = spec.senses.touch
-    points, drive = keypoint_sites(tree), DRIVES[spec.actuation.model]
-    joints = drive.joints(tree)
+
+def compose(spec: InfantSpec, tree: BodyTree, drive: Drive, senses: Mapping[str, Placed]) -> SceneTree:
+    """Return the scene of a spec around a grown body, its poses at the origin of a world without anything.
+
+    Args:
+        spec: The spec.
+        tree: The body.
+        drive: What moves it.
+        senses: Its senses.
+    """
+    sites, points = sensor_sites.sites(tree), keypoint_sites(tree)
+    cameras = dict(sensor_sites.cameras(tree))
+    for placed in senses.values():
+        cameras |= placed.cameras
+        sites = {body: (*sites.get(body, ()), *placed.sites.get(body, ())) for body in {**sites, **placed.sites}}
 
     def node(body: Body) -> Node:
         is_root = body.parent is None
@@ -31,7 +47,7 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
             pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(joints[joint.name]) for joint in body.joints),
+            joints=tuple(_joint(drive.joints[joint.name]) for joint in body.joints),
             geoms=(*map(_geom, body.geoms), *_features(body)),
             sites=(*sites.get(body.name, ()), *points.get(body.name, ())),
             cameras=cameras.get(body.name, ()),
@@ -47,11 +63,14 @@ def compose(spec: InfantSpec, tree: BodyTree) -> SceneTree:
         frictionless=tree.frictionless,
         excluded=tree.excluded,
         actuator_defaults=drive.defaults,
-        actuators=drive.actuators(tree, ms_to_s(spec.control.timestep_ms)),
-        sensors=(*sensor_sites.VESTIBULAR_SENSORS, *sensor_sites.torque_sensors(tree)),
+        actuators=drive.actuators,
+        sensors=(
+            *sensor_sites.VESTIBULAR_SENSORS,
+            *sensor_sites.torque_sensors(tree),
+            *(sensor for placed in senses.values() for sensor in placed.sensors),
+        ),
         world=World(),
-        keyframes=tuple(drive.keyframe(tree, keyframe) for keyframe in keyframes(tree)),
-        skin=grow_skin(tree, touch.density, touch.regions) if touch else None,
+        keyframes=tuple(drive.keyframe(keyframe) for keyframe in keyframes(tree)),
     )
 
 

@@ -5,14 +5,15 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from mimoc.body import BodyTree
-from mimoc.body.kinematics import FloatArray, frames_in_world, quaternion
+from mimoc.body.kinematics import FloatArray, frames_in_world
 from mimoc.body.strengthen import muscle_groups
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import quaternion_from_matrix
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.tree import Lock, Weld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
-from mimoc.tasks.setups import Hold, Stage
+from mimoc.tasks.setup import Hold, TaskSetup
 
 SAME = 1e-6
 """How far apart, in [m] or [rad], what is kept may be in two poses that both keep it."""
@@ -20,13 +21,13 @@ FIRM, LOOSE = 1.0, 0.0
 """`torquescale` of a part that keeps how it is turned, and of one that turns about a point."""
 
 
-def locked_joints(spec: InfantSpec, tree: BodyTree, stage: Stage) -> tuple[str, ...]:
+def locked_joints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> tuple[str, ...]:
     """Return the hinges that are locked, by the spec or for its task, in the order of the body."""
     groups, by_task = single_groups(spec.actuation.locked), set(stage.locked)
     return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups or joint in by_task)
 
 
-def commanded_joints(spec: InfantSpec, tree: BodyTree, stage: Stage) -> Collection[str]:
+def commanded_joints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> Collection[str]:
     """Return the hinges that take commands: of the spec's regions, those of its task that are not locked.
 
     Raises:
@@ -48,7 +49,7 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, stage: Stage) -> Collecti
     return found
 
 
-def holds(spec: InfantSpec, tree: BodyTree, stage: Stage) -> tuple[Hold, ...]:
+def holds(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> tuple[Hold, ...]:
     """Return the parts that are held, for the task or by the spec, each once.
 
     Raises:
@@ -106,6 +107,6 @@ def _weld(hold: Hold, origin: FloatArray, rotation: FloatArray) -> Weld:
         body=hold.body,
         anchor_m=hold.anchor_m,
         pos_m=(x, y, z),
-        quat=quaternion(rotation),
+        quat=quaternion_from_matrix(rotation),
         torquescale=LOOSE if hold.turns else FIRM,
     )

@@ -4,15 +4,19 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from scipy.optimize import root_scalar
+
 from mimoc.body import assemble, grow_child, measure_child
 from mimoc.body.child import replace_given
 from mimoc.errors import GeometryError, IndividualError, Problem
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.names import unsided
-from mimoc.schema.source import KeyPath, Source
+from mimoc.schema.source import Source
 from mimoc.units import m_to_cm
 
-_BISECTIONS = 24
+PRECISION = 1e-7
+"""Of the value that is just possible, as a share of its distance from one that is."""
 FARTHEST = 0.5
 """How far below what it is without a number the number is tried, as a factor; its inverse above."""
 
@@ -104,9 +108,13 @@ def _culprits(spec: InfantSpec, average_m: dict[str, float]) -> Iterator[Culprit
 
 
 def _limit(spec: InfantSpec, culprit: Culprit, good: float, is_possible: Possible) -> float:
-    """Return the value nearest to what was written with which there is such a child, by bisection."""
-    bad = culprit.value
-    for _ in range(_BISECTIONS):
-        middle = (good + bad) / 2
-        good, bad = (middle, bad) if is_possible(culprit.put(spec, middle)) else (good, middle)
-    return good
+    """Return the value nearest to what was written with which there is such a child."""
+
+    def value(share: float) -> float:
+        return good + share * (culprit.value - good)
+
+    def sign(share: float) -> float:
+        return -1.0 if is_possible(culprit.put(spec, value(share))) else 1.0
+
+    change = root_scalar(sign, bracket=(0.0, 1.0), method="bisect", xtol=PRECISION).root
+    return value(change - PRECISION)

@@ -4,27 +4,26 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mimoc.actuation.drives import DRIVES
+from mimoc.actuation.drives import Drive
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.errors import NoRoomError
+from mimoc.kinds import function_of
 from mimoc.mjcf.contact_pairs import barrier_pairs
 from mimoc.mjcf.tree import Keyframe, Prop, SceneTree
 from mimoc.random_streams import stream
+from mimoc.scenes import SCENES
 from mimoc.scenes.footprint import floor_reach, footprint, reach_of
-from mimoc.scenes.room.build import Decor
+from mimoc.scenes.placement import moved, put, put_prop
+from mimoc.scenes.setting import WEIGHTLESS, Decor, Occupant, Setting
 from mimoc.scenes.spec import SceneSpec
-from mimoc.scenes.world import WEIGHTLESS, WORLDS, Setting, moved, put, put_prop
 from mimoc.schema.infant import InfantSpec
-from mimoc.tasks.free.build import FREE
-from mimoc.tasks.setups import STAGES, Stage
-from mimoc.toys.builtin.library import BUILTIN
+from mimoc.tasks.setup import NO_TASK, TaskSetup, build_task
+from mimoc.toys.builtin.build import BUILTIN_TOYS
 from mimoc.toys.choosing import Toybox, choose_toys
 from mimoc.toys.placing import Floor, Reach, place_toys
 from mimoc.toys.props import make_prop
-
-BUILTIN_TOYS = Toybox(tuple(BUILTIN), lambda name: BUILTIN[name]())
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +36,7 @@ class Supplies:
     """What toys there are."""
 
 
-def set_stage(scene: SceneTree, spec: InfantSpec, tree: BodyTree) -> tuple[SceneTree, Stage]:
+def set_up_task(scene: SceneTree, spec: InfantSpec, tree: BodyTree, drive: Drive) -> tuple[SceneTree, TaskSetup]:
     """Return the scene with one more pose, if the task of its spec starts from its own, and what the task needs.
 
     Poses in which what is held or locked would be elsewhere are left out: MuJoCo would tear the infant out of them.
@@ -45,18 +44,18 @@ def set_stage(scene: SceneTree, spec: InfantSpec, tree: BodyTree) -> tuple[Scene
     Raises:
         UnplayableError: If the infant lacks what the task is about, or a part that the spec holds.
     """
-    stage = STAGES[spec.task.kind](spec.task, tree) if spec.task else FREE
+    stage = build_task(spec.task, tree)
     poses = scene.keyframes
     if spec.task and stage.start is not None:
         own = Keyframe(spec.task.kind, stage.start)
-        poses = (*poses, DRIVES[spec.actuation.model].keyframe(tree, own))
+        poses = (*poses, drive.keyframe(own))
     (start,) = (pose for pose in poses if pose.name == start_pose(spec, stage))
     joints, held = locked_joints(spec, tree, stage), holds(spec, tree, stage)
     kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))
     return replace(scene, keyframes=kept), stage
 
 
-def start_pose(spec: InfantSpec, stage: Stage) -> str:
+def start_pose(spec: InfantSpec, stage: TaskSetup) -> str:
     """Return the name of the keyframe that a reset starts from."""
     return spec.scene.pose if spec.task is None or stage.start is None else spec.task.kind
 
@@ -73,7 +72,7 @@ def furnish(
     spec: InfantSpec,
     tree: BodyTree,
     supplies: Supplies,
-    stage: Stage = FREE,
+    stage: TaskSetup = NO_TASK,
     discs: FloatArray | None = None,
 ) -> SceneTree:
     """Return a scene with the world of its spec, and the infant's poses where they are in that.
@@ -92,7 +91,8 @@ def furnish(
         UnplayableError: If the spec holds a part that the infant does not have.
     """
     discs = outline(scene, spec.scene, tree) if discs is None else discs
-    setting = WORLDS[spec.scene.kind](spec.scene, supplies.decor, tree, discs)
+    build = function_of(SCENES[spec.scene.kind].build, "build")
+    setting: Setting = build(spec.scene, Occupant(tree, discs), supplies.decor)
     starts = {pose.name: put(pose, setting.start) for pose in scene.keyframes}
     start = starts[start_pose(spec, stage)]
     taken = np.concatenate([discs, np.reshape(stage.taken, (-1, 3))])

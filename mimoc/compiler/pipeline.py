@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
+from mimoc.actuation.drives import build_drive
 from mimoc.body.provenance import trace_body
-from mimoc.bundle import folder
+from mimoc.bundle.io import Bundle, read_bundle, seal
+from mimoc.bundle.json_text import join_json, json_members
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
-from mimoc.compiler.compose import compose
+from mimoc.compiler.compose import compose, place_senses
 from mimoc.compiler.describe import describe, describe_toys
 from mimoc.compiler.diagnosis import blame
-from mimoc.compiler.furnish import Supplies, furnish, outline, set_stage
+from mimoc.compiler.furnish import Supplies, furnish, outline, set_up_task
 from mimoc.compiler.provenance.actuation import trace_drive
 from mimoc.compiler.provenance.child import trace_child
-from mimoc.compiler.provenance.senses import trace_senses
+from mimoc.compiler.provenance.delays import trace_delays
 from mimoc.compiler.provenance.task import trace_task
 from mimoc.compiler.provenance.world import trace_world
 from mimoc.compiler.scene_assets import gather, notes
@@ -39,9 +41,12 @@ from mimoc.fits.who import percentile
 from mimoc.mjcf import printing
 from mimoc.mjcf.conventions import find_convention
 from mimoc.mjcf.tree import SceneTree
+from mimoc.rounding import rounded
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
-from mimoc.tasks.setup import Stage
+from mimoc.schema.yaml_scalars import dump
+from mimoc.tasks.setup import TaskSetup
+from mimoc.units import ms_to_s
 from mimoc.version import __version__
 
 SPEC_FILE = "spec.yaml"
@@ -57,7 +62,7 @@ def load_spec(path: str | Path) -> InfantSpec:
     return read_spec(source.read(path))
 
 
-def build(spec: InfantSpec | str | Path, convention: str | None = None) -> folder.Bundle:
+def build(spec: InfantSpec | str | Path, convention: str | None = None) -> Bundle:
     """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
 
     Args:
@@ -74,7 +79,7 @@ def build(spec: InfantSpec | str | Path, convention: str | None = None) -> folde
     return compiler(compiler.spec.scene.seed)
 
 
-def compiled(source: folder.Bundle | InfantSpec | str | Path) -> folder.Bundle:
+def compiled(source: Bundle | InfantSpec | str | Path) -> Bundle:
     """Return a bundle as it is, the bundle in a folder, or what a spec or the file of one (.yaml, .yml) compiles to.
 
     Raises:
@@ -82,11 +87,11 @@ def compiled(source: folder.Bundle | InfantSpec | str | Path) -> folder.Bundle:
         SpecError: As `build`.
         ModelError: If MuJoCo refuses the model.
     """
-    if isinstance(source, folder.Bundle):
+    if isinstance(source, Bundle):
         return source
     if isinstance(source, InfantSpec) or Path(source).suffix.lower() in SPEC_SUFFIXES:
         return build(source)
-    return folder.read_bundle(source)
+    return read_bundle(source)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -99,7 +104,7 @@ class Builder:
     tree: body.BodyTree
     infant: SceneTree
     """In no world yet."""
-    stage: Stage
+    stage: TaskSetup
     """What its task needs."""
     discs: npt.NDArray[np.float64]
     """What it takes up of the floor."""
@@ -122,7 +127,7 @@ class Builder:
         """Let it be copied and sent to other processes, which grow the child anew."""
         return builder, (self.spec, self.convention)
 
-    def __call__(self, seed: int, *, check: bool = True) -> folder.Bundle:
+    def __call__(self, seed: int, *, check: bool = True) -> Bundle:
         """Return the bundle of a seed.
 
         Args:
@@ -141,18 +146,18 @@ class Builder:
             )
         except (NoRoomError, ToyError) as error:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
-        toys = tuple(ToyEntry.model_validate(printing.rounded(toy.model_dump())) for toy in describe_toys(furnished))
-        changes = {"seed": seed, "toys": toys, "notes": notes(spec, toys, self.convention)}
+        toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished))
+        changes = {"seed": seed, "toys": toys, "notes": notes(spec, self.supplies.toybox, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
-        changed = printing.json_members(manifest.model_dump(include=set(changes)))
+        changed = json_members(manifest.model_dump(include=set(changes)))
         own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
         files = {
             **self.files,
             **printing.render_world(furnished),
             SPEC_FILE: written.text.encode(),
-            "resolved.yaml": source.dump(printing.rounded(to_data(spec))).encode(),
-            "provenance.json": printing.join_json({**printing.json_members(own_origins), **self.origin_members}),
-            "manifest.json": printing.join_json({**self.manifest_members, **changed}),
+            "resolved.yaml": dump(rounded(to_data(spec))).encode(),
+            "provenance.json": join_json({**json_members(own_origins), **self.origin_members}),
+            "manifest.json": join_json({**self.manifest_members, **changed}),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
         try:
@@ -160,7 +165,7 @@ class Builder:
                 compile_model(files)
         except ModelError as error:
             raise _blame(error, written, {**own_origins, **self.origins}) from None
-        return folder.seal(files, {"mimoc": __version__}, data_files(), manifest)
+        return seal(files, {"mimoc": __version__}, data_files(), manifest)
 
 
 def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
@@ -181,20 +186,23 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
     except (GeometryError, IndividualError) as error:
         raise SpecError([blame(error, spec, written)]) from None
     try:
-        staged, stage = set_stage(compose(spec, tree), spec, tree)
+        drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+        senses = place_senses(spec, tree)
+        staged, stage = set_up_task(compose(spec, tree, drive, senses), spec, tree, drive)
         infant = wanted.infant(staged, spec.actuation.model)
-        described = describe(spec, tree, infant, stage)
+        described = describe(spec, tree, infant, senses, stage)
     except UnplayableError as error:
         raise SpecError([written.problem(error.key, str(error))]) from None
-    manifest = Manifest.model_validate(printing.rounded(described.model_dump()))
+    manifest = Manifest.model_validate(rounded(described.model_dump()))
     scaled: dict[str, tuple[str, ...]] = {}
     for name, part in spec.body.parts.items():
         keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
         scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
     origins = {
         **trace_body(measurements, anatomy, tree, scaled),
-        **trace_drive(spec.actuation.model, anatomy, tree, infant.actuators),
-        **trace_senses(spec, manifest),
+        **trace_drive(spec.actuation.model, anatomy, tree, replace(drive, actuators=infant.actuators)),
+        **dict(trace_delays(spec, manifest.delays)),
+        **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
         **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
     }
@@ -208,9 +216,9 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         supplies=gather(spec, written),
         files=printing.render_infant(infant),
         manifest=manifest,
-        manifest_members=printing.json_members(manifest.model_dump()),
+        manifest_members=json_members(manifest.model_dump()),
         origins=origins,
-        origin_members=printing.json_members(origins),
+        origin_members=json_members(origins),
     )
 
 

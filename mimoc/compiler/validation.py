@@ -11,16 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
+from mimoc.actuation.drives import build_drive
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose
 from mimoc.compiler.furnish import Supplies, furnish
 from mimoc.compiler.pipeline import compile_model
 from mimoc.fits.who import REFERENCES, Reference, percentile
+from mimoc.geometry.primitives import Kind, extents
 from mimoc.mjcf import printing
+from mimoc.rounding import rounded
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec, validated
-from mimoc.units import m_to_cm
+from mimoc.units import m_to_cm, ms_to_s
 
 MONTHS = range(25)
 """The whole ages that mimoc builds."""
@@ -34,14 +37,14 @@ ROOT = "hip"
 BODY_GROUP = 0
 """The geom group of flesh and bone; others only show."""
 
-HALF_HEIGHTS: Mapping[int, Callable[[FloatArray, FloatArray], float]] = {
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): lambda size, up: size[0],
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): lambda size, up: float(np.linalg.norm(size * up)),
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): lambda size, up: size[0] + size[1] * abs(up[2]),
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): lambda size, up: size[0] * math.hypot(up[0], up[1]) + size[1] * abs(up[2]),
-    int(mujoco.mjtGeom.mjGEOM_BOX): lambda size, up: float(size @ np.abs(up)),
+PRIMITIVES: Mapping[int, Kind] = {
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
 }
-"""How far a solid of a given size reaches along the vertical, by MuJoCo's type."""
+"""Kinds of geoms by MuJoCo's type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +107,7 @@ class GrowthReport:
         `rows` are as in `Row`, with `outside_one_sd` for `outside`; `worst` holds one of them for each
         indicator; `z` and `percentile` have the keys `male`, `female` and `mean`.
         """
-        return printing.rounded(
+        return rounded(
             {
                 "standard": "WHO Child Growth Standards",
                 "within_one_sd": self.within_one_sd,
@@ -162,7 +165,8 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
-    infant = furnish(compose(plain, tree), plain, tree, Supplies())
+    drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+    infant = furnish(compose(plain, tree, drive, {}), plain, tree, Supplies())
     return compile_model(printing.render_scene(infant))
 
 
@@ -214,11 +218,6 @@ def _standing_height_m(model: mujoco.MjModel) -> float:
     own = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
     flesh = np.flatnonzero(own & (model.geom_group == BODY_GROUP))
     middles = data.geom_xpos[flesh, 2]
-    halves = np.array([_half_height_m(model, data, int(geom)) for geom in flesh])
+    up = data.geom_xmat[flesh].reshape(-1, 3, 3)[:, 2]  # The vertical, in the frame of each geom.
+    halves = extents((PRIMITIVES[model.geom_type[geom]], model.geom_size[geom]) for geom in flesh).along(up)
     return float(np.max(middles + halves) - np.min(middles - halves))
-
-
-def _half_height_m(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> float:
-    """Return how far a geom reaches above its centre."""
-    up = data.geom_xmat[geom].reshape(3, 3)[2]  # The vertical, in the frame of the geom.
-    return HALF_HEIGHTS[model.geom_type[geom]](model.geom_size[geom], up)

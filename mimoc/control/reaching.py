@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.gains import Gains
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.limbs import TRUNK, chest_of
@@ -82,7 +83,7 @@ class Reaching:
             ControlError: If the infant has servos, or no hand.
         """
         gains = gains or (GAIN_SETS[GENTLE] if _sits_freely(env) else ReachGains())
-        task = env.manifest.task
+        task: Any = env.manifest.task
         self._env, self._ball = env, task.ball.body if task.kind == "reach" else None
         self._places = Reachable(env)
         self._reaches = [Reach(hand, env.data.body(hand).xipos, gains.hands) for hand in self._places.hands]
@@ -229,6 +230,6 @@ def _joints_of(env: InfantEnv, names: Sequence[str], with_limbs: bool = True) ->
     model = env.model
     found = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names]
     here = [body for body in found if body > 0]
-    chosen = hanging_on(model, here) if with_limbs else np.isin(np.arange(model.nbody), here)
+    chosen = in_subtrees(model, here) if with_limbs else np.isin(np.arange(model.nbody), here)
     moved = dict.fromkeys(model.actuator_trnid[env.actuation.actuators, 0].tolist())
     return [model.joint(joint).name for joint in moved if chosen[model.jnt_bodyid[joint]]]

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.limbs import limb_of
 from mimoc.senses.sense import FloatArray, IntArray
 
@@ -39,7 +39,7 @@ class Supports:
         self._model, self._couplings = model, _couplings(model)
         bearing = model.body_rootid == root
         busy = {limb_of(model, effector) for effector in effectors} - {0}
-        bearing &= ~hanging_on(model, [*busy, *loose])
+        bearing &= ~in_subtrees(model, [*busy, *loose])
         still = model.body_weldid == 0
         self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.
         self._still = np.append(still[model.geom_bodyid], False)

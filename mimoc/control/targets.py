@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.model import in_subtrees
 from mimoc.control.frames import Frame, find_frame
 from mimoc.control.limbs import chest_of, joints_between, limb_of
 from mimoc.errors import ControlError
@@ -71,7 +71,7 @@ class Reachable:
         low_rad, high_rad = model.jnt_range[joints].T
         middle_rad, reach_rad = (low_rad + high_rad) / 2, SHARE * (high_rad - low_rad) / 2
         self._low_rad, self._high_rad = middle_rad - reach_rad, middle_rad + reach_rad
-        arms = [hanging_on(model, [limb_of(model, frame.body)]) for frame in self._frames]
+        arms = [in_subtrees(model, [limb_of(model, frame.body)]) for frame in self._frames]
         self._is_arm = np.append(np.any(arms, axis=0)[model.geom_bodyid], False)  # The last is for what has no geom.
         self._eyes = [find_frame(eye, model) for eye in self.eyes]
 

@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.bundle.manifest import DelayEntry, Manifest
-from mimoc.bundle.model import hanging_on
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import in_subtrees
 from mimoc.delays.line import DelayLine
+from mimoc.delays.spec import DelayEntry
 from mimoc.senses.binding import Sense
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Reading
 from mimoc.units import to_steps
@@ -111,7 +112,10 @@ class Nerves:
         """Lay the ways of senses and commands, once."""
         self._model, self._senses, self._actuation = model, senses, actuation
         period = to_steps(manifest.step_ms, manifest.timestep_ms)
-        delays, in_legs = dict(manifest.delays), hanging_on(model, [model.body(leg).id for leg in manifest.delays.legs])
+        delays, in_legs = (
+            dict(manifest.delays),
+            in_subtrees(model, [model.body(leg).id for leg in manifest.delays.legs]),
+        )
         self._afferents = {
             name: [
                 Afferent(steps, period, part)

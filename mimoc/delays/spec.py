@@ -1,29 +1,73 @@
-"""How long signals travel between the body and what controls it."""
+"""The `delays` of a spec and of a manifest: one for each sense there is, and one for the motors."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
 
 from pydantic import Field
+from pydantic.fields import FieldInfo
 
 from mimoc.schema.base import Model
+from mimoc.schema.composition import composed
 from mimoc.schema.quantities import Milliseconds
+from mimoc.senses import SENSES
 
 Delay = Annotated[Milliseconds, Field(le=10_000)]
+MOTOR = "motor"
+"""The channel of commands; all others are senses."""
 
 
+def channels() -> tuple[str, ...]:
+    """Return the names of all signals that can be delayed: the senses, then the commands."""
+    return (*SENSES, MOTOR)
+
+
+def _delay_fields() -> dict[str, FieldInfo]:
+    about = {name: f"Delay of {name}." for name in SENSES} | {MOTOR: "Delay from command to actuator."}
+    annotation: Any = Optional[Delay]  # noqa: UP045 - A type checker knows no `|` of this.
+    return {
+        f"{name}_ms": FieldInfo.from_annotated_attribute(annotation, Field(default=None, description=about[name]))
+        for name in channels()
+    }
+
+
+@composed(_delay_fields)
 class DelaysSpec(Model):
-    """Delays one way, each a whole number of physics steps; what is more particular wins."""
+    """Delays in each direction, in whole physics steps; the more specific key takes precedence."""
 
     preset: Literal["none", "paper", "physiological"] = "none"
     """Where delays come from that are not given: none, those of the paper, or those of an infant of this age."""
     sensory_ms: Delay | None = None
-    """Of every sense that has none of its own below."""
-    proprioception_ms: Delay | None = None
-    """Of proprioception."""
-    vestibular_ms: Delay | None = None
-    """Of the vestibular sense."""
-    touch_ms: Delay | None = None
-    """Of touch."""
-    vision_ms: Delay | None = None
-    """Of vision."""
-    motor_ms: Delay | None = None
-    """From command to muscle."""
+    """Delay of every sense that has none of its own below."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the delay of a channel, or None."""
+
+
+class DelayEntry(Model):
+    """How late one kind of signal is; a whole number of physics steps."""
+
+    ms: float = 0.0
+    """Delay."""
+    legs_ms: float | None = None
+    """Delay to or from legs and feet, where it is another."""
+
+
+def _entry_fields() -> dict[str, FieldInfo]:
+    return {
+        name: FieldInfo(annotation=DelayEntry, default=DelayEntry(), description=f"Delay of {name}.")
+        for name in channels()
+    }
+
+
+@composed(_entry_fields)
+class DelaysEntry(Model):
+    """The delay of each signal."""
+
+    legs: tuple[str, ...] = ()
+    """Bodies that the legs begin with."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the delay of a channel."""

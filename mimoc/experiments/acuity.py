@@ -12,10 +12,10 @@ from mimoc.render.picture_grid import Picture, draw_sheet
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.schema.infant import InfantSpec
-from mimoc.senses.spec import VisionSpec
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
 from mimoc.senses.vision.comparison import TELLING_FOVEATION, compare_ages
 from mimoc.senses.vision.preview import glimpse
+from mimoc.senses.vision.spec import VisionSpec
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
 PROFILE = VisionSpec().acuity_profile

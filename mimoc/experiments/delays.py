@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.experiments.delays_page import sections
 from mimoc.experiments.learner import Learner, detour, smoothness
@@ -15,6 +15,7 @@ from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.tasks.reach.spec import ReachEntry
 from mimoc.training import evaluate, load_policy, train
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)
@@ -89,7 +90,7 @@ def reaching(delay_ms: float) -> Bundle:
 
 def _effector(bundle: Bundle) -> str:
     task = bundle.manifest.task
-    assert task.kind == "reach"
+    assert isinstance(task, ReachEntry)
     return task.effector
 
 

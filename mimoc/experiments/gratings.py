@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.bundle.manifest import VisionEntry
-from mimoc.senses.spec import VisionSpec
 from mimoc.senses.vision.blur import pixels_per_degree
 from mimoc.senses.vision.run import filters, perceive
+from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 WIDTH_PX, HEIGHT_PX = 8, 2048
 """Of a picture of bars from left to right: fine enough for what eyes of two years see."""

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from mimoc.errors import Problem, SpecError, suggestion
-from mimoc.schema.source import Source, shown
+from mimoc.schema.key_paths import shown
+from mimoc.schema.source import Source
 
 Meaning = TypeVar("Meaning")
 
@@ -20,7 +21,7 @@ class Settings:
         self._source = source
         self._problems = list(source.problems)
         self._notes: list[Problem] = []
-        self._read: set[str] = {str(path[0]) for path in source.spoilt if path}
+        self._read: set[str] = {str(path[0]) for path in source.invalid if path}
         self._data = {key: value for key, value in source.data.items() if key not in self._read}
 
     def find(self, *names: str) -> str | None:

@@ -7,7 +7,7 @@ nothing. A listed pair goes past the tree and costs a hundredth of a microsecond
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.furniture import SOLID, WorldGeom
 from mimoc.mjcf.tree import Node, Pair, PrintedGeom, PropGeom, World
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.looks.appearance import Rgba
 
 UNTOUCHED = 0

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.body import BodyTree
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.tree import Site
 
 PREFIX = "BODY_25:"

@@ -1,8 +1,5 @@
-"""From a scene to text: templates and number formats, and the one place where floats are rounded."""
+"""From a scene to MJCF text, by templates."""
 
-import json
-import re
-from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,12 +8,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from lxml import etree
 
 from mimoc.mjcf.tree import SceneTree
-
-SIGNIFICANT_DIGITS = 9
-"""Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
-
-NUMBERS = re.compile(r"\[\n([-+.,\d\seE]+)\]")
-"""A list of numbers as JSON spreads it over lines; no text in JSON has line breaks."""
+from mimoc.rounding import num
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 
@@ -46,46 +38,6 @@ def _indented(xml: bytes) -> bytes:
     root = etree.fromstring(xml, etree.XMLParser(remove_blank_text=True))
     etree.indent(root)
     return etree.tostring(root, encoding="utf-8") + b"\n"
-
-
-def render_json(data: Any) -> bytes:
-    """Return *data* as JSON with sorted keys and rounded numbers, a list of numbers on one line."""
-    return f"{_json(data)}\n".encode()
-
-
-def json_members(data: Mapping[str, Any]) -> dict[str, str]:
-    """Return the text of each member of an object in JSON, for `join_json`: it can be kept while others change."""
-    return {key: _json({key: value})[2:-2] for key, value in data.items()}
-
-
-def join_json(members: Mapping[str, str]) -> bytes:
-    """Return the object that some members make, as `render_json` would have it."""
-    return "{{\n{}\n}}\n".format(",\n".join(members[key] for key in sorted(members))).encode()
-
-
-def _json(data: Any) -> str:
-    text = json.dumps(rounded(data), indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
-    return NUMBERS.sub(lambda numbers: f"[{' '.join(numbers[1].split())}]", text)
-
-
-def rounded(data: Any) -> Any:
-    """Return plain data with every float rounded as it is in files."""
-    if isinstance(data, float):
-        return float(num(data))
-    if isinstance(data, Mapping):
-        return {key: rounded(value) for key, value in data.items()}
-    if isinstance(data, (list, tuple)):
-        return [rounded(item) for item in data]
-    return data
-
-
-def num(value: float | bool | Iterable[float]) -> str:
-    """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return f"{value + 0.0:.{SIGNIFICANT_DIGITS}g}"  # + 0.0 turns -0.0 into 0.
-    return " ".join(num(item) for item in value)
 
 
 @cache

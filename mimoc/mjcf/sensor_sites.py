@@ -11,6 +11,9 @@ FINGER_SITE_RADIUS_M = 0.002
 UNSEEN = ("head", "left_eye", "right_eye")
 """Bodies that an infant's own eyes do not see."""
 
+FOVY_DEG = 60.0
+"""Vertical field of view of an eye that nothing else is asked of (MIMo)."""
+
 CENTRE_SITE = "lowerBody_center"
 VESTIBULAR_SITE = "vestibular"
 
@@ -86,7 +89,7 @@ def sites(tree: BodyTree) -> dict[str, tuple[Site, ...]]:
     return centre | torque | balance
 
 
-def cameras(tree: BodyTree, fovy_deg: float) -> dict[str, tuple[Camera, ...]]:
+def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camera, ...]]:
     """Return the camera of each eye: on the front of the eyeball, looking along +x, up along +z."""
     euler_rad = (deg_to_rad(90), deg_to_rad(-90), 0.0)
     return {

@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.looks.appearance import Appearance, Material
 from mimoc.mjcf.furniture import BARE, Furniture, Headlight, WorldMaterial
-from mimoc.senses.touch.skin_points import Skin
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,8 +330,6 @@ class SceneTree:
     sensors: tuple[Sensor, ...]
     world: World
     keyframes: tuple[Keyframe, ...]
-    skin: Skin | None
-    """Where it feels touch, if it does."""
 
     @property
     def textured_materials(self) -> tuple[Material, ...]:

@@ -8,8 +8,9 @@ import numpy as np
 
 from mimoc.errors import RenderingError
 from mimoc.render.averaging import average_down
-from mimoc.render.camera import FROM_THE_SIDE, Balls, Shot, shows, towards
-from mimoc.render.portrait import Painter, Picture
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.camera import FROM_THE_SIDE, Shot, Spheres, shows, view_of_body
+from mimoc.render.renderer import Picture
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
@@ -17,7 +18,7 @@ from mimoc.senses.vision.eyes import Eyes
 SHAPE = 4 / 3
 """Width over height of the picture from outside."""
 SPACE = 1.25
-"""How much wider the lens is than what it has to show, so that limbs can move without the camera."""
+"""How much wider the field of view is than what it has to show, so that limbs can move without the camera."""
 CLOSER = 0.7
 """It goes nearer when it would be this much nearer then."""
 FOLLOWING_S = 1.0
@@ -50,12 +51,12 @@ class Film:
         self._env = env
         self._eyes = _eyes_of(env, _cell_px(height_px)) if eyes else None
         root = env.manifest.root_body
-        view = towards(FROM_THE_SIDE, env.data, root)
-        self._onlooker = Painter(env.model, [root], round(SHAPE * height_px), height_px, view, margin=SPACE)
-        self._onlooker.turn(env.data)
+        view = view_of_body(FROM_THE_SIDE, env.data, root)
+        self._camera = BodyCamera(env.model, [root], round(SHAPE * height_px), height_px, view, margin=SPACE)
+        self._camera.turn(env.data)
         self.shot: Shot | None = None
         """Of the last frame."""
-        self._goal = self._onlooker.shot(env.data)
+        self._goal = self._camera.shot(env.data)
         """Where the camera is going."""
         self._time_s = 0.0
 
@@ -67,36 +68,36 @@ class Film:
         """
         self.shot = self._followed()
         self._time_s = self._env.data.time
-        outside = self._onlooker.paint(self._env.data, shot=self.shot)
+        outside = self._camera.render(self._env.data, shot=self.shot)
         return outside if self._eyes is None else _beside(outside, self._eyes.pictures(self._env.data, observation))
 
     @property
-    def balls(self) -> Balls:
+    def spheres(self) -> Spheres:
         """What is to be in the picture now."""
-        return self._onlooker.balls(self._env.data)
+        return self._camera.spheres(self._env.data)
 
     @property
     def aspect(self) -> float:
         """Width over height of the picture from outside."""
-        return self._onlooker.aspect
+        return self._camera.aspect
 
     def close(self) -> None:
         """Free the OpenGL contexts; closing twice is fine."""
-        self._onlooker.close()
+        self._camera.close()
         if self._eyes is not None:
             self._eyes.close()
 
     def _followed(self) -> Shot:
         """Return the next shot: the one before, unless the infant leaves it or gets small in it."""
         data, aspect = self._env.data, self.aspect
-        balls, wanted, passed_s = self.balls, self._onlooker.shot(data), data.time - self._time_s
+        spheres, wanted, passed_s = self.spheres, self._camera.shot(data), data.time - self._time_s
         if self.shot is None or passed_s < 0:  # Another episode: a cut.
             self._goal = wanted
             return wanted
-        if not shows(self._goal, balls, aspect) or wanted.depth_m < CLOSER * self._goal.depth_m:
+        if not shows(self._goal, spheres, aspect) or wanted.depth_m < CLOSER * self._goal.depth_m:
             self._goal = wanted
         share = 1 - math.exp(-passed_s / FOLLOWING_S)
-        while not shows(shot := _between(self.shot, self._goal, share), balls, aspect) and share < 1:
+        while not shows(shot := _between(self.shot, self._goal, share), spheres, aspect) and share < 1:
             share = min(1.0, share + HURRY)
         return shot
 
@@ -143,7 +144,7 @@ def _eyes_of(env: InfantEnv, size_px: int) -> _Observed | _Sharp:
 def _between(one: Shot, other: Shot, share: float) -> Shot:
     """Return the shot that has gone a share of the way from one to another, in the direction of the other."""
     return Shot(
-        one.place_m + share * (other.place_m - one.place_m),
+        one.position_m + share * (other.position_m - one.position_m),
         one.depth_m + share * (other.depth_m - one.depth_m),
         other.view,
         one.fovy_deg + share * (other.fovy_deg - one.fovy_deg),

@@ -36,7 +36,7 @@ class Video(ABC):
 
     def __init__(self, file: Path, rate_hz: Fraction):
         self.file, self.rate_hz, self.pictures = file, rate_hz, 0
-        self._beside = files.name_beside(file)
+        self._temporary = files.temporary_path(file)
 
     def add(self, picture: Picture) -> None:
         """Add a picture, of the size of the first."""
@@ -53,12 +53,12 @@ class Video(ABC):
             self._finish()
         except OSError as error:
             self.discard()
-            raise files.cannot_be_written(self.file, error) from None
-        return files.put_in_place(self._beside, self.file)
+            raise files.write_error(self.file, error) from None
+        return files.move_into_place(self._temporary, self.file)
 
     def discard(self) -> None:
         """Leave nothing behind."""
-        files.discard(self._beside)
+        files.discard(self._temporary)
 
     @abstractmethod
     def _write(self, picture: Picture) -> None:
@@ -75,7 +75,7 @@ class Mp4(Video):
     def __init__(self, file: Path, rate_hz: Fraction):
         super().__init__(file, rate_hz)
         self._av = _require_av()
-        self._container = self._av.open(str(self._beside), "w", format="mp4", options={"movflags": "+faststart"})
+        self._container = self._av.open(str(self._temporary), "w", format="mp4", options={"movflags": "+faststart"})
         codec = next(name for name in CODECS if name in self._av.codecs_available)
         self._stream = self._container.add_stream(codec, rate=rate_hz, options=QUALITY if codec == CODECS[0] else {})
         self._stream.pix_fmt = "yuv420p"
@@ -102,7 +102,7 @@ class Gif(Video):
 
     def __init__(self, file: Path, rate_hz: Fraction):
         super().__init__(file, rate_hz)
-        self._beside.touch()
+        self._temporary.touch()
         self._kept: list[bytes] = []
 
     def _write(self, picture: Picture) -> None:
@@ -119,7 +119,7 @@ class Gif(Video):
         )
         ends = [round(GIF_TICKS_HZ * number / self.rate_hz) for number in range(self.pictures + 1)]
         durations_ms = [1000 // GIF_TICKS_HZ * (end - start) for start, end in pairwise(ends)]
-        first.save(self._beside, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
+        first.save(self._temporary, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
 
     def _palette(self) -> Image.Image:
         """Return a picture with the colours of all."""
@@ -166,7 +166,7 @@ def open_video(file: str | Path, rate_hz: Fraction) -> Video:
     try:
         return FORMATS[path.suffix.lower()](path, rate_hz)
     except OSError as error:
-        raise files.cannot_be_written(path, error) from None
+        raise files.write_error(path, error) from None
 
 
 def _require_av() -> Any:

@@ -2,12 +2,11 @@
 
 from contextlib import closing
 
-import mujoco
-
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.model import load_model
-from mimoc.render.camera import FROM_ABOVE, towards
-from mimoc.render.portrait import STILL, Painter, Picture
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import load_posed
+from mimoc.render.body_camera import STILL, BodyCamera
+from mimoc.render.camera import FROM_ABOVE, view_of_body
+from mimoc.render.renderer import Picture
 
 
 def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
@@ -17,12 +16,10 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
         ModelError: If MuJoCo refuses the model.
         RenderingError: If there is no OpenGL here.
     """
-    model = load_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(bundle.manifest.pose).id)
-    mujoco.mj_forward(model, data)
+    model, data = load_posed(bundle)
     root, toys = bundle.manifest.root_body, bundle.manifest.toys
-    view = towards(FROM_ABOVE, data, root)
-    with closing(Painter(model, [root, *(toy.body for toy in toys)], width, height, view, finer=STILL)) as painter:
-        painter.turn(data)
-        return painter.paint(data)
+    shown = [root, *(toy.body for toy in toys)]
+    view = view_of_body(FROM_ABOVE, data, root)
+    with closing(BodyCamera(model, shown, width, height, view, supersample=STILL)) as camera:
+        camera.turn(data)
+        return camera.render(data)

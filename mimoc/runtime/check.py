@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import FloatArray

@@ -11,25 +11,24 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.binding import ACTUATIONS, Actuation
-from mimoc.bundle.folder import Bundle, read_bundle
+from mimoc.actuation.binding import Actuation, bind_actuation
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.delays.schedule import Nerves
-from mimoc.errors import UnknownNameError
-from mimoc.render.camera import FROM_THE_SIDE, towards
-from mimoc.render.opengl import has_screen
-from mimoc.render.portrait import Painter
+from mimoc.errors import KindError, UnknownNameError
+from mimoc.render.environment import MODES, EnvRenderer, available_modes
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.binding import Sense, bind_senses
+from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import Observation
 from mimoc.tasks.binding import bind_task
+from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NOTHING_EARNED
 from mimoc.units import ms_to_s
 
-if TYPE_CHECKING:  # Both need libraries that most environments do without.
-    from mimoc.render.window import Window
+if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -47,7 +46,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     `is_success`, the terms that add up to the reward as `reward_terms`, and `unstable`.
     """
 
-    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
+    metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
 
     def __init__(
         self,
@@ -56,6 +55,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         width: int = 480,
         height: int = 480,
         next_bundle: Callable[[int], Bundle] | None = None,
+        task: Any = None,
+        senses: Mapping[str, Any] = MappingProxyType({}),
     ):
         """Open a bundle.
 
@@ -65,24 +66,28 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             width: Of the pictures, in pixels.
             height: Of the pictures, in pixels.
             next_bundle: Returns the same infant in another scene, by its seed, for `reset`.
+            task: An object to take the place of the bundle's task; see `tasks.custom.CustomTask`.
+            senses: Objects to sense with besides the bundle's senses, by name; see `senses.custom.CustomSense`.
 
         Raises:
             BundleError: If the folder is not a whole bundle.
             ModelError: If MuJoCo refuses its model.
             RenderingError: If the infant sees or shows itself, and there is no OpenGL or no screen for that here.
             UnknownNameError: If there is no such render mode.
+            KindError: If a sense that is passed has the name of one that the infant has.
         """
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise UnknownNameError("render mode", str(render_mode), self.metadata["render_modes"])
+        if render_mode not in (None, *MODES):
+            raise UnknownNameError("render mode", str(render_mode), MODES)
         self.bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
         self.render_mode = render_mode
         self.metadata = {
-            "render_modes": [mode for mode in self.metadata["render_modes"] if mode != "human" or has_screen()],
+            "render_modes": available_modes(),
             "render_fps": round(1 / ms_to_s(self.manifest.step_ms)),
         }
         self.model = load_model(self.bundle)
         self._picture_size = width, height
         self._next_bundle = next_bundle
+        self._custom_task, self._custom_senses = task, dict(senses)
         self._bind()
 
     @property
@@ -94,6 +99,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def actuation(self) -> Actuation:
         """What turns actions into controls: its actuators, in the order of the action, and their limits."""
         return self._act
+
+    @property
+    def max_steps(self) -> int | None:
+        """Control steps after which an episode is truncated; None is never."""
+        return self._task.steps
 
     def layout(self, sense: str) -> tuple[str, ...]:
         """Return what each number of a sense is, with its unit, in the order of the observation.
@@ -158,7 +168,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if "scene_seed" in options:
             self._change_scene(options["scene_seed"])
         observation = self._start(pose)
-        self._show()
+        self._renderer.show()
         return observation, {"is_success": False, "reward_terms": {}, "unstable": False}
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -175,7 +185,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if unstable:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
-        self._show()
+        self._renderer.show()
         late = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.terms), "unstable": unstable}
         return observation, verdict.reward, verdict.ends or unstable, late, info
@@ -233,27 +243,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             RenderingError: If there is no OpenGL here.
         """
-        if self.render_mode != "rgb_array":
-            return None
-        if self._painter is None:
-            view = towards(FROM_THE_SIDE, self.data, self.manifest.root_body)
-            self._painter = Painter(self.model, [self.manifest.root_body], *self._picture_size, view)
-            self._painter.turn(self.data)
-        return self._painter.paint(self.data)
+        return self._renderer.render()
 
     def close(self) -> None:
         """Free the OpenGL contexts and close the window, if there are any."""
         for sense in self._senses.values():
             sense.close()
-        self._close_pictures()
-
-    def _close_pictures(self) -> None:
-        if self._painter is not None:
-            self._painter.close()
-            self._painter = None
-        if self._window is not None:
-            self._window.close()
-            self._window = None
+        self._renderer.close()
 
     def __getstate__(self) -> dict[str, Any]:
         """Let the environment be copied and sent to other processes: what is bound to this one is left out."""
@@ -270,20 +266,35 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
         """Find everything the manifest names in the model, once, and start; senses from before are taken along."""
         self.data = mujoco.MjData(self.model)
-        self._act = ACTUATIONS[self.manifest.actuation.model](self.manifest.actuation, self.model)
-        self._senses = bind_senses(self.bundle, self.model, former)
+        self._act = bind_actuation(self.manifest.actuation, self.model)
+        self._senses = self._bind_senses(former)
         self._fastenings = Fastenings(self.manifest.fastenings, self.model)
-        self._task = bind_task(self.bundle, self.model, self._fastenings)
+        self._task = (
+            bind_task(self.bundle, self.model, self._fastenings)
+            if self._custom_task is None
+            else CustomTask(self._custom_task, self.model, self.bundle)
+        )
         self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
-        self._painter: Painter | None = None
         self._start(self.manifest.pose)
-        self._window = self._open_window() if self.render_mode == "human" else None
+        root_body = self.manifest.root_body
+        self._renderer = EnvRenderer(self.render_mode, self.model, self.data, root_body, self._picture_size)
         low, high = (bound.astype(np.float32) for bound in (self._act.low, self._act.high))
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
         spaces = {name: space for part in (*self._senses.values(), self._task) for name, space in part.spaces.items()}
         self.observation_space = gymnasium.spaces.Dict(spaces)
+
+    def _bind_senses(self, former: Mapping[str, Sense]) -> dict[str, Sense]:
+        """Return the senses of the bundle and those that were passed as objects."""
+        senses = bind_senses(self.bundle, self.model, former)
+        if self._custom_senses:
+            senses.pop("nothing", None)
+        for name, custom in self._custom_senses.items():
+            if name in senses:
+                raise KindError(f"this infant has a sense '{name}' already; pass yours under another name")
+            senses[name] = CustomSense(name, custom, self.model, self.bundle)
+        return senses
 
     def _change_scene(self, seed: int) -> None:
         """Put the infant into another scene."""
@@ -292,7 +303,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if self._next_bundle is not None and seed != self.manifest.seed:
             bundle = self._next_bundle(int(seed))
             model = load_model(bundle)
-            self._close_pictures()
+            self._renderer.close()
             self.bundle, self.model = bundle, model
             self._bind(self._senses)
 
@@ -312,23 +323,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         observation = self._nerves.observe()
         return {**observation, **self._task.observe()} if self._task.spaces else observation
 
-    def _open_window(self) -> "Window":
-        from mimoc.render.window import Window
-
-        return Window(self.model, self.data, self.manifest.root_body)
-
-    def _show(self) -> None:
-        """Show the infant in its window, if it has one."""
-        if self._window is not None:
-            self._window.show()
-
     def _sense(self, name: str) -> Sense:
         if name not in self._senses:
             raise UnknownNameError("sense of this infant", name, self._senses)
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_nerves", "_keypoints", "_painter", "_window"}
+BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_nerves", "_keypoints", "_renderer"}
 """What an environment cannot give to a copy of itself."""
 
 

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from mimoc.actuation.binding import ACTUATIONS
-from mimoc.bundle.folder import Bundle, read_bundle
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation.binding import bind_actuation
+from mimoc.actuation.spec import ActuationEntry
+from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
 
@@ -22,7 +22,7 @@ def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]
     """
     bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     entry = _all_commanded(bundle.manifest.actuation)
-    actuation = ACTUATIONS[entry.model](entry, load_model(bundle))
+    actuation = bind_actuation(entry, load_model(bundle))
     limits: dict[str, tuple[float, float]] = {}
     for actuator, (negative_nm, positive_nm) in zip(entry.actuators, actuation.limits_nm.tolist(), strict=True):
         so_far = limits.get(actuator.joint, (0.0, 0.0))

@@ -1,22 +1,17 @@
 """Run an infant under a policy and sum up what happened."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
 import mujoco
 import numpy as np
 
-from mimoc.control import Reaching
-from mimoc.errors import UnknownNameError
+from mimoc.kinds import function_of
+from mimoc.policies import POLICIES
+from mimoc.policies.policy import Policy, PolicyMaker
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import FloatArray, Observation
+from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
-
-Policy = Callable[[np.random.Generator, Observation], np.ndarray]
-"""Returns the action on an observation, shape (n,)."""
-PolicyMaker = Callable[[InfantEnv], Policy]
-"""Returns the policy for an environment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,37 +50,14 @@ class Summary:
     """When an infant that was to keep its seat fell over, in simulated time; None if it did not."""
 
 
-def random_policy(env: InfantEnv) -> Policy:
-    """Return a policy that draws every command evenly from its range."""
-    low, high = env.actuation.low, env.actuation.high
-    return lambda generator, observation: generator.uniform(low, high).astype(np.float32)
-
-
-def zero_policy(env: InfantEnv) -> Policy:
-    """Return a policy that commands nothing."""
-    action = np.clip(0.0, env.actuation.low, env.actuation.high).astype(np.float32)
-    return lambda generator, observation: action
-
-
-POLICIES: Mapping[str, PolicyMaker] = {
-    "random": random_policy,
-    "zero": zero_policy,
-    "reach": Reaching,
-}
-"""By the name that `mimoc run --policy` takes."""
-
-
 def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
     """Return the policy of a name, or what makes one for an environment.
 
     Raises:
         UnknownNameError: If there is none of that name.
     """
-    if not isinstance(policy, str):
-        return policy(env)
-    if policy not in POLICIES:
-        raise UnknownNameError("policy", policy, POLICIES)
-    return POLICIES[policy](env)
+    maker = function_of(POLICIES.find(policy).run, "bind") if isinstance(policy, str) else policy
+    return maker(env)
 
 
 class Run:

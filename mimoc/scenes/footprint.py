@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from mimoc.body import BodyTree, Geom
-from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose, reach
+from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose
 from mimoc.toys.placing import FADING, Reach
 
 LEAN_DEG = 60.0
@@ -78,11 +78,11 @@ def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:
 def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
     """Return how far it is from a shoulder to the tip of its hand."""
     shoulder = _shoulder(posed, upper_arm)
-    arm = [index for index, geom in enumerate(posed.geoms) if side in geom.name and _is_of_arm(geom.name)]
-    offsets = posed.centres[arm] - shoulder
+    arm = posed.only([i for i, geom in enumerate(posed.geoms) if side in geom.name and _is_of_arm(geom.name)])
+    offsets = arm.centres - shoulder
     distances = np.linalg.norm(offsets, axis=1)
-    local = np.einsum("nij,ni->nj", posed.turns[arm], offsets / distances[:, None])
-    return float((distances + reach([posed.geoms[index] for index in arm], local)).max())
+    local = np.einsum("nij,ni->nj", arm.turns, offsets / distances[:, None])
+    return float((distances + arm.extents.along(local)).max())
 
 
 def _is_of_arm(geom: str) -> bool:

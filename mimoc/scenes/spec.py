@@ -1,28 +1,16 @@
-"""The world an infant is in."""
+"""The `scene` of a spec: the world an infant is in."""
 
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field, model_validator
+from pydantic.fields import FieldInfo
 
+from mimoc.scenes import SCENES
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import PartName
-from mimoc.schema.quantities import Centimetres, Distinct, Metres, Rising, Whole
-
-RoomSide = Annotated[Metres, Field(ge=1, le=20)]
-RoomSideRange = Annotated[tuple[RoomSide, RoomSide], Rising]
-ToyCount = Annotated[Whole, Field(ge=0, le=50)]
-ToySize = Annotated[Centimetres, Field(ge=0.5, le=100)]
-ToyName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=255)]
-
-
-class RoomSpec(Model):
-    """The room of `kind: room`, drawn anew from every seed."""
-
-    size_m: tuple[RoomSideRange, RoomSideRange, RoomSideRange] = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
-    """Ranges of depth, width and height."""
-
-
-PathText = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
+from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.quantities import Distinct, PathText, Whole
+from mimoc.toys.spec import ToysSpec
 
 
 class TexturesSpec(Model):
@@ -36,32 +24,16 @@ class TexturesSpec(Model):
     """For its walls."""
 
 
-class ToysSpec(Model):
-    """The toys around the infant."""
-
-    source: Literal["builtin", "toys4k"] = "builtin"
-    """Those that come with mimoc, or the Toys4K data set."""
-    root: PathText | None = None
-    """Folder that Toys4K was unpacked to; `~` and environment variables count, and it is seen from the spec's."""
-    subset: Annotated[tuple[ToyName, ...], Distinct] = ()
-    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all. Of a folder
-    of meshes of one's own, names of files without their ends."""
-    count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
-    """Range of how many."""
-    size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)
-    """Range of their longest side."""
-
-    @model_validator(mode="after")
-    def _has_a_root(self) -> Self:
-        if self.source == "toys4k" and self.root is None:
-            raise KeyedError(("root",), "is missing, and 'source: toys4k' needs it; add the folder you unpacked it to")
-        return self
+def _fields() -> dict[str, FieldInfo]:
+    about = "Nothing, a floor, a crib, or a furnished room."
+    return {"kind": choice_field(SCENES, "flat", about), **own_sections(SCENES)}
 
 
+@composed(_fields)
 class SceneSpec(Model):
     """The world an infant is in."""
 
-    kind: Literal["empty", "flat", "crib", "room"] = "flat"
+    kind: str = "flat"
     """Nothing, a floor, a crib, or a furnished room."""
     seed: Annotated[Whole, Field(ge=0, le=2**53)] = 0
     """Of everything drawn by chance."""
@@ -72,8 +44,6 @@ class SceneSpec(Model):
     """
     held: Annotated[tuple[PartName, ...], Distinct] = ()
     """Parts of the infant that stay where they are in the world, such as `chest`, as if in a seat."""
-    room: RoomSpec = Field(default_factory=RoomSpec)
-    """The room, where the kind is room."""
     textures: TexturesSpec = Field(default_factory=TexturesSpec)
     """What else its floor, ceiling and walls may look like."""
     toys: ToysSpec | None = None
@@ -81,6 +51,11 @@ class SceneSpec(Model):
 
     @model_validator(mode="after")
     def _toys_have_a_floor(self) -> Self:
-        if self.toys and self.kind == "empty":
+        if self.toys and not SCENES[self.kind].has_floor:
             raise KeyedError(("toys",), "toys need a floor, and an empty world has none; use another kind of scene")
         return self
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the section of a kind of scene, such as `room`."""

@@ -6,22 +6,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mimoc.actuation.spec import ActuationSpec
     from mimoc.delays.spec import DelaysSpec
-    from mimoc.scenes.spec import RoomSpec, SceneSpec, TexturesSpec, ToysSpec
+    from mimoc.scenes.room.spec import RoomSpec
+    from mimoc.scenes.spec import SceneSpec, TexturesSpec
     from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
     from mimoc.schema.control import ControlSpec
     from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
-    from mimoc.senses.spec import (
-        AcuitySpec,
-        ProprioceptionSpec,
-        SensesSpec,
-        TouchSpec,
-        VestibularSpec,
-        VisionSpec,
-    )
-    from mimoc.tasks.spec import TaskSpec
+    from mimoc.senses.proprioception.spec import ProprioceptionSpec
+    from mimoc.senses.spec import SensesSpec
+    from mimoc.senses.touch.spec import TouchSpec
+    from mimoc.senses.vestibular.spec import VestibularSpec
+    from mimoc.senses.vision.spec import AcuitySpec, VisionSpec
+    from mimoc.tasks.base import TaskSpec
+    from mimoc.toys.spec import ToysSpec
 
 _HOMES = {
-    "AcuitySpec": "mimoc.senses.spec",
+    "AcuitySpec": "mimoc.senses.vision.spec",
     "ActuationSpec": "mimoc.actuation.spec",
     "BodySpec": "mimoc.schema.body",
     "ControlSpec": "mimoc.schema.control",
@@ -29,16 +28,16 @@ _HOMES = {
     "IndividualSpec": "mimoc.schema.body",
     "InfantSpec": "mimoc.schema.infant",
     "PartSpec": "mimoc.schema.body",
-    "ProprioceptionSpec": "mimoc.senses.spec",
-    "RoomSpec": "mimoc.scenes.spec",
+    "ProprioceptionSpec": "mimoc.senses.proprioception.spec",
+    "RoomSpec": "mimoc.scenes.room.spec",
     "SceneSpec": "mimoc.scenes.spec",
     "SensesSpec": "mimoc.senses.spec",
-    "TaskSpec": "mimoc.tasks.spec",
+    "TaskSpec": "mimoc.tasks.base",
     "TexturesSpec": "mimoc.scenes.spec",
-    "TouchSpec": "mimoc.senses.spec",
-    "ToysSpec": "mimoc.scenes.spec",
-    "VestibularSpec": "mimoc.senses.spec",
-    "VisionSpec": "mimoc.senses.spec",
+    "TouchSpec": "mimoc.senses.touch.spec",
+    "ToysSpec": "mimoc.toys.spec",
+    "VestibularSpec": "mimoc.senses.vestibular.spec",
+    "VisionSpec": "mimoc.senses.vision.spec",
     "as_written": "mimoc.schema.infant",
     "read_spec": "mimoc.schema.infant",
     "to_data": "mimoc.schema.infant",

@@ -5,13 +5,14 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
-from mimoc.schema.source import KeyPath
+from mimoc.schema.key_paths import KeyPath
 
 
 class Model(BaseModel):
     """Base of every section: immutable, no unknown keys, documented fields."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    # Validators are built when first used: most sections are only ever validated as part of a whole spec or manifest.
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
 
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
         """Yield what `repr` shows: what was said, not what was left to its default."""

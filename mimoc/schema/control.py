@@ -13,12 +13,26 @@ class ControlSpec(Model):
     """How often physics is computed, and how often an action is taken."""
 
     step_ms: Annotated[Milliseconds, Field(ge=0.1, le=1000)] = 10.0
-    """One control step; a whole number of physics steps."""
+    """One control step, a whole number of physics steps; left out, that of the task, else 10 ms."""
     timestep_ms: Annotated[Milliseconds, Field(ge=0.1, le=20)] = 5.0
     """One physics step."""
 
-    @model_validator(mode="after")
-    def _steps_fit(self) -> Self:
+    def with_default_step(self, step_ms: float) -> Self:
+        """Return the clock with another control step, which counts as left out.
+
+        Raises:
+            KeyedError: If that is not a whole number of physics steps.
+        """
+        clock = self.model_construct(self.model_fields_set, step_ms=step_ms, timestep_ms=self.timestep_ms)
+        clock.check_steps()
+        return clock
+
+    def check_steps(self) -> None:
+        """Pass a clock whose control step is a whole number of physics steps.
+
+        Raises:
+            KeyedError: If it is not.
+        """
         keys = ("step_ms", "timestep_ms") if "step_ms" in self.model_fields_set else ("timestep_ms", "step_ms")
         try:
             if self.step_ms < self.timestep_ms:
@@ -29,4 +43,8 @@ class ControlSpec(Model):
             to_steps(self.step_ms, self.timestep_ms)
         except ValueError as error:
             raise KeyedError(keys[:1], f"a control step of {error}", against=keys[1:]) from None
+
+    @model_validator(mode="after")
+    def _steps_fit(self) -> Self:
+        self.check_steps()
         return self

@@ -5,14 +5,18 @@ from typing import Any, Self
 
 from pydantic import PrivateAttr
 
+from mimoc.plugins import load_plugins
+from mimoc.schema.composition import composed
 from mimoc.schema.plain import changed, everything, given
 from mimoc.schema.reading import read_keys
 from mimoc.schema.source import Source, printed, unwritten
 from mimoc.schema.spec import InfantKeys
+from mimoc.tasks.spec import task_field
 
 HERE = Path()
 
 
+@composed(lambda: {"task": task_field()})
 class InfantSpec(InfantKeys):
     """One infant in one world, as a user wrote it: nothing is computed, and what was left out has its default."""
 
@@ -104,3 +108,6 @@ def _name(spec: InfantSpec) -> str:
 
 def _folder(spec: InfantSpec) -> Path:
     return spec.source.folder if spec.source else HERE
+
+
+load_plugins()

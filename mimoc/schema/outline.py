@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from mimoc.schema.source import KeyPath
+from mimoc.schema.composition import on_recompose
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.spec import InfantKeys
 
 
@@ -84,12 +85,28 @@ def _resolved(node: dict[str, Any]) -> dict[str, Any]:
     if "$ref" in node:
         return _resolved(_language()["$defs"][node["$ref"].rpartition("/")[2]])
     options = [_resolved(option) for option in (*node.get("anyOf", ()), *node.get("oneOf", ()))]
-    merged = {key: value for option in options if option.get("type") != "null" for key, value in option.items()}
+    merged: dict[str, Any] = {}
+    for option in options:
+        if option.get("type") != "null":
+            merged |= {key: _joined(merged.get(key), value) for key, value in option.items()}
     if len({option.get("type") for option in options} - {"null"}) > 1:
         del merged["type"]
     return {**node, **merged}
 
 
+def _joined(before: Any, value: Any) -> Any:
+    """Return what two alternatives of a section say of one of its aspects: the keys of both, what both require."""
+    if isinstance(before, dict) and isinstance(value, dict):
+        return {
+            **{key: _joined(item, value.get(key, item)) for key, item in before.items()},
+            **{key: item for key, item in value.items() if key not in before},
+        }
+    return value
+
+
 @cache
 def _language() -> dict[str, Any]:
     return InfantKeys.model_json_schema()
+
+
+on_recompose(_language.cache_clear)

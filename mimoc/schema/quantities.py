@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Annotated, TypeVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, StringConstraints
 
 Number = TypeVar("Number", int, float)
 
@@ -23,6 +23,9 @@ Percentile = Annotated[Real, Field(gt=0, lt=100, json_schema_extra={"unit": "per
 
 Age = Annotated[Months, Field(le=24)]
 """The ages that infants can be built at."""
+
+PathText = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
+"""Of a file or folder, relative to the folder of the spec."""
 
 
 def _rising(ends: tuple[Number, Number]) -> tuple[Number, Number]:

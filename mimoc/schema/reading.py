@@ -7,8 +7,9 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from mimoc.errors import SpecError
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.outline import is_known, outline
-from mimoc.schema.source import KeyPath, Source
+from mimoc.schema.source import Source
 from mimoc.schema.spec import InfantKeys
 from mimoc.schema.wording import fault, nothing_at
 
@@ -28,15 +29,15 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
     Raises:
         SpecError: If anything is wrong with it, with all that is.
     """
-    faults = {path: nothing_at(path) for path in _empty(source.data) if path not in source.spoilt}
-    data = _mended(source.data, {*source.spoilt, *faults})
+    faults = {path: nothing_at(path) for path in _empty(source.data) if path not in source.invalid}
+    data = _mended(source.data, {*source.invalid, *faults})
     spec = None
     while spec is None:
         try:
             spec = keys.model_validate(data, context=source)
         except ValidationError as error:
             found = [fault(details, data) for details in error.errors(include_url=False)]
-            known = {path[:depth] for path in {*source.spoilt, *faults} for depth in range(len(path) + 1)}
+            known = {path[:depth] for path in {*source.invalid, *faults} for depth in range(len(path) + 1)}
             faults |= {new.path: new for new in reversed(found) if not {new.path, new.against or new.path} & known}
             before, data = data, _mended(data, {new.path for new in found})
             if data == before:

@@ -1,6 +1,5 @@
 """The whole of what a user says about one infant in one world."""
 
-from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, StringConstraints, model_validator
@@ -10,10 +9,14 @@ from mimoc.delays.spec import DelaysSpec
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import BodySpec
+from mimoc.schema.composition import composed
 from mimoc.schema.control import ControlSpec
 from mimoc.schema.quantities import Age
+from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks import TASKS
+from mimoc.tasks.base import TaskSpec
+from mimoc.tasks.spec import task_field
 from mimoc.units import to_steps
 
 
@@ -23,17 +26,7 @@ def _known_version(value: Any) -> Any:
     return value
 
 
-PLACES: Mapping[str, tuple[str, ...]] = {
-    "standup": ("flat",),
-    "catch": ("flat", "crib", "room"),
-    "rollover": ("flat", "crib", "room"),
-}
-"""The kinds of scenes for tasks that cannot be in all: a rail stands on an open floor, and what falls or lies needs
-weight and a floor."""
-LYING = ("supine", "prone")
-"""The poses that `rollover` can start from."""
-
-
+@composed(lambda: {"task": task_field()})
 class InfantKeys(Model):
     """All keys of the spec language, and what holds between them."""
 
@@ -61,23 +54,35 @@ class InfantKeys(Model):
     """What it is to achieve; left out, nothing."""
 
     @model_validator(mode="after")
-    def _vision_has_eyes(self) -> Self:
-        if self.senses.vision and {"left_eye", "right_eye"} <= set(self.body.remove):
-            message = "an infant without eyes cannot see; leave it out, or keep an eye"
-            raise KeyedError(("senses", "vision"), message, against=("body", "remove"))
+    def _senses_have_their_organs(self) -> Self:
+        for name, _ in self.senses:
+            needed = SENSES[name].organs
+            if needed and getattr(self.senses, name) is not None and set(needed) <= set(self.body.remove):
+                message = f"'{name}' requires {' or '.join(needed)}, and all are removed; leave it out, or keep one"
+                raise KeyedError(("senses", name), message, against=("body", "remove"))
         return self
 
     @model_validator(mode="after")
     def _task_has_its_place(self) -> Self:
-        kind = self.task.kind if self.task else ""
-        places = PLACES.get(kind, (self.scene.kind,))
-        if self.scene.kind not in places:
-            possible = ", ".join(places).replace(", room", " or room")
-            message = f"'{kind}' has no place in such a scene; use {possible}, or another task"
+        if self.task is None:
+            return self
+        kind = TASKS[self.task.kind]
+        if kind.scenes is not None and self.scene.kind not in kind.scenes:
+            message = f"task '{kind.name}' requires scene.kind: {' or '.join(kind.scenes)}; change one of them"
             raise KeyedError(("scene", "kind"), message, against=("task", "kind"))
-        if kind == "rollover" and self.scene.pose not in LYING:
-            message = f"'{kind}' starts {' or '.join(LYING)}, not {self.scene.pose}; use one of these"
+        if kind.poses and self.scene.pose not in kind.poses:
+            message = f"task '{kind.name}' requires scene.pose: {' or '.join(kind.poses)}; change one of them"
             raise KeyedError(("scene", "pose"), message, against=("task", "kind"))
+        return self
+
+    @model_validator(mode="after")
+    def _task_sets_the_clock(self) -> Self:
+        if self.task and "step_ms" not in self.control.model_fields_set:
+            try:
+                clock = self.control.with_default_step(TASKS[self.task.kind].step_ms)
+            except KeyedError as error:
+                raise KeyedError(("control", *error.key), str(error), against=("task", "kind")) from None
+            object.__setattr__(self, "control", clock)
         return self
 
     @model_validator(mode="after")

@@ -10,8 +10,8 @@ from pydantic_core import ErrorDetails
 
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError
+from mimoc.schema.key_paths import KeyPath, dotted, shown
 from mimoc.schema.outline import Outline, outline, sections_with
-from mimoc.schema.source import KeyPath, dotted, shown
 
 _UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": ""}
 _UNIT_SUFFIX = re.compile(

@@ -1,1 +1,14 @@
-"""What an infant perceives."""
+"""What an infant perceives: the senses, a folder each."""
+
+from mimoc.kinds import Kinds, SenseKind
+
+SENSES: Kinds[SenseKind] = Kinds(
+    "sense",
+    {
+        "proprioception": "mimoc.senses.proprioception",
+        "vestibular": "mimoc.senses.vestibular",
+        "touch": "mimoc.senses.touch",
+        "vision": "mimoc.senses.vision",
+    },
+)
+"""In the order of the observation."""

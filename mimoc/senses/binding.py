@@ -1,26 +1,16 @@
 """Senses: each is bound to a model once, then reads arrays."""
 
 from collections.abc import Mapping
-from importlib import import_module
 from types import MappingProxyType
 from typing import Any
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
+from mimoc.kinds import function_of
+from mimoc.senses import SENSES
 from mimoc.senses.nothing import nothing
 from mimoc.senses.sense import Sense
-
-SENSES: Mapping[str, str] = {
-    "proprioception": "mimoc.senses.proprioception.run",
-    "vestibular": "mimoc.senses.vestibular.run",
-    "touch": "mimoc.senses.touch.run",
-    "vision": "mimoc.senses.vision.run",
-}
-"""The module of each kind, whose `bind` takes the entry in the manifest, the bundle and the model.
-
-They are imported when first needed: SciPy, which touch and vision need, is most of what they would cost the others.
-"""
 
 
 def bind_senses(
@@ -45,7 +35,4 @@ def bind_senses(
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:
     """Return one of the senses that an infant has; see `bind_senses`."""
-    return import_module(SENSES[name]).bind(getattr(bundle.manifest.senses, name), bundle, model)
-
-
-__all__ = ["SENSES", "Sense", "bind_sense", "bind_senses"]
+    return function_of(SENSES[name].run, "bind")(getattr(bundle.manifest.senses, name), model, bundle)

@@ -1,1 +1,15 @@
-"""What an infant is to achieve."""
+"""What an infant is to achieve: the tasks, a folder each."""
+
+from mimoc.kinds import Kinds, TaskKind
+
+TASKS: Kinds[TaskKind] = Kinds(
+    "task",
+    {
+        "reach": "mimoc.tasks.reach",
+        "standup": "mimoc.tasks.standup",
+        "selfbody": "mimoc.tasks.selfbody",
+        "catch": "mimoc.tasks.catch",
+        "rollover": "mimoc.tasks.rollover",
+        "free": "mimoc.tasks.free",
+    },
+)

@@ -5,7 +5,7 @@ import math
 from mimoc.body.tree import Vec3
 from mimoc.mjcf.furniture import SOLID, WorldMaterial
 from mimoc.mjcf.tree import Prop, PropGeom
-from mimoc.tasks.entries import BallEntry
+from mimoc.tasks.base import BallEntry
 
 NAME = "ball"
 BALL = BallEntry(body="target", joint="target_joint", geom=NAME)

@@ -1,29 +1,15 @@
-"""Tasks: what an infant is rewarded for."""
-
-from collections.abc import Mapping
-from importlib import import_module
+"""From the manifest to the task that runs."""
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
+from mimoc.kinds import function_of
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.tasks.task import Task, Verdict
-
-TASKS: Mapping[str, str] = {
-    "free": "mimoc.tasks.free.run",
-    "reach": "mimoc.tasks.reach.run",
-    "catch": "mimoc.tasks.catch.run",
-    "rollover": "mimoc.tasks.rollover.run",
-    "standup": "mimoc.tasks.standup.run",
-    "selfbody": "mimoc.tasks.selfbody.run",
-}
-"""The module of each kind of task, which has `bind`."""
+from mimoc.tasks import TASKS
+from mimoc.tasks.task import Task
 
 
 def bind_task(bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Task:
     """Return the task of a bundle."""
     entry = bundle.manifest.task
-    return import_module(TASKS[entry.kind]).bind(entry, bundle, model, fastenings)
-
-
-__all__ = ["TASKS", "Task", "Verdict", "bind_task"]
+    return function_of(TASKS[entry.kind].run, "bind")(entry, bundle, model, fastenings)

@@ -7,7 +7,7 @@ import numpy as np
 
 from mimoc.runtime.fastenings import ANGLE, Fastenings
 from mimoc.senses.sense import FloatArray
-from mimoc.tasks.entries import GazeEntry
+from mimoc.tasks.base import GazeEntry
 
 ROUNDS = 12
 """Turns of every joint, one after the other, until all look there: each leaves less than half of what it found."""

@@ -8,9 +8,12 @@ from mimoc.body import BodyTree
 from mimoc.body.strengthen import body_groups, muscle_groups
 from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
+from mimoc.kinds import function_of
 from mimoc.mjcf.furniture import BARE, Furniture
 from mimoc.mjcf.tree import Prop
-from mimoc.tasks.entries import GoalEntry
+from mimoc.tasks import TASKS
+from mimoc.tasks.base import TaskEntry, TaskSpec
+from mimoc.tasks.free.spec import FreeEntry
 
 Side = Literal["right", "left"]
 
@@ -27,10 +30,10 @@ class Hold:
 
 
 @dataclass(frozen=True, slots=True)
-class Stage:
+class TaskSetup:
     """What a task needs; places are those of an infant at the origin that looks along x."""
 
-    goal: GoalEntry
+    goal: TaskEntry
     """What the runtime must know of the task."""
     start: tuple[float, ...] | None = None
     """How the infant starts, as qpos; None is in the pose of the spec."""
@@ -48,6 +51,19 @@ class Stage:
     """What that takes up of the floor, where no toy is put: discs by x, y and radius, in [m]."""
     weightless: bool = False
     """Whether there is no gravity."""
+
+
+NO_TASK = TaskSetup(FreeEntry())
+"""Of an infant that is to achieve nothing."""
+
+
+def build_task(spec: TaskSpec | None, tree: BodyTree) -> TaskSetup:
+    """Return what the task of a spec needs.
+
+    Raises:
+        UnplayableError: If the infant lacks what the task requires.
+    """
+    return function_of(TASKS[spec.kind].build, "build")(spec, tree) if spec else NO_TASK
 
 
 def require(tree: BodyTree, task: str, *bodies: str) -> None:
@@ -74,15 +90,15 @@ def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
 def one_armed(
     tree: BodyTree,
     side: Side,
-    goal: GoalEntry,
+    goal: TaskEntry,
     start: tuple[float, ...],
     props: tuple[Prop, ...] = (),
     *,
     weightless: bool = False,
-) -> Stage:
+) -> TaskSetup:
     """Return the stage of a task of one hand: only that arm moves, and the infant is held at the hip."""
     arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
-    return Stage(
+    return TaskSetup(
         goal=goal,
         start=start,
         commanded=arm,

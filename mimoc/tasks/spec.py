@@ -1,33 +1,28 @@
-"""What an infant is to achieve."""
+"""The `task` of a spec and of a manifest: one of the tasks there are."""
 
-from typing import Annotated, Literal, Self
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
+from pydantic.fields import FieldInfo
 
-from mimoc.schema.base import KeyedError, Model
-from mimoc.schema.quantities import Whole
-
-HANDED = ("reach", "selfbody", "catch")
-"""Tasks of one hand."""
+from mimoc.tasks import TASKS
+from mimoc.tasks.free.spec import FreeEntry
 
 
-class TaskSpec(Model):
-    """A goal with its reward and its end."""
+def task_field() -> FieldInfo:
+    """Return the field `task` of a spec."""
+    return _one_of([kind.spec for kind in TASKS.values()], None, "What it is to achieve; left out, nothing.")
 
-    kind: Literal["reach", "standup", "selfbody", "catch", "rollover", "free"]
-    """Touch a ball, stand up, touch a part of oneself, catch a ball, turn over, or nothing at all."""
-    steps: Annotated[Whole, Field(ge=1, le=10**9)] | None = None
-    """Control steps of an episode; left out, as many as MIMo's task has, and `free` has no end."""
-    hand: Literal["right", "left"] | None = None
-    """The hand that reaches, touches or catches; left out, the right one."""
-    reward: Literal["dense", "shaped"] | None = None
-    """Of `rollover`: for how far the infant has turned, at every step (`dense`, if left out), or for success, shaped by
-    how much farther it has turned in each step."""
 
-    @model_validator(mode="after")
-    def _has_what_belongs_to_it(self) -> Self:
-        for key, kinds in (("hand", HANDED), ("reward", ("rollover",))):
-            if getattr(self, key) is not None and self.kind not in kinds:
-                message = f"'{self.kind}' has no such choice; leave it out (it belongs to {', '.join(kinds)})"
-                raise KeyedError((key,), message, against=("kind",))
-        return self
+def task_entry_field() -> FieldInfo:
+    """Return the field `task` of a manifest."""
+    return _one_of([kind.entry for kind in TASKS.values()], FreeEntry(), "What it is to achieve.")
+
+
+def _one_of(sections: list[Any], default: Any, description: str) -> FieldInfo:
+    """Return a field that is one of some sections, told apart by their `kind`."""
+    choice: Any = Annotated[reduce(or_, sections), Field(discriminator="kind")]
+    field = Field(default=default, description=description)
+    return FieldInfo.from_annotated_attribute(choice if default else choice | None, field)

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.commands import command_range
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation.spec import ActuationEntry
 from mimoc.senses.sense import Observation
 
 

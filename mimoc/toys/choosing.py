@@ -8,9 +8,9 @@ import numpy as np
 
 from mimoc.looks.appearance import Rgba
 from mimoc.random_streams import between, pick, stream, whole_between
-from mimoc.scenes.spec import ToysSpec
 from mimoc.toys.model import Tint, ToyModel
 from mimoc.toys.solids import radius
+from mimoc.toys.spec import ToysSpec
 from mimoc.units import cm_to_m
 
 SATURATION, BRIGHTNESS = (0.55, 0.9), (0.65, 0.95)
@@ -29,6 +29,8 @@ class Toybox:
     """Of the objects."""
     take: Callable[[str], ToyModel]
     """Returns the shape of one."""
+    notes: tuple[str, ...] = ()
+    """What the user of a bundle with such toys should know."""
 
 
 @dataclass(frozen=True, slots=True)

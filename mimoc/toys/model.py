@@ -6,16 +6,13 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import FloatArray, Quaternion, Vec3
 
-FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 Tint = Literal["main", "accent", "dark", "light"]
 """What colours a part: the colour drawn for the toy, one that goes with it, nearly black or nearly white."""
 SolidType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box", "mesh"]
-Quaternion = tuple[float, float, float, float]
-"""w, x, y, z."""
 
 UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 

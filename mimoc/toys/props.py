@@ -1,10 +1,10 @@
 """Toys as the MJCF lists them: scaled, coloured, weighed and put in their places."""
 
-import math
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 
+from mimoc.geometry.rotations import quaternion_from_axis
 from mimoc.mjcf.furniture import FIRM, SOLID, UNTOUCHED, WorldMaterial
 from mimoc.mjcf.tree import MeshFile, Prop, PropGeom
 from mimoc.toys.choosing import Toy
@@ -50,7 +50,7 @@ def make_prop(toy: Toy, number: int, place_m: Sequence[float]) -> Prop:
         source=toy.model.source,
         joint=f"{name}_free",
         pos_m=(x_m, y_m, 0.0),
-        quat=(math.cos(toy.yaw_rad / 2), 0.0, 0.0, math.sin(toy.yaw_rad / 2)),
+        quat=quaternion_from_axis((0.0, 0.0, 1.0), toy.yaw_rad),
         size_m=toy.size_m,
         mass_kg=toy.mass_kg,
         density_kg_m3=toy.model.density_kg_m3,

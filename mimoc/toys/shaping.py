@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.body.tree import Vec3
-from mimoc.toys.model import FloatArray, IntArray, Mesh
+from mimoc.geometry.rotations import FloatArray, Vec3, matrix_from_axis
+from mimoc.toys.model import IntArray, Mesh
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 ROUND = 16
@@ -169,12 +169,8 @@ def stretch(mesh: Mesh, factors: Vec3) -> Mesh:
 
 def turn(mesh: Mesh, axis: Literal["x", "y", "z"], angle_deg: float) -> Mesh:
     """Return a mesh turned about an axis through the origin, counterclockwise for who looks back along it."""
-    first, second = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
-    cos, sin = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    vertices = mesh.vertices.copy()
-    vertices[:, first] = cos * mesh.vertices[:, first] - sin * mesh.vertices[:, second]
-    vertices[:, second] = sin * mesh.vertices[:, first] + cos * mesh.vertices[:, second]
-    return _mesh(vertices, mesh.faces)
+    rotation = matrix_from_axis(np.eye(3)["xyz".index(axis)], math.radians(angle_deg))
+    return _mesh(mesh.vertices @ rotation.T, mesh.faces)
 
 
 def mirror(mesh: Mesh) -> Mesh:

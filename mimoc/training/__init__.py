@@ -1,4 +1,4 @@
-"""Infants that learn: training that can be interrupted, what came of it, and trained policies."""
+"""Reinforcement learning: resumable training, learning curves, evaluation, and trained policies."""
 
 from importlib import import_module
 

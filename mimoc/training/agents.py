@@ -1,4 +1,4 @@
-"""The algorithms of Stable-Baselines3, as mimoc uses them."""
+"""Stable-Baselines3's PPO and SAC, as mimoc configures them."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -13,83 +13,82 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
-from mimoc.training.hyper import Number
+from mimoc.training.hyperparameters import Number
 from mimoc.training.settings import Settings
 
-Hyper = Mapping[str, Number]
-
-_TAKEN_AS_THEY_ARE = {
+_PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),
     "sac": ("learning_rate", "gamma", "batch_size", "buffer_size", "gradient_steps", "learning_starts", "tau"),
 }
+"""Hyperparameters passed on to Stable-Baselines3 unchanged."""
 _ALGORITHMS: Mapping[str, Callable[..., BaseAlgorithm]] = {"ppo": PPO, "sac": SAC}
 _POLICIES: Mapping[str, Callable[..., BasePolicy]] = {"ppo": PPOPolicy, "sac": SACPolicy}
 
 
-def make_agent(world: VecNormalize, settings: Settings) -> BaseAlgorithm:
-    """Return an algorithm that has learned nothing yet, the same for the same seed."""
-    taken = {name: settings.hyper[name] for name in _TAKEN_AS_THEY_ARE[settings.algo]}
+def make_agent(env: VecNormalize, settings: Settings) -> BaseAlgorithm:
+    """Return an untrained agent; the same seed gives the same initial weights."""
     return _ALGORITHMS[settings.algo](
         "MultiInputPolicy",
-        world,
+        env,
         policy_kwargs=_network(settings.hyper),
         device="cpu",
-        seed=draw_seed(settings.seed, 0),
-        **taken,
+        seed=interval_seed(settings.seed, 0),
+        **{name: settings.hyper[name] for name in _PASSED_ON[settings.algo]},
     )
 
 
-def make_policy(algo: str, hyper: Hyper, observed: Any, commanded: Any) -> BasePolicy:
-    """Return the policy of an algorithm, with weights drawn by chance.
+def make_policy(algo: str, hyper: Mapping[str, Number], observation_space: Any, action_space: Any) -> BasePolicy:
+    """Return the policy network of an algorithm, randomly initialised.
 
     Args:
         algo: The algorithm.
-        hyper: Its hyper-parameters.
-        observed: Gymnasium's space of the observations of an environment.
-        commanded: That of its actions.
+        hyper: Its hyperparameters.
+        observation_space: Gymnasium's dictionary space of the observations.
+        action_space: Gymnasium's space of the actions.
     """
     spaces = {
-        name: VecTransposeImage.transpose_space(part, name) if is_image_space(part) else part
-        for name, part in observed.spaces.items()
+        name: VecTransposeImage.transpose_space(space, name) if is_image_space(space) else space
+        for name, space in observation_space.spaces.items()
     }
-    return _POLICIES[algo](type(observed)(spaces), commanded, lambda _: 0.0, **_network(hyper))
+    network = _network(hyper)
+    return _POLICIES[algo](type(observation_space)(spaces), action_space, lambda _: 0.0, **network)
 
 
-def draw_seed(seed: int, begin: int) -> int:
-    """Return the seed of the interval that begins at some steps."""
-    return int(np.random.SeedSequence([seed, begin]).generate_state(1)[0]) // 2
+def interval_seed(seed: int, start_steps: int) -> int:
+    """Return the seed of the training interval that starts after the given number of steps."""
+    return int(np.random.SeedSequence([seed, start_steps]).generate_state(1)[0]) // 2
 
 
-def begin_interval(agent: BaseAlgorithm, seed: int) -> None:
-    """Let an interval of training begin with every episode anew and all chance from the seed.
+def start_interval(agent: BaseAlgorithm, seed: int) -> None:
+    """Reset all environments and seed all random numbers at the start of a training interval.
 
-    So what is learned in it depends on nothing but the agent's weights and statistics, and on the seed.
+    The outcome of an interval thus depends only on the agent's weights and statistics and on the seed.
     """
-    agent.set_random_seed(draw_seed(seed, agent.num_timesteps))
-    agent._last_obs = None  # Has `learn` reset the environments.
+    agent.set_random_seed(interval_seed(seed, agent.num_timesteps))
+    agent._last_obs = None  # Makes `learn` reset the environments.
 
 
-def set_weights(agent: BaseAlgorithm, known: Mapping[str, Any]) -> None:
-    """Go back to what was learned.
+def set_weights(agent: BaseAlgorithm, weights: Mapping[str, Any]) -> None:
+    """Restore the agent's weights and optimiser states.
 
     Raises:
-        ValueError: If it is that of another agent.
+        ValueError: If they are those of another agent.
     """
-    modules = dict(known)
+    modules = dict(weights)
     variables = modules.pop(VARIABLES, {})
     agent.set_parameters(modules, device="cpu")
     with torch.no_grad():
         for name in _variables(agent):
-            getattr(agent, name).copy_(variables[name])  # In place: an optimiser holds on to it.
+            getattr(agent, name).copy_(variables[name])  # In place: an optimiser holds a reference to it.
 
 
 VARIABLES = "pytorch_variables"
-"""What Stable-Baselines3 calls them in its files."""
+"""Name of these tensors in Stable-Baselines3's files."""
 
 
 def _variables(agent: BaseAlgorithm) -> list[str]:
     return agent._get_torch_save_params()[1]
 
 
-def _network(hyper: Hyper) -> dict[str, Any]:
+def _network(hyper: Mapping[str, Number]) -> dict[str, Any]:
     return {"net_arch": [int(hyper["width"])] * int(hyper["layers"])}

@@ -1,4 +1,4 @@
-"""All that a training goes on from, as one file that is whole or is not there."""
+"""Checkpoints: everything needed to resume a training run, in one file."""
 
 import io
 import json
@@ -15,62 +15,65 @@ from mimoc.errors import TrainingError
 from mimoc.training.agents import set_weights
 from mimoc.training.curve import Curve
 from mimoc.training.policies import DAMAGED, SCALE, read_tensors
-from mimoc.training.worlds import set_statistics
+from mimoc.training.vector_env import set_statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"
 _VECTORS = ("actions", "rewards", "dones", "timeouts")
 _DICTIONARIES = ("observations", "next_observations")
 
 
+UNUSABLE = "checkpoint is damaged; training cannot resume; start over with --force"
+
+
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a training has come."""
+    """Progress of a training run."""
 
     steps: int = 0
-    """Control steps trained for, those of all infants together."""
+    """Control steps trained for, summed over all environments."""
     wall_s: float = 0.0
-    """Time that took."""
+    """Wall time of the training so far."""
     curve: Curve = field(default_factory=Curve)
 
 
 def pack(policy: bytes, agent: BaseAlgorithm, progress: Progress) -> bytes:
-    """Return the file of a training.
+    """Return the content of a checkpoint file.
 
     Args:
-        policy: What `pack_policy` made of the agent; optimisers and statistics are in it.
-        agent: The agent, for what it remembers besides.
-        progress: How far it has come.
+        policy: The policy file from `pack_policy`, which includes optimisers and statistics.
+        agent: The agent, for its replay buffer.
+        progress: Progress of the training.
     """
     content = io.BytesIO(policy)
     with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
         archive.writestr(CURVE, progress.curve.to_csv())
-        if isinstance(memory := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            archive.writestr(REPLAY, _pack_memory(memory), zipfile.ZIP_STORED)
+        if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
+            archive.writestr(REPLAY, _pack_replay_buffer(buffer), zipfile.ZIP_STORED)
     return content.getvalue()
 
 
-def unpack(content: bytes, agent: BaseAlgorithm, world: VecNormalize) -> Progress:
-    """Bring an agent and its world to where they were; return how far that is.
+def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress:
+    """Restore an agent and its environment from a checkpoint file; return the progress at that point.
 
     Raises:
-        TrainingError: If the file is damaged, or of another agent.
+        TrainingError: If the file is damaged or belongs to another agent.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             progress = _progress(archive)
             set_weights(agent, {name[: -len(".pth")]: _tensors(archive, name) for name in _weights(archive)})
-            set_statistics(world, _arrays(archive.read(SCALE)))
+            set_statistics(env, _arrays(archive.read(SCALE)))
             agent.num_timesteps = progress.steps
-            if isinstance(memory := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-                _unpack_memory(memory, _arrays(archive.read(REPLAY)))
+            if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
+                _restore_replay_buffer(buffer, _arrays(archive.read(REPLAY)))
     except DAMAGED:
-        raise TrainingError("it cannot be gone on from, it is damaged; begin anew with --force") from None
+        raise TrainingError(UNUSABLE) from None
     return progress
 
 
 def read_progress(content: bytes) -> Progress:
-    """Return how far a training has come.
+    """Return the progress stored in a checkpoint file.
 
     Raises:
         TrainingError: If the file is damaged.
@@ -79,7 +82,7 @@ def read_progress(content: bytes) -> Progress:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             return _progress(archive)
     except DAMAGED:
-        raise TrainingError("it cannot be gone on from, it is damaged; begin anew with --force") from None
+        raise TrainingError(UNUSABLE) from None
 
 
 def _progress(archive: zipfile.ZipFile) -> Progress:
@@ -100,21 +103,21 @@ def _arrays(content: bytes) -> dict[str, np.ndarray]:
         return dict(file)
 
 
-def _pack_memory(memory: DictReplayBuffer) -> bytes:
-    """Return what an agent remembers of its past steps; room that is not used yet is left out."""
-    used, content = memory.buffer_size if memory.full else memory.pos, io.BytesIO()
-    arrays: dict[str, Any] = {name: getattr(memory, name)[:used] for name in _VECTORS}
+def _pack_replay_buffer(buffer: DictReplayBuffer) -> bytes:
+    """Return the used part of a replay buffer as the content of an .npz file."""
+    used, content = buffer.buffer_size if buffer.full else buffer.pos, io.BytesIO()
+    arrays: dict[str, Any] = {name: getattr(buffer, name)[:used] for name in _VECTORS}
     for kind in _DICTIONARIES:
-        arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(memory, kind).items()}
-    np.savez(content, pos=memory.pos, full=memory.full, **arrays)
+        arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(buffer, kind).items()}
+    np.savez(content, pos=buffer.pos, full=buffer.full, **arrays)
     return content.getvalue()
 
 
-def _unpack_memory(memory: DictReplayBuffer, known: dict[str, np.ndarray]) -> None:
-    used = len(known["rewards"])
+def _restore_replay_buffer(buffer: DictReplayBuffer, saved: dict[str, np.ndarray]) -> None:
+    used = len(saved["rewards"])
     for name in _VECTORS:
-        getattr(memory, name)[:used] = known[name]
+        getattr(buffer, name)[:used] = saved[name]
     for kind in _DICTIONARIES:
-        for name, part in getattr(memory, kind).items():
-            part[:used] = known[f"{kind}.{name}"]
-    memory.pos, memory.full = int(known["pos"]), bool(known["full"])
+        for name, part in getattr(buffer, kind).items():
+            part[:used] = saved[f"{kind}.{name}"]
+    buffer.pos, buffer.full = int(saved["pos"]), bool(saved["full"])

@@ -1,4 +1,4 @@
-"""Learning curves: how well an infant does, by the steps it has been trained for."""
+"""Learning curves: performance as a function of the number of training steps."""
 
 import csv
 import io
@@ -14,8 +14,8 @@ from mimoc.errors import TrainingError
 
 
 @dataclass(frozen=True, slots=True)
-class Finished:
-    """An episode that came to its end while the infant was learning."""
+class FinishedEpisode:
+    """An episode that ended during training."""
 
     total_reward: float
     steps: int
@@ -25,31 +25,31 @@ class Finished:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What happened in the episodes that ended since the row before; means of none are NaN.
+    """Statistics of the episodes that ended since the previous row; the mean of no episodes is NaN.
 
-    An episode that a checkpoint cuts off counts nowhere, so that long ones count a little too seldom; `evaluate` does
-    not have this fault.
+    Episodes that a checkpoint interrupts are not counted, so that long episodes are slightly underrepresented;
+    `evaluate` does not have this bias.
     """
 
     steps: int
-    """Control steps trained for so far, those of all infants together."""
+    """Control steps trained for so far, summed over all environments."""
     episodes: int
-    """That ended."""
+    """Number of episodes that ended."""
     episode_return: float
-    """Mean of the sum of an episode's rewards."""
+    """Mean return per episode."""
     success_rate: float
-    """Share of the episodes in which the goal was reached."""
+    """Fraction of episodes that were successful."""
     episode_steps: float
-    """Mean number of control steps."""
+    """Mean number of control steps per episode."""
     time_to_success_s: float
-    """Mean over the episodes that reached the goal, in simulated time."""
+    """Mean simulated time to success, over the successful episodes."""
     wall_s: float
-    """Time that training took so far; the one number here that another run of the same training does not repeat."""
+    """Wall time of the training so far; the only value here that is not reproducible."""
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A learning curve, row by row."""
+    """A learning curve."""
 
     rows: tuple[Row, ...] = ()
 
@@ -59,15 +59,15 @@ class Curve:
         return self.rows[-1].steps if self.rows else 0
 
     def column(self, name: str) -> npt.NDArray[np.float64]:
-        """Return one number of each row, shape (n,), by the name of a field of `Row`."""
+        """Return one field of `Row`, by name, for all rows, shape (n,)."""
         return np.array([getattr(row, name) for row in self.rows], float)
 
     def columns(self) -> dict[str, npt.NDArray[np.float64]]:
-        """Return all numbers by name, each of shape (n,)."""
+        """Return all fields by name, each of shape (n,)."""
         return {each.name: self.column(each.name) for each in fields(Row)}
 
     def to_csv(self) -> str:
-        """Return it as CSV, no digit lost; what is not known is empty."""
+        """Return the curve as CSV in full precision; NaN is an empty cell."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(each.name for each in fields(Row))
@@ -76,25 +76,25 @@ class Curve:
 
     @classmethod
     def from_csv(cls, text: str) -> Self:
-        """Return what `to_csv` wrote.
+        """Return the curve that `to_csv` wrote.
 
         Raises:
-            TrainingError: If it is something else.
+            TrainingError: If the text is not a learning curve.
         """
         try:
             return cls(tuple(map(_row, csv.DictReader(io.StringIO(text)))))
         except (KeyError, ValueError, TypeError):
-            raise TrainingError("this is no learning curve; give the curve.csv of a training") from None
+            raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
 
-def sum_up(episodes: Sequence[Finished], steps: int, step_s: float, wall_s: float) -> Row:
-    """Return the row of some episodes.
+def summarize(episodes: Sequence[FinishedEpisode], steps: int, step_s: float, wall_s: float) -> Row:
+    """Return the row of a learning curve for the given episodes.
 
     Args:
-        episodes: Those that ended since the row before.
+        episodes: Episodes that ended since the previous row.
         steps: Control steps trained for so far.
-        step_s: A control step.
-        wall_s: Time that training took so far.
+        step_s: Duration of a control step.
+        wall_s: Wall time of the training so far.
     """
     return Row(
         steps=steps,

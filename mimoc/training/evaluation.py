@@ -1,4 +1,4 @@
-"""How well an infant does under a policy, episode by episode."""
+"""Evaluation of a policy, episode by episode."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,60 +14,63 @@ from mimoc.units import ms_to_s
 
 @dataclass(frozen=True, slots=True)
 class Episode:
-    """What happened in one episode."""
+    """The outcome of one episode."""
 
     seed: int
-    """Of its reset."""
+    """Seed of its reset."""
     steps: int
-    """Control steps."""
+    """Number of control steps."""
     duration_s: float
-    """Simulated time; of an episode that reached the goal, the time that took."""
+    """Duration in simulated time; the time to success if the episode was successful."""
     total_reward: float
+    """The return: the sum of all rewards."""
     success: bool
     """Whether the goal was reached."""
     path_m: FloatArray | None
-    """Where what is followed was at the start and after each control step, shape (steps + 1, 3), in the world."""
+    """Positions of the tracked body at the start and after each control step, shape (steps + 1, 3), world frame."""
 
 
 def evaluate(
     env: Any, policy: str | PolicyMaker, episodes: int, seed: int = 0, follow: str | None = None
 ) -> list[Episode]:
-    """Return what happens in some episodes; those of one seed begin alike under every policy.
+    """Run a policy for a number of episodes and return their outcomes.
+
+    Episode i is reset with `seed + i`, so that all policies start from the same initial states.
 
     Args:
-        env: An environment of mimoc's, as `mimoc.make` returns it; it is left open.
-        policy: The name of one, such as `random`, or what `load_policy` returns.
-        episodes: How many.
-        seed: Of the first episode; each has that of the one before plus one.
-        follow: A body of the model, such as `right_fingers`, whose path is kept.
+        env: An environment from `mimoc.make`; it is not closed.
+        policy: Name of a policy, such as `random`, or a trained policy from `load_policy`.
+        episodes: Number of episodes.
+        seed: Seed of the first episode.
+        follow: Name of a body, such as `right_fingers`, whose path is recorded.
 
     Raises:
         UnknownNameError: If there is no such policy or body.
-        PolicyError: If it is the policy of another infant.
-        TrainingError: If the infant's episodes have no end.
+        PolicyError: If the policy does not fit this infant.
+        TrainingError: If the episodes of this infant do not end.
     """
     infant: InfantEnv = env.unwrapped
-    if infant.manifest.task.steps is None:
-        raise TrainingError(f"the episodes of '{infant.manifest.name}' have no end; give its task steps in the spec")
+    if infant.max_steps is None:
+        raise TrainingError(f"the episodes of '{infant.manifest.name}' do not end; set task.steps in its spec")
     bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]
     if follow is not None and follow not in bodies:
         raise UnknownNameError("body of this infant", follow, bodies)
     acting = policy_of(infant, policy)
-    return [_episode(infant, acting, seed + number, follow) for number in range(episodes)]
+    return [_run_episode(infant, acting, seed + number, follow) for number in range(episodes)]
 
 
-def _episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None) -> Episode:
+def _run_episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None) -> Episode:
     generator = np.random.default_rng(seed)
     observation, _ = env.reset(seed=seed)
-    path_m, total, steps, ended, success = [_place(env, follow)], 0.0, 0, False, False
+    path_m, total, steps, ended, success = [_position(env, follow)], 0.0, 0, False, False
     while not ended:
         observation, reward, terminated, truncated, info = env.step(policy(generator, observation))
-        path_m.append(_place(env, follow))
+        path_m.append(_position(env, follow))
         total, steps = total + reward, steps + 1
         ended, success = terminated or truncated, info["is_success"]
     duration_s = ms_to_s(steps * env.manifest.step_ms)
     return Episode(seed, steps, duration_s, total, success, np.array(path_m) if follow else None)
 
 
-def _place(env: InfantEnv, body: str | None) -> FloatArray | None:
+def _position(env: InfantEnv, body: str | None) -> FloatArray | None:
     return env.data.body(body).xpos.copy() if body else None

@@ -1,4 +1,4 @@
-"""Trained policies: one file each, which holds all that is needed to act and nothing that runs when it is read."""
+"""Trained policies: self-contained files that are loaded without running any code from them."""
 
 import io
 import json
@@ -19,40 +19,44 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy
-from mimoc.training.hyper import complete
+from mimoc.training.hyperparameters import complete
 from mimoc.training.settings import Settings
-from mimoc.training.worlds import scaled, statistics
+from mimoc.training.vector_env import normalized_names, statistics
 
 ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "policy.pth"
-"""Of the files in a policy's: what it is of, statistics of what it observes, and the state of its networks. The others
-are Stable-Baselines3's, whose `load` takes the file too; it runs what is in them, while mimoc does not read them."""
+"""The files in a policy archive that mimoc reads: description, statistics of the observations, and weights. The others
+are for Stable-Baselines3, whose `load` accepts the archive too and unpickles them; mimoc never does."""
 VERSION = 1
 DAMAGED = (zipfile.BadZipFile, KeyError, ValueError, TypeError, RuntimeError, EOFError, OSError, MimocError)
-"""What reading a file that is no policy may raise."""
+"""Exceptions that reading a file that is not a policy may raise."""
 
 
 @dataclass(frozen=True)
 class TrainedPolicy:
-    """What an infant does without exploring; the same observation has the same action."""
+    """A deterministic policy: the same observation always gives the same action, without exploration."""
 
     network: BasePolicy
     scale: Mapping[str, np.ndarray]
-    """Mean and deviation of what is put on one scale, by name."""
+    """Mean and standard deviation of each normalised observation, by name."""
     clip: float
-    scaled: Sequence[str]
+    """Absolute value at which normalised observations are clipped."""
+    normalized: Sequence[str]
+    """Names of the observations to normalise."""
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
-        """Return the action on an observation, shape (n,); nothing is drawn by chance."""
-        seen = {name: self._scale(name, part) if name in self.scaled else part for name, part in observation.items()}
-        return self.network.predict(seen, deterministic=True)[0]
+        """Return the action for an observation, shape (n,); *generator* is not used."""
+        inputs = {
+            name: self._normalize(name, part) if name in self.normalized else part for name, part in observation.items()
+        }
+        return self.network.predict(inputs, deterministic=True)[0]
 
-    def _scale(self, name: str, part: np.ndarray) -> np.ndarray:
-        centred = (part - self.scale[f"{name}.mean"]) / self.scale[f"{name}.deviation"]
-        return np.clip(centred, -self.clip, self.clip).astype(np.float32)
+    def _normalize(self, name: str, part: np.ndarray) -> np.ndarray:
+        normalized = (part - self.scale[f"{name}.mean"]) / self.scale[f"{name}.deviation"]
+        return np.clip(normalized, -self.clip, self.clip).astype(np.float32)
 
 
-def pack_policy(agent: BaseAlgorithm, world: VecNormalize, settings: Settings, env: InfantEnv) -> bytes:
-    """Return the file of what an agent has learned, for `load_policy`."""
+def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Settings, env: InfantEnv) -> bytes:
+    """Return the content of an agent's policy file, for `load_policy`."""
     content = io.BytesIO()
     agent.save(content)
     about = {
@@ -60,10 +64,10 @@ def pack_policy(agent: BaseAlgorithm, world: VecNormalize, settings: Settings, e
         "infant": env.manifest.name,
         "steps": agent.num_timesteps,
         "settings": settings.data(),
-        "observes": observed(env),
-        "commands": commanded(env),
+        "observes": describe_observations(env),
+        "commands": commanded_actuators(env),
     }
-    scale, known = io.BytesIO(), dict[str, Any](statistics(world))
+    scale, known = io.BytesIO(), dict[str, Any](statistics(vector_env))
     np.savez(scale, **known)
     with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(ABOUT, json.dumps(about, indent=1))
@@ -72,44 +76,44 @@ def pack_policy(agent: BaseAlgorithm, world: VecNormalize, settings: Settings, e
 
 
 def load_policy(path: str | Path) -> PolicyMaker:
-    """Return what makes the policy in a file act on an environment, for `Run` and `evaluate`.
+    """Load a trained policy; return a function that binds it to an environment, for `Run` and `evaluate`.
 
-    Nothing that a file brings along is run. What is returned raises a PolicyError for an infant with other senses or
-    other muscles than the one that was trained.
+    Loading a policy runs no code from its file. The returned function raises a PolicyError for an infant whose
+    observations or actuators differ from those of the trained infant.
 
     Raises:
-        PolicyError: If it is no policy of mimoc's.
+        PolicyError: If the file is not a policy trained by mimoc.
     """
     path = Path(path).expanduser()
     if not path.is_file():
-        raise PolicyError(f"{path}: there is no such file; name the policy.zip of a training")
+        raise PolicyError(f"{path}: there is no such file; name the policy.zip of a training run")
     try:
         about, statistics_, network = _read(path)
         hyper = complete(about["settings"]["algo"], about["settings"]["hyper"])
     except DAMAGED:
-        raise PolicyError(f"{path}: this is not a policy that mimoc trained, or it is damaged") from None
+        raise PolicyError(f"{path}: not a policy trained by mimoc, or it is damaged") from None
     return lambda env: _bind(path, about, hyper, statistics_, network, env)
 
 
 def read_tensors(content: bytes) -> Any:
-    """Return the tensors in a file of torch's; nothing else that it may hold is taken.
+    """Return the tensors in a file of torch's; anything else in it is refused.
 
     Raises:
-        ValueError: If it holds something else, or is damaged.
+        ValueError: If the file holds anything but tensors, or is damaged.
     """
     try:
         return torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
-    except Exception as error:  # Torch does not say what it raises; on some damage, what it stumbles over.
+    except Exception as error:  # Torch does not document what it raises on damaged files.
         raise ValueError(f"no tensors: {error}") from None
 
 
-def observed(env: InfantEnv) -> dict[str, Any]:
-    """Return the shape and, of numbers, the meaning of each observation, by name."""
+def describe_observations(env: InfantEnv) -> dict[str, Any]:
+    """Return the shape and layout (the meaning of each number; empty for images) of each observation, by name."""
     return {name: {"shape": list(part.shape), "layout": _layout(env, name)} for name, part in _spaces(env).items()}
 
 
-def commanded(env: InfantEnv) -> list[str]:
-    """Return the names of what the action commands, in its order."""
+def commanded_actuators(env: InfantEnv) -> list[str]:
+    """Return the names of the actuators that the action commands, in its order."""
     return [actuator.name for actuator in env.manifest.actuation.actuators if actuator.commanded]
 
 
@@ -117,7 +121,7 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, 
     with zipfile.ZipFile(path) as archive:
         about = json.loads(archive.read(ABOUT))
         if about["policy"] != VERSION:
-            raise PolicyError(f"{path}: this policy is of another version of mimoc")
+            raise PolicyError(f"{path}: this policy was saved by an incompatible version of mimoc")
         with np.load(io.BytesIO(archive.read(SCALE)), allow_pickle=False) as file:
             known = dict(file)
         return about, known, read_tensors(archive.read(WEIGHTS))
@@ -131,52 +135,52 @@ def _bind(
     weights: Mapping[str, torch.Tensor],
     env: InfantEnv,
 ) -> Policy:
-    """Return a policy that fits an environment."""
+    """Return the policy for an environment; raise a PolicyError if it does not fit."""
     differences = [
-        *_differing_senses(about["observes"], observed(env)),
-        *_differing_commands(about["commands"], commanded(env)),
+        *_differing_observations(about["observes"], describe_observations(env)),
+        *_differing_actuators(about["commands"], commanded_actuators(env)),
     ]
     if differences:
-        raise PolicyError(f"{path}: '{about['infant']}' was trained otherwise: {'; '.join(differences)}")
+        raise PolicyError(f"{path}: trained for a different infant, '{about['infant']}': {'; '.join(differences)}")
     network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
-    names = scaled(env.observation_space)
+    names = normalized_names(env.observation_space)
     try:
         network.load_state_dict(weights)
         means = {f"{name}.mean": known[f"{name}.mean"] for name in names}
         floor = hyper["observation_floor"]
         deviations = {f"{name}.deviation": np.sqrt(known[f"{name}.var"] + floor**2) for name in names}
     except (KeyError, RuntimeError):
-        raise PolicyError(f"{path}: this is not a policy that mimoc trained, or it is damaged") from None
+        raise PolicyError(f"{path}: not a policy trained by mimoc, or it is damaged") from None
     network.set_training_mode(False)
     return TrainedPolicy(network, {**means, **deviations}, float(hyper["observation_clip"]), names)
 
 
-def _differing_senses(trained: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    found = [f"it observed '{name}', which there is none of here" for name in trained.keys() - here.keys()]
-    found += [f"it did not observe '{name}'" for name in here.keys() - trained.keys()]
+def _differing_observations(trained: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
+    found = [f"observation '{name}' is missing here" for name in trained.keys() - here.keys()]
+    found += [f"observation '{name}' was not there in training" for name in here.keys() - trained.keys()]
     for name in sorted(trained.keys() & here.keys()):
         if (then := trained[name]["shape"]) != (now := here[name]["shape"]):
-            found.append(f"'{name}' had the shape {_shape(then)}, here it has {_shape(now)}")
+            found.append(f"'{name}' had shape {_shape(then)} in training and has {_shape(now)} here")
         else:
             found += _first_difference(f"'{name}'", trained[name]["layout"], here[name]["layout"])
     return sorted(found)
 
 
-def _differing_commands(trained: Sequence[str], here: Sequence[str]) -> list[str]:
+def _differing_actuators(trained: Sequence[str], here: Sequence[str]) -> list[str]:
     if len(trained) != len(here):
-        return [f"it commanded {len(trained)} actuators, here are {len(here)}"]
+        return [f"the action commanded {len(trained)} actuators in training and commands {len(here)} here"]
     return _first_difference("the action", trained, here)
 
 
 def _first_difference(what: str, trained: Sequence[str], here: Sequence[str]) -> list[str]:
     for number, (then, now) in enumerate(zip(trained, here, strict=False)):
         if then != now:
-            return [f"number {number} of {what} was {then}, here it is {now}"]
+            return [f"element {number} of {what} was {then} in training and is {now} here"]
     return []
 
 
 def _shape(sizes: Sequence[int]) -> str:
-    return f"({', '.join(map(str, sizes))})"
+    return str(tuple(sizes))
 
 
 def _spaces(env: InfantEnv) -> Mapping[str, Any]:
@@ -187,5 +191,5 @@ def _spaces(env: InfantEnv) -> Mapping[str, Any]:
 def _layout(env: InfantEnv, name: str) -> list[str]:
     try:
         return list(env.layout(name))
-    except UnknownNameError:  # A picture, or what a task adds.
+    except UnknownNameError:  # An image, or an observation of the task.
         return []

@@ -1,4 +1,4 @@
-"""The folder of a training: what it began with, where it stands, what came of it; whole whenever it is looked at."""
+"""The folder of a training run: settings, checkpoints, policy and learning curve, each written atomically."""
 
 import fcntl
 import json
@@ -15,7 +15,7 @@ from shutil import rmtree
 from typing import Any
 
 from mimoc.bundle.files import write_file
-from mimoc.bundle.folder import LOCK, Bundle, write_bundle
+from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.errors import OutputError, TrainingError
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
@@ -27,12 +27,12 @@ LIBRARIES = ("mujoco", "gymnasium", "numpy", "torch", "stable_baselines3")
 
 @dataclass(frozen=True, slots=True)
 class RunFolder:
-    """A folder that one training has to itself."""
+    """The folder of one training run, locked against other processes."""
 
     path: Path
 
-    def state(self) -> bytes | None:
-        """Return what the training goes on from, if there is anything yet."""
+    def read_checkpoint(self) -> bytes | None:
+        """Return the checkpoint to resume from, None if there is none yet."""
         try:
             return (self.path / STATE).read_bytes()
         except FileNotFoundError:
@@ -40,8 +40,8 @@ class RunFolder:
         except OSError as error:
             raise TrainingError(f"{self.path / STATE}: cannot be read ({error.strerror})") from None
 
-    def keep(self, steps: int, policy: bytes, state: bytes) -> None:
-        """Write a checkpoint; the state comes last, for what else there is can be made again from the one before.
+    def write_checkpoint(self, steps: int, policy: bytes, state: bytes) -> None:
+        """Write a policy and a checkpoint; the checkpoint last, as the rest can be recomputed from the previous one.
 
         Raises:
             OutputError: If a file cannot be written.
@@ -50,7 +50,7 @@ class RunFolder:
         write_file(self.path / POLICY, policy)
         write_file(self.path / STATE, state)
 
-    def show(self, csv: str) -> None:
+    def write_curve(self, csv: str) -> None:
         """Write the learning curve.
 
         Raises:
@@ -58,8 +58,8 @@ class RunFolder:
         """
         write_file(self.path / CURVE, csv.encode())
 
-    def draw(self, png: bytes) -> None:
-        """Write the picture of the learning curve.
+    def write_plot(self, png: bytes) -> None:
+        """Write the plot of the learning curve.
 
         Raises:
             OutputError: If the file cannot be written.
@@ -68,24 +68,24 @@ class RunFolder:
 
 
 @contextmanager
-def claim(out: str | Path, settings: Settings, bundle: Bundle, *, force: bool) -> Iterator[RunFolder]:
-    """Take a folder for a training: a new one, an empty one, or that of this very training, which then goes on.
+def open_run_folder(out: str | Path, settings: Settings, bundle: Bundle, *, force: bool) -> Iterator[RunFolder]:
+    """Open and lock the folder of a training run: a new or empty folder, or that of the same run, to resume it.
 
     Args:
         out: The folder.
-        settings: How the infant is trained.
-        bundle: Which infant.
-        force: Begin anew what was begun in it, also with other settings.
+        settings: Settings of the training run.
+        bundle: The infant.
+        force: Discard the training run in the folder, even one with other settings.
 
     Raises:
-        TrainingError: If there is something else in the folder, or another process is training in it.
-        OutputError: If it cannot be written.
+        TrainingError: If the folder holds anything else, or another process is training in it.
+        OutputError: If the folder cannot be written.
     """
     path = Path(out).expanduser()
-    _refuse_what_is_no_run(path)
-    began = _read_run(path)
-    if began is not None and not force:
-        _refuse_another_training(path, began, settings, bundle)
+    _check_is_run_folder(path)
+    previous = _read_run(path)
+    if previous is not None and not force:
+        _check_same_run(path, previous, settings, bundle)
     try:
         (path / CHECKPOINTS).mkdir(parents=True, exist_ok=True)
         handle = os.open(path, os.O_RDONLY)
@@ -93,25 +93,25 @@ def claim(out: str | Path, settings: Settings, bundle: Bundle, *, force: bool) -
         raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
     try:
         _lock(handle, path)
-        _sweep(path)
+        _remove_leftovers(path)
         if force:
             _clear(path)
-        _describe(path, began if not force else None, settings, bundle)
+        _write_description(path, previous if not force else None, settings, bundle)
         yield RunFolder(path)
     finally:
         os.close(handle)
 
 
-def _refuse_what_is_no_run(path: Path) -> None:
-    """Refuse a file, and a folder in which something else is kept."""
+def _check_is_run_folder(path: Path) -> None:
+    """Raise a TrainingError for a file, and for a folder with other content."""
     if os.path.lexists(path) and not path.is_dir():
         raise TrainingError(f"{path}: this is a file; name a new folder")
     try:
-        inside = {each.name for each in path.iterdir() if each not in _left(path)} if path.is_dir() else set()
+        inside = {each.name for each in path.iterdir() if each not in _leftovers(path)} if path.is_dir() else set()
     except OSError as error:
         raise TrainingError(f"{path}: cannot be read ({error.strerror}); choose another folder") from None
     if inside - {CHECKPOINTS} and RUN not in inside:
-        raise TrainingError(f"{path}: this folder is not that of a training; name a new or empty one")
+        raise TrainingError(f"{path}: not the folder of a training run; name a new or empty folder")
 
 
 def _read_run(path: Path) -> dict[str, Any] | None:
@@ -122,36 +122,36 @@ def _read_run(path: Path) -> dict[str, Any] | None:
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError):
-        raise TrainingError(f"{path / RUN}: it is damaged; name another folder") from None
+        raise TrainingError(f"{path / RUN}: file is damaged; name another folder") from None
     return run
 
 
-def _refuse_another_training(path: Path, began: dict[str, Any], settings: Settings, bundle: Bundle) -> None:
-    """Refuse to go on with other settings or another infant; with more steps is fine."""
-    differences = settings.differences(Settings.from_data(began["settings"]))
-    if began["bundle"] != _digest(bundle):
+def _check_same_run(path: Path, previous: dict[str, Any], settings: Settings, bundle: Bundle) -> None:
+    """Raise a TrainingError for other settings (except more steps) or another infant than those of the run."""
+    differences = settings.differences(Settings.from_data(previous["settings"]))
+    if previous["bundle"] != _digest(bundle):
         differences.append("another infant")
     if differences:
-        advice = "go on as it was begun, name another folder, or begin anew with --force"
-        raise TrainingError(f"{path}: the training here was begun with {'; '.join(differences)}; {advice}")
+        advice = "use the same settings to resume it, name another folder, or start over with --force"
+        raise TrainingError(f"{path}: the training run here was started with {'; '.join(differences)}; {advice}")
 
 
 def _lock(handle: int, path: Path) -> None:
-    """Hold a folder until its handle is closed, by this process or by its end."""
+    """Lock a folder until its handle is closed or this process ends."""
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise TrainingError(f"{path}: another process is training here; wait for it or name another folder") from None
 
 
-def _sweep(path: Path) -> None:
-    """Remove what was being written when a training was killed."""
-    for left in _left(path) + _left(path / CHECKPOINTS):
+def _remove_leftovers(path: Path) -> None:
+    """Remove temporary files of a run that was killed."""
+    for leftover in _leftovers(path) + _leftovers(path / CHECKPOINTS):
         with suppress(OSError):
-            left.unlink()
+            leftover.unlink()
 
 
-def _left(folder: Path) -> list[Path]:
+def _leftovers(folder: Path) -> list[Path]:
     return list(folder.glob(".mimoc-*.tmp"))
 
 
@@ -163,13 +163,13 @@ def _clear(path: Path) -> None:
     rmtree(path / BUNDLE, ignore_errors=True)
 
 
-def _describe(path: Path, began: dict[str, Any] | None, settings: Settings, bundle: Bundle) -> None:
-    """Write down what is trained, how and with what; software that has changed since is added."""
-    sessions = began["sessions"] if began else []
+def _write_description(path: Path, previous: dict[str, Any] | None, settings: Settings, bundle: Bundle) -> None:
+    """Write the bundle, the settings and the software versions; versions that have changed are appended."""
+    sessions = previous["sessions"] if previous else []
     if not sessions or sessions[-1] != _versions():
         sessions = [*sessions, _versions()]
-    if began:  # It may be done, and be asked for less.
-        settings = replace(settings, steps=max(settings.steps, began["settings"]["steps"]))
+    if previous:  # A finished run may be called again with fewer steps.
+        settings = replace(settings, steps=max(settings.steps, previous["settings"]["steps"]))
     run = {
         "run": 1,
         "command": shlex.join(["mimoc", "train", BUNDLE, "-o", "NEW", *settings.options()]),

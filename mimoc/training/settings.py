@@ -1,85 +1,96 @@
-"""How a training is done: all that, with the bundle, decides what is learned."""
+"""Settings of a training run, which together with the bundle determine its result."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
 from typing import Any, Self
 
 from mimoc.errors import TrainingError
-from mimoc.training.hyper import KNOBS, Number, complete
+from mimoc.training.hyperparameters import HYPERPARAMETERS, Number, complete
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """All choices of a training, none left open."""
+    """All settings of a training run, with defaults filled in."""
 
     algo: str
     steps: int
-    """Control steps to train for, those of all infants together; the last round of learning is done whole."""
+    """Control steps to train for, summed over all environments; the last rollout is completed."""
     seed: int
     envs: int
-    """How many infants act at a time."""
+    """Number of parallel environments."""
     checkpoint_every: int
-    """Control steps from one checkpoint to the next, in whole rounds of learning."""
+    """Control steps between checkpoints, rounded up to whole rollouts."""
     hyper: Mapping[str, Number] = field(default_factory=dict)
+    custom: Mapping[str, str] = field(default_factory=dict)
+    """Classes of the objects that a script passed, as `module:Class`, by `task` or `senses.<name>`."""
 
     @classmethod
     def choose(
-        cls, algo: str, steps: int, seed: int, envs: int, checkpoint_every: int, hyper: Mapping[str, Number]
+        cls,
+        algo: str,
+        steps: int,
+        seed: int,
+        envs: int,
+        checkpoint_every: int,
+        hyper: Mapping[str, Number],
+        custom: Mapping[str, str] = MappingProxyType({}),
     ) -> Self:
-        """Return settings with every hyper-parameter in place.
+        """Return settings with defaults for the hyperparameters that are not given.
 
         Raises:
-            UnknownNameError: If there is no such algorithm or hyper-parameter.
-            TrainingError: If a value is out of its range, or two do not go together.
+            UnknownNameError: If there is no such algorithm or hyperparameter.
+            TrainingError: If a value is out of range, or two values are incompatible.
         """
         for name, value in {"steps": steps, "envs": envs, "checkpoint_every": checkpoint_every}.items():
             if value < 1:
-                raise TrainingError(f"{name}: {value} is too few; give 1 or more")
+                raise TrainingError(f"{name}: expected at least 1, got {value}")
         if seed < 0:
-            raise TrainingError(f"seed: {seed} is below zero; give a whole number from 0 on")
-        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper))
-        if algo == "ppo" and chosen.round_steps % chosen.hyper["batch_size"]:
+            raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
+        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom))
+        if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
-                f"a round of {chosen.round_steps} steps (n_steps x envs) is not a whole number of batches of "
+                f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
                 f"{chosen.hyper['batch_size']}; choose a batch_size that divides it"
             )
         return chosen
 
     @property
-    def round_steps(self) -> int:
-        """Control steps of all infants between two rounds of learning."""
+    def rollout_steps(self) -> int:
+        """Control steps of a rollout, after which the policy is updated, summed over all environments."""
         return self.envs * int(self.hyper.get("n_steps", 1))
 
-    def end_of_interval(self, begin: int) -> int:
-        """Return the steps at which the interval that begins at some steps ends, in whole rounds."""
-        wanted = min(begin + self.checkpoint_every, max(self.steps, begin + 1))
-        return -(-wanted // self.round_steps) * self.round_steps
+    def end_of_interval(self, start_steps: int) -> int:
+        """Return the number of steps at the end of the interval that starts at *start_steps*, in whole rollouts."""
+        wanted = min(start_steps + self.checkpoint_every, max(self.steps, start_steps + 1))
+        return -(-wanted // self.rollout_steps) * self.rollout_steps
 
     def data(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the settings as a dictionary for JSON."""
         return asdict(self)
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Return what `data` returned as it was."""
+        """Return the settings from such a dictionary."""
         return cls(**data)
 
     def differences(self, other: Self) -> list[str]:
-        """Return what is not as in *other*, each as a phrase; it may have other steps."""
+        """Return the settings that differ from *other*, each as a phrase; `steps` may differ."""
         mine, theirs = _flat(self), _flat(other)
         names = [name for name in mine.keys() | theirs.keys() if mine.get(name) != theirs.get(name)]
-        return [f"{name} {theirs.get(name, 'nothing')}, not {mine.get(name, 'nothing')}" for name in sorted(names)]
+        return [f"{name} {theirs.get(name, 'unset')}, not {mine.get(name, 'unset')}" for name in sorted(names)]
 
     def options(self) -> list[str]:
-        """Return the options of `mimoc train` that say the same."""
-        told = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
-        told += ["--checkpoint-every", str(self.checkpoint_every)]
-        defaults = KNOBS[self.algo]
+        """Return the options of `mimoc train` that give these settings."""
+        options = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
+        options += ["--checkpoint-every", str(self.checkpoint_every)]
+        options += ["--task", self.custom["task"]] if "task" in self.custom else []
+        defaults = HYPERPARAMETERS[self.algo]
         changed = {name: value for name, value in self.hyper.items() if value != defaults[name].default}
-        return told + [part for name, value in changed.items() for part in ("--set", f"{name}={value!r}")]
+        return options + [part for name, value in changed.items() for part in ("--set", f"{name}={value!r}")]
 
 
 def _flat(settings: Settings) -> dict[str, Any]:
     data = settings.data()
     del data["steps"]
-    return {**data.pop("hyper"), **data}
+    return {**data.pop("hyper"), **data.pop("custom"), **data}

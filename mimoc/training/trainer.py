@@ -1,51 +1,55 @@
-"""Train an infant, interval by interval, so that it can be interrupted at any time."""
+"""Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.errors import TrainingError
 from mimoc.render.plots.learning import curves_png, draw_curves
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.training.agents import begin_interval, make_agent
-from mimoc.training.checkpoint import Progress, pack, read_progress, unpack
+from mimoc.training.agents import make_agent, start_interval
+from mimoc.training.checkpoint import Progress, pack, read_progress, restore
 from mimoc.training.curve import Curve
-from mimoc.training.hyper import Number
+from mimoc.training.hyperparameters import Number
 from mimoc.training.policies import pack_policy
 from mimoc.training.recorder import Recorder
-from mimoc.training.run_folder import POLICY, STATE, RunFolder, claim
+from mimoc.training.run_folder import POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import Settings
-from mimoc.training.worlds import check_learnable, open_world
+from mimoc.training.vector_env import check_learnable, make_vector_env
 from mimoc.units import ms_to_s
 
 Source = Bundle | InfantSpec | str | Path
-Tell = Callable[[int, int], None]
+ProgressCallback = Callable[[int, int], None]
+"""Called with the number of steps done and their total."""
 
 STEPS = 500_000
-"""As many as the paper trains for."""
+"""Training steps in the paper."""
 ENVS = 8
 CHECKPOINT_EVERY = 20_480
-DRAW_EVERY_S = 20.0
-"""How often the picture of the curve is drawn again, which takes longer than a checkpoint."""
+PLOT_EVERY_S = 20.0
+"""Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
 
 
 @dataclass(frozen=True, slots=True)
 class Training:
-    """What came of a training."""
+    """The result of a training run."""
 
     curve: Curve
     policy: Path
-    """The file of the policy, for `load_policy`."""
-    began_at: int
-    """Control steps that had been trained for before: more than 0 if it was gone on with."""
+    """File of the trained policy, for `load_policy`."""
+    resumed_at: int
+    """Control steps at which the run was resumed; 0 if it was not."""
 
 
 def train(
@@ -60,109 +64,136 @@ def train(
     hyper: Mapping[str, Number] | None = None,
     processes: bool | None = None,
     force: bool = False,
-    progress: Tell | None = None,
+    progress: ProgressCallback | None = None,
+    task: Any = None,
+    senses: Mapping[str, Any] | None = None,
 ) -> Training:
-    """Train an infant, or go on with a training that was interrupted; one that is done is only read.
+    """Train a policy, or resume an interrupted training run; a finished run is only read.
 
-    What is learned follows from bundle and settings, bit for bit on one kind of machine with the same software,
-    also if the training is killed and gone on with: each interval between two checkpoints begins with all episodes
-    anew and with chance of its own. A training that is given more steps once it is done goes on where it ended.
-    It uses the random numbers and one thread of torch, and takes numpy's global random numbers.
+    Bundle and settings determine the result, to the bit on the same type of machine with the same software, even if
+    the run is killed and resumed: each interval between two checkpoints starts with all environments reset and with a
+    seed of its own. A finished run that is given more steps continues where it ended.
+    Training sets torch's random state and limits torch to one thread, and sets numpy's global random state.
 
     Args:
-        source: A bundle, the folder of one, or a spec; a path that ends in .yaml or .yml is that of a spec.
-        out: The folder of the training: new, empty, or with this training in it.
+        source: A bundle, a bundle folder, or a spec; a path that ends in .yaml or .yml is that of a spec.
+        out: Folder of the training run: new, empty, or that of the same run.
         algo: `ppo` or `sac`.
-        steps: Control steps of all infants together, in whole rounds of learning.
-        seed: Of all chance.
-        envs: How many infants act at a time.
-        checkpoint_every: Control steps from one checkpoint to the next; at most so many are lost by a kill.
-        hyper: Hyper-parameters to choose otherwise than `mimoc.training.hyper` does.
-        processes: Whether each infant acts in a process of its own; None is where that pays. The same is learned.
-            A script that says True needs `if __name__ == "__main__":`.
-        force: Begin anew what is in the folder.
-        progress: Is told how many steps are done, and of how many.
+        steps: Control steps, summed over all environments; the last rollout is completed.
+        seed: Random seed.
+        envs: Number of parallel environments.
+        checkpoint_every: Control steps between checkpoints: the most that a kill can lose.
+        hyper: Hyperparameters that differ from the defaults in `mimoc.training.hyperparameters`.
+        processes: Whether to run each environment in a process of its own; None chooses what is faster. The result
+            is the same. A script that passes True needs `if __name__ == "__main__":`.
+        force: Discard the training run in the folder and start over.
+        progress: Called with the number of steps done and their total.
+        task: An object whose rewards replace those of the task in the bundle, as for `mimoc.make`.
+        senses: Objects to sense with, by name, as for `mimoc.make`. The folder keeps only the names of the classes of
+            these objects: pass them again to resume the run.
 
     Raises:
-        SpecError: If a spec cannot be built.
-        BundleError: If a folder is not a whole bundle.
-        UnknownNameError: If there is no such algorithm or hyper-parameter.
-        TrainingError: If a setting is out of its range, or another training or something else is in the folder.
+        SpecError: If the spec cannot be built.
+        BundleError: If the folder is not an intact bundle.
+        UnknownNameError: If there is no such algorithm or hyperparameter.
+        TrainingError: If a setting is out of range, or the folder holds another training run or anything else.
         OutputError: If a file cannot be written.
         MissingExtraError: If matplotlib is not installed.
     """
-    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {})
+    custom = _class_names(task, senses or {})
+    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom)
     bundle = pipeline.compiled(source)
+    open_env = partial(_open_one, bundle, task, senses or {})
     check_learnable(bundle)
-    draw_curves({})  # That matplotlib is missing had better be said now than after hours.
-    tell = progress or (lambda done, total: None)
-    with claim(out, settings, bundle, force=force) as folder:
-        before = _before(folder)
-        known = before
+    draw_curves({})  # Fails now, not after hours of training, if matplotlib is missing.
+    report = progress or (lambda done, total: None)
+    with open_run_folder(out, settings, bundle, force=force) as folder:
+        before = _read_progress(folder)
+        reached = before
         if before.steps < steps:
-            with _one_thread(), _open(bundle, settings, processes) as (agent, world):
-                known = _go_on(folder, agent, world, settings, bundle, tell)
-        folder.show(known.curve.to_csv())
-        folder.draw(_picture(known))
-    return Training(known.curve, folder.path / POLICY, before.steps)
+            with _one_thread(), _open(open_env, settings, processes) as (agent, env):
+                reached = _train_to_end(folder, agent, env, settings, open_env, report)
+        folder.write_curve(reached.curve.to_csv())
+        folder.write_plot(_plot(reached))
+    return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
-def _before(folder: RunFolder) -> Progress:
-    """Return how far the training in a folder has come."""
-    state = folder.state()
-    with _of(folder):
-        return Progress() if state is None else read_progress(state)
+def _open_one(bundle: Bundle, task: Any, senses: Mapping[str, Any]) -> InfantEnv:
+    """Open one of the parallel environments, with copies of a script's objects of its own."""
+    return InfantEnv(bundle, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
 
-def _go_on(
-    folder: RunFolder, agent: BaseAlgorithm, world: VecNormalize, settings: Settings, bundle: Bundle, tell: Tell
+def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
+    """Return the class of each object that was passed, as `module:Class`."""
+    objects = {f"senses.{name}": sense for name, sense in senses.items()} | ({} if task is None else {"task": task})
+    return {name: f"{type(each).__module__}:{type(each).__qualname__}" for name, each in objects.items()}
+
+
+def _read_progress(folder: RunFolder) -> Progress:
+    """Return the progress of the training run in a folder."""
+    checkpoint = folder.read_checkpoint()
+    with _naming_checkpoint_of(folder):
+        return Progress() if checkpoint is None else read_progress(checkpoint)
+
+
+def _train_to_end(
+    folder: RunFolder,
+    agent: BaseAlgorithm,
+    env: VecNormalize,
+    settings: Settings,
+    open_env: Callable[[], InfantEnv],
+    report: ProgressCallback,
 ) -> Progress:
-    """Train from where a folder stands to the end, a checkpoint after each interval."""
-    state, known, drawn_s = folder.state(), Progress(), 0.0
-    if state is not None:
-        with _of(folder):
-            known = unpack(state, agent, world)
-    infant = InfantEnv(bundle)
+    """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
+    checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
+    if checkpoint is not None:
+        with _naming_checkpoint_of(folder):
+            reached = restore(checkpoint, agent, env)
+    infant = open_env()
     try:
-        while known.steps < settings.steps:
-            known = _interval(agent, settings, known, ms_to_s(bundle.manifest.step_ms), tell)
-            policy = pack_policy(agent, world, settings, infant)
-            folder.keep(known.steps, policy, pack(policy, agent, known))
-            folder.show(known.curve.to_csv())
-            if known.wall_s > drawn_s + DRAW_EVERY_S:
-                folder.draw(_picture(known))
-                drawn_s = known.wall_s
+        while reached.steps < settings.steps:
+            reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
+            policy = pack_policy(agent, env, settings, infant)
+            folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
+            folder.write_curve(reached.curve.to_csv())
+            if reached.wall_s > plotted_s + PLOT_EVERY_S:
+                folder.write_plot(_plot(reached))
+                plotted_s = reached.wall_s
     finally:
         infant.close()
-    return known
+    return reached
 
 
-def _interval(agent: BaseAlgorithm, settings: Settings, before: Progress, step_s: float, tell: Tell) -> Progress:
+def _train_interval(
+    agent: BaseAlgorithm, settings: Settings, before: Progress, step_s: float, report: ProgressCallback
+) -> Progress:
     """Train from one checkpoint to the next."""
-    recorder = Recorder(before, step_s, lambda done: tell(min(done, settings.steps), settings.steps))
-    begin_interval(agent, settings.seed)
+    recorder = Recorder(before, step_s, lambda done: report(min(done, settings.steps), settings.steps))
+    start_interval(agent, settings.seed)
     agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
     return recorder.progress()
 
 
-def _picture(known: Progress) -> bytes:
-    return curves_png({"": [known.curve.columns()]})
+def _plot(progress: Progress) -> bytes:
+    return curves_png({"": [progress.curve.columns()]})
 
 
 @contextmanager
-def _open(bundle: Bundle, settings: Settings, processes: bool | None) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
-    """Open the infants of a training and the agent that learns from them."""
-    world = open_world(bundle, settings, processes)
+def _open(
+    open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None
+) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
+    """Open the parallel environments and make the agent."""
+    env = make_vector_env(open_env, settings, processes)
     try:
-        yield make_agent(world, settings), world
+        yield make_agent(env, settings), env
     finally:
-        with suppress(EOFError, OSError):  # After Ctrl-C, which ends their processes too.
-            world.close()
+        with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
+            env.close()
 
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Let torch compute on one thread: with networks as small as these the faster way, and on any machine the same."""
+    """Limit torch to one thread: faster for networks this small, and the same result on machines of any size."""
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
@@ -172,8 +203,8 @@ def _one_thread() -> Iterator[None]:
 
 
 @contextmanager
-def _of(folder: RunFolder) -> Iterator[None]:
-    """Say of what folder an error tells."""
+def _naming_checkpoint_of(folder: RunFolder) -> Iterator[None]:
+    """Add the path of the checkpoint to an error."""
     try:
         yield
     except TrainingError as error:

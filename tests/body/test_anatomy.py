@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from mimoc.body import assemble, grow
-from mimoc.body.mass import volume
 from mimoc.fits import measure
+from mimoc.geometry.primitives import volume
 
 ACTUATORS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
 

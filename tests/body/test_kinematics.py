@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.body import assemble, grow
-from mimoc.body.kinematics import axis_matrix, euler_matrix, pose, reach
-from mimoc.body.tree import Geom
+from mimoc.body.kinematics import pose
 from mimoc.fits import measure
 
 TREES = {hands: grow(measure(9), assemble(hands, False)) for hands in ("mitten", "five_finger")}
@@ -45,39 +44,7 @@ def test_a_standing_body_reaches_as_far_as_its_compiled_geoms(hands, direction, 
     assert pose(tree, {}).extent(unit) == pytest.approx(farthest_m - hip_m, abs=1e-7)
 
 
-def geom(kind, *size_m: float) -> Geom:
-    still = (0.0, 0.0, 0.0)
-    return Geom("solid", kind, size_m, still, still, mass_kg=1, friction=still, contype=1, conaffinity=1, condim=3)
-
-
-DIAGONAL = 1 / np.sqrt(3)
-REACHES = {
-    "a ball, its radius": (geom("sphere", 0.1), (1, 0, 0), 0.1),
-    "a capsule, its axis and cap": (geom("capsule", 0.1, 0.3), (0, 0, 1), 0.4),
-    "a capsule across, its radius": (geom("capsule", 0.1, 0.3), (1, 0, 0), 0.1),
-    "a cylinder, its axis": (geom("cylinder", 0.1, 0.3), (0, 0, -1), 0.3),
-    "a cylinder across, its radius": (geom("cylinder", 0.1, 0.3), (0, 1, 0), 0.1),
-    "a cylinder at a slant, its rim": (geom("cylinder", 0.1, 0.3), (0.6, 0, 0.8), 0.3),
-    "a box, its corner": (geom("box", 0.1, 0.2, 0.3), (DIAGONAL, -DIAGONAL, DIAGONAL), 0.6 * DIAGONAL),
-}
-
-
-@pytest.mark.parametrize("case", REACHES)
-def test_a_geom_reaches(case):
-    solid, direction, wanted_m = REACHES[case]
-    assert reach([solid], np.array([direction])) == pytest.approx([wanted_m])
-
-
 def test_only_what_collides_is_solid():
     """The neck only fills a gap."""
     standing = pose(TREE, {})
     assert {geom.name for geom in standing.geoms} - {geom.name for geom in standing.solid.geoms} == {"neck"}
-
-
-def test_euler_angles_are_intrinsic_x_y_z():
-    assert euler_matrix((90, 90, 0)) @ (0, 0, 1) == pytest.approx([1, 0, 0])
-    assert euler_matrix((0, 0, 90)) @ (1, 0, 0) == pytest.approx([0, 1, 0])
-
-
-def test_an_axis_need_not_be_of_unit_length():
-    assert axis_matrix((0, 0, -4), np.pi / 2) == pytest.approx(axis_matrix((0, 0, -1), np.pi / 2))

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import mimoc
 from mimoc.body import assemble, grow_child, measure_child
-from mimoc.body.mass import volume
 from mimoc.fits import measure
+from mimoc.geometry.primitives import volume
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import LIMB_BODIES, LIMB_MEASUREMENTS, MEASUREMENTS, TRUNK_BODIES
 

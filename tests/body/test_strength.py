@@ -3,8 +3,8 @@
 import pytest
 
 from mimoc.body import assemble, grow
-from mimoc.body.mass import volume
 from mimoc.fits import measure
+from mimoc.geometry.primitives import volume
 
 COUNTS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
 

@@ -1,4 +1,4 @@
-"""A bundle is whole, and is what was written, or is refused; writing one is all or nothing."""
+"""A bundle that is read is intact, or it is refused; a bundle is written all or nothing."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.bundles import ONE, TWO, contents
 
-from mimoc.bundle.folder import (
+from mimoc.bundle.io import (
     LOCK,
     MANIFEST,
     MAX_LOCK_BYTES,
@@ -88,7 +88,7 @@ def test_every_file_that_is_wrong_is_named(out):
 
 
 @pytest.mark.parametrize("name", sorted(ONE.files.keys() - {LOCK}))
-def test_no_file_is_unguarded(out, name):
+def test_a_change_of_any_file_is_found(out, name):
     write_bundle(ONE, out)
     (out / name).write_bytes(ONE.files[name] + b" ")
     with pytest.raises(BundleError, match=f"{name} was changed"):
@@ -96,8 +96,8 @@ def test_no_file_is_unguarded(out, name):
 
 
 @pytest.mark.parametrize("replace", [os.mkdir, os.mkfifo, lambda path: os.symlink(path, path)])
-def test_a_file_that_is_no_file_any_more_is_missing(out, replace):
-    """And a pipe does not make the reader wait."""
+def test_a_path_that_is_no_longer_a_file_is_missing(out, replace):
+    """A named pipe, too, which the reader does not wait for."""
     write_bundle(ONE, out)
     (out / "infant.xml").unlink()
     replace(out / "infant.xml")
@@ -105,7 +105,7 @@ def test_a_file_that_is_no_file_any_more_is_missing(out, replace):
         read_bundle(out)
 
 
-def test_foreign_files_are_passed_over_but_do_not_survive_force(out):
+def test_files_outside_the_lock_are_ignored_but_do_not_survive_force(out):
     """`--force` replaces the folder as a whole."""
     write_bundle(ONE, out)
     (out / "notes.txt").write_text("mine")
@@ -117,12 +117,12 @@ def test_foreign_files_are_passed_over_but_do_not_survive_force(out):
 # What is no bundle is refused.
 
 
-def test_a_folder_that_is_not_there_says_how_to_build_one(tmp_path):
+def test_the_error_for_a_missing_folder_says_how_to_build_a_bundle(tmp_path):
     with pytest.raises(BundleError, match=r"nothing: there is no such folder; build one there with 'mimoc build SPEC"):
         read_bundle(tmp_path / "nothing")
 
 
-def test_a_file_or_a_folder_of_other_things_is_no_bundle(tmp_path):
+def test_a_file_or_another_folder_is_not_a_bundle(tmp_path):
     (tmp_path / "infant.xml").write_text("<mujoco/>")
     with pytest.raises(BundleError, match="there is no such folder"):
         read_bundle(tmp_path / "infant.xml")
@@ -157,7 +157,7 @@ def test_a_folder_with_a_damaged_lock_is_neither_read_nor_replaced(out, lock):
     write_bundle(ONE, out)
     (out / LOCK).write_bytes(lock)
     before = contents(out)
-    with pytest.raises(BundleError, match=r"its lock.json is damaged; remove the folder and build it again$"):
+    with pytest.raises(BundleError, match=r"lock.json is damaged; remove the folder and build it again$"):
         read_bundle(out)
     with pytest.raises(BundleError, match="is not a bundle and is never replaced"):
         write_bundle(TWO, out, force=True)
@@ -165,7 +165,7 @@ def test_a_folder_with_a_damaged_lock_is_neither_read_nor_replaced(out, lock):
 
 
 @pytest.mark.parametrize("digest", ["", "sha256:", None, 7, ["sha256:0"]])
-def test_a_lock_with_an_odd_digest_matches_no_file(out, digest):
+def test_a_lock_with_an_invalid_digest_matches_no_file(out, digest):
     write_bundle(ONE, out)
     lock = json.loads(ONE.files[LOCK])
     lock["files"]["infant.xml"] = digest
@@ -175,12 +175,12 @@ def test_a_lock_with_an_odd_digest_matches_no_file(out, digest):
 
 
 @pytest.mark.parametrize("manifest", [b"{}", b'{"manifest": 2}', b"[]", b"\xff", b"", b"[" * 200_000])
-def test_a_manifest_of_another_version_is_refused_in_words(out, manifest):
+def test_a_manifest_of_another_version_is_refused_with_a_clear_error(out, manifest):
     files = {"infant.xml": b"", MANIFEST: manifest}
     (out / "assets").mkdir(parents=True)
     for name, content in {**files, LOCK: json.dumps({"files": digests(files)}).encode()}.items():
         (out / name).write_bytes(content)
-    with pytest.raises(BundleError, match="its manifest is not of version 1, which this mimoc reads; build it again"):
+    with pytest.raises(BundleError, match="this version of mimoc reads manifests of version 1 only; build it again"):
         read_bundle(out)
     assert read_bundle(write_bundle(ONE, out, force=True)).files == ONE.files
 
@@ -189,7 +189,7 @@ def test_a_manifest_of_another_version_is_refused_in_words(out, manifest):
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_a_folder_of_other_things_is_never_replaced(out, force):
+def test_a_folder_that_is_not_a_bundle_is_never_replaced(out, force):
     out.mkdir()
     (out / "thesis.tex").write_text("months of work")
     with pytest.raises(BundleError, match="this folder is not a bundle and is never replaced; name a new folder"):
@@ -198,7 +198,7 @@ def test_a_folder_of_other_things_is_never_replaced(out, force):
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_a_file_in_the_way_is_never_replaced(out, force):
+def test_a_file_is_never_replaced(out, force):
     out.write_text("work")
     with pytest.raises(BundleError, match="this is a file; name a new folder"):
         write_bundle(ONE, out, force=force)
@@ -209,7 +209,7 @@ def test_a_bundle_is_replaced_only_with_force(out):
     write_bundle(ONE, out)
     with pytest.raises(BundleError) as error:
         write_bundle(TWO, out)
-    assert str(error.value) == f"{out}: there is a bundle already; replace it with --force, or name a new folder"
+    assert str(error.value) == f"{out}: a bundle already exists here; replace it with --force, or name a new folder"
     assert read_bundle(out).files == ONE.files
     write_bundle(TWO, out, force=True)
     assert read_bundle(out).files == TWO.files
@@ -244,7 +244,7 @@ def test_a_link_is_followed_and_stays_a_link(out, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["~/infant", "builds/infant", "builds/infant/", "./builds/../builds/infant", "a/b/c"])
-def test_home_relative_and_missing_folders_are_understood(tmp_path, monkeypatch, name):
+def test_home_relative_and_missing_folders_are_accepted(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HOME", str(tmp_path))
     write_bundle(ONE, name)
@@ -253,8 +253,8 @@ def test_home_relative_and_missing_folders_are_understood(tmp_path, monkeypatch,
     assert len(list(tmp_path.rglob(LOCK))) == 1
 
 
-def test_the_working_directory_is_not_pulled_away(out, monkeypatch):
-    """Its name would go to another folder, and a shell in it would see the old one, empty."""
+def test_the_working_directory_is_never_replaced(out, monkeypatch):
+    """A shell in it would be left in a deleted folder."""
     out.mkdir()
     monkeypatch.chdir(out)
     with pytest.raises(BundleError, match="the folder you are in"):
@@ -264,7 +264,7 @@ def test_the_working_directory_is_not_pulled_away(out, monkeypatch):
 
 def test_nothing_is_written_outside_the_folder(out):
     stray = replace(ONE, files={**ONE.files, "../stray": b""})
-    with pytest.raises(BundleError, match="not within the bundle"):
+    with pytest.raises(BundleError, match=r"'../stray' is outside the bundle's folder"):
         write_bundle(stray, out)
     assert not out.exists()
     assert os.listdir(out.parent) == []
@@ -276,7 +276,7 @@ def test_impossible_names_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["with blank", "run[1]", "run*", "häschen", "-o", ".hidden", "a" * 100])
-def test_odd_names_are_only_names(tmp_path, name):
+def test_unusual_folder_names_are_accepted(tmp_path, name):
     write_bundle(ONE, tmp_path / name)
     write_bundle(TWO, tmp_path / name, force=True)
     assert read_bundle(tmp_path / name).files == TWO.files
@@ -286,14 +286,14 @@ def test_odd_names_are_only_names(tmp_path, name):
 @pytest.mark.parametrize(
     ("name", "reason"), [("file/out", "File exists|Not a directory"), ("a" * 300, "File name too long")]
 )
-def test_a_place_where_no_folder_can_be_is_named(tmp_path, name, reason):
+def test_a_path_that_cannot_be_a_folder_is_named_in_the_error(tmp_path, name, reason):
     (tmp_path / "file").write_text("work")
     with pytest.raises(BundleError, match=rf"cannot be written \(({reason})\); choose another folder"):
         write_bundle(ONE, tmp_path / name)
     assert contents(tmp_path) == {"file": b"work"}
 
 
-def test_the_home_of_nobody_is_a_name_like_any_other(tmp_path, monkeypatch):
+def test_the_home_of_an_unknown_user_is_an_ordinary_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_bundle(ONE, "~nobody_of_that_name/out")
     assert read_bundle("~nobody_of_that_name/out").files == ONE.files

@@ -37,7 +37,7 @@ def test_a_tilde_is_the_home(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("place", ["missing/a", "folder", "file/a", "n" * 300])
-def test_what_cannot_be_written_is_said_and_leaves_nothing(place, tmp_path):
+def test_a_failed_write_raises_an_error_and_leaves_nothing(place, tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="cannot be written") as refusal:

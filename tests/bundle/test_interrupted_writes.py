@@ -1,4 +1,4 @@
-"""A bundle that is being written is whole or absent, whatever fails, is killed or comes between."""
+"""A bundle that is being written is intact or absent, whatever fails, is killed or comes between."""
 
 import errno
 import os
@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 from support.bundles import ONE, TWO, contents
 
-from mimoc.bundle import folder as bundle_module
-from mimoc.bundle.folder import (
+from mimoc.bundle import io as bundle_io
+from mimoc.bundle.io import (
     read_bundle,
     write_bundle,
 )
@@ -42,7 +42,7 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
         return fail() if next(left, None) is None else write_bytes(path, content)
 
     monkeypatch.setattr(Path, "write_bytes", write_some)
-    monkeypatch.setattr(bundle_module, "exchange" if force else "_move_into_place", fail)
+    monkeypatch.setattr(bundle_io, "swap_folders" if force else "_move_into_place", fail)
     with pytest.raises(BundleError if isinstance(failure, OSError) else KeyboardInterrupt) as error:
         write_bundle(TWO, out, force=force)
     assert isinstance(failure, KeyboardInterrupt) or "cannot be written (No space left on device)" in str(error.value)
@@ -50,11 +50,11 @@ def test_a_failed_write_leaves_what_was_there(out, monkeypatch, force, failure, 
     assert os.listdir(out.parent) == ([out.name] if force else [])
 
 
-# Killed, raced, or both: the nursery is a process that has mimoc loaded and forks builders.
+# Builds that are killed or race with each other: a process that has loaded mimoc forks builders.
 
-NURSERY = """
+BUILDERS = """
 import os, signal, sys
-from mimoc.bundle.folder import read_bundle, write_bundle
+from mimoc.bundle.io import read_bundle, write_bundle
 from mimoc.errors import BundleError
 
 one, two = map(read_bundle, sys.argv[1:3])
@@ -113,15 +113,15 @@ for line in sys.stdin:
 """
 
 
-class Nursery:
-    """Starts builders in processes of their own."""
+class Builders:
+    """A process that forks builders, each in a process of its own."""
 
     def __init__(self, one: Path, two: Path):
-        command = [sys.executable, "-c", NURSERY, str(one), str(two)]
+        command = [sys.executable, "-c", BUILDERS, str(one), str(two)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def start(self, function: str, *arguments: object) -> int:
-        """Return the number of a new process that runs a function of the nursery."""
+        """Return the ID of a new process that runs one of the functions of the script."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         print(function, *arguments, sep="\t", file=self._process.stdin, flush=True)
@@ -132,9 +132,9 @@ class Nursery:
 
 
 @pytest.fixture(scope="module")
-def nursery(tmp_path_factory) -> Iterator[Nursery]:
-    folder = tmp_path_factory.mktemp("nursery")
-    found = Nursery(write_bundle(ONE, folder / "one"), write_bundle(TWO, folder / "two"))
+def builders(tmp_path_factory) -> Iterator[Builders]:
+    folder = tmp_path_factory.mktemp("builders")
+    found = Builders(write_bundle(ONE, folder / "one"), write_bundle(TWO, folder / "two"))
     yield found
     found.close()
 
@@ -163,12 +163,12 @@ def leftovers(out: Path) -> list[str]:
     return [name for name in os.listdir(out.parent) if name.startswith(f".{out.name}.")]
 
 
-def test_a_build_killed_at_any_moment_leaves_one_whole_bundle(out, nursery):
+def test_a_build_killed_at_any_moment_leaves_one_whole_bundle(out, builders):
     write_bundle(ONE, out)
     moments, left = random.Random(2), 0
     for _ in range(40):
         started = out.stat().st_ino
-        builder = nursery.start("rewrite", out)
+        builder = builders.start("rewrite", out)
         wait_until(lambda: out.stat().st_ino != started)  # noqa: B023 - It is at work; used at once.
         time.sleep(moments.uniform(0, 0.006))
         kill(builder)
@@ -180,10 +180,10 @@ def test_a_build_killed_at_any_moment_leaves_one_whole_bundle(out, nursery):
     assert os.listdir(out.parent) == [out.name]
 
 
-def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, nursery):
+def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, builders):
     moments, left = random.Random(3), 0
     for _ in range(40):
-        builder = nursery.start("write_many", out)
+        builder = builders.start("write_many", out)
         wait_until(lambda: out.with_name(f"{out.name}-0").exists())
         time.sleep(moments.uniform(0, 0.006))
         kill(builder)
@@ -202,10 +202,10 @@ def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, nursery):
 
 
 @pytest.mark.parametrize("name", ["infant", "run[1]", "run*"])
-def test_only_what_a_dead_build_of_the_same_bundle_left_is_swept(tmp_path, nursery, name):
-    dead = nursery.start("no such function")
+def test_only_leftovers_of_killed_builds_of_the_same_bundle_are_removed(tmp_path, builders, name):
+    dead = builders.start("no such function")
     wait_until(lambda: not is_alive(dead))
-    ours = bundle_module._staging_prefix(tmp_path / name)
+    ours = bundle_io._staging_prefix(tmp_path / name)
     swept, *kept = [
         f"{ours}{dead}-1",
         f"{ours}{os.getpid()}-1",
@@ -220,12 +220,12 @@ def test_only_what_a_dead_build_of_the_same_bundle_left_is_swept(tmp_path, nurse
 
 
 @pytest.mark.parametrize("force", ["force", ""])
-def test_a_build_killed_at_each_of_its_steps_leaves_the_old_or_the_new(out, nursery, force):
+def test_a_build_killed_at_each_of_its_steps_leaves_the_old_or_the_new(out, builders, force):
     seen: list[str] = []
     for step in range(200):
         if force:
             write_bundle(ONE, out, force=True)
-        builder = nursery.start("die_at", out, step, force)
+        builder = builders.start("die_at", out, step, force)
         wait_until(lambda: not is_alive(builder))  # noqa: B023 - Used at once.
         seen.append(read_bundle(out).manifest.name if out.exists() else "absent")
         finished = not leftovers(out) and seen[-1] == "two"
@@ -242,23 +242,23 @@ def test_a_build_killed_at_each_of_its_steps_leaves_the_old_or_the_new(out, nurs
 
 
 @pytest.mark.parametrize("force", ["force", ""])
-def test_builds_of_one_bundle_at_once_leave_one_whole_bundle(out, nursery, force):
-    error = f"{out}: there is a bundle already; replace it with --force, or name a new folder"
+def test_builds_of_one_bundle_at_once_leave_one_whole_bundle(out, builders, force):
+    error = f"{out}: a bundle already exists here; replace it with --force, or name a new folder"
     for turn in range(12):
         gate = out.parent.parent / f"gate-{turn}"
-        builders = [nursery.start("race", out, gate, force) for _ in range(4)]
+        processes = [builders.start("race", out, gate, force) for _ in range(4)]
         gate.touch()
-        wait_until(lambda: not any(map(is_alive, builders)))  # noqa: B023 - Used at once.
-        answers = sorted(Path(f"{gate}-{builder}").read_text() for builder in builders)
+        wait_until(lambda: not any(map(is_alive, processes)))  # noqa: B023 - Used at once.
+        answers = sorted(Path(f"{gate}-{process}").read_text() for process in processes)
         assert answers == (["written"] * 4 if force else [error] * 3 + ["written"])
         assert read_bundle(out).files in (ONE.files, TWO.files)
         assert os.listdir(out.parent) == [out.name]
         shutil.rmtree(out)
 
 
-def test_a_reader_never_sees_half_of_two_bundles(out, nursery):
+def test_a_reader_never_sees_half_of_two_bundles(out, builders):
     write_bundle(ONE, out)
-    builder = nursery.start("rewrite", out)
+    builder = builders.start("rewrite", out)
     try:
         seen = [read_bundle(out).manifest.name for _ in range(400)]
     finally:

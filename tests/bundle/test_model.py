@@ -14,7 +14,7 @@ SPARSE, DENSE = mujoco.mjtJacobian.mjJAC_SPARSE, mujoco.mjtJacobian.mjJAC_DENSE
 
 
 def numbers(model):
-    """Return all that a model is made of, but for where its files lay and how much room that takes."""
+    """Return everything a model consists of, except the paths of its files and their size."""
     values = {name: getattr(model, name) for name in dir(model) if "path" not in name}
     return {name: value for name, value in values.items() if isinstance(value, np.ndarray) and name != "_sizes"}
 
@@ -28,7 +28,7 @@ def test_the_model_is_the_one_that_mujoco_reads_from_the_folder(bundle, tmp_path
 
 
 @pytest.mark.parametrize("release", ["3.5.0", "3.17.0", "4.0.1", "4.1.0"])
-def test_a_right_release_of_mujoco_uses_the_sparse_solver(bundle, release, monkeypatch):
+def test_other_releases_of_mujoco_use_the_sparse_solver(bundle, release, monkeypatch):
     monkeypatch.setattr(mujoco, "__version__", release)
     assert load_model(bundle).opt.jacobian == SPARSE
 
@@ -46,9 +46,9 @@ def test_the_faulty_release_of_mujoco_uses_the_dense_solver_and_says_so_once(bun
 
 @pytest.mark.matrix
 @pytest.mark.parametrize("content", [b"", b"<mujoco>", b"<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>"])
-def test_what_mujoco_refuses_is_one_clear_line(bundle, content):
+def test_a_model_that_mujoco_rejects_is_one_clear_line(bundle, content):
     broken = dataclasses.replace(bundle, files={**bundle.files, "infant.xml": content})
-    with pytest.raises(ModelError, match=f"MuJoCo {mujoco.__version__} refuses the bundle: ") as refusal:
+    with pytest.raises(ModelError, match=f"MuJoCo {mujoco.__version__} rejects the bundle: ") as refusal:
         load_model(broken)
     assert "\n" not in str(refusal.value)
 
@@ -66,7 +66,7 @@ def test_a_calm_simulation_has_no_warnings(bundle):
 @pytest.mark.parametrize(
     ("array", "kind", "broken"), [("qpos", "BADQPOS", True), ("qvel", "BADQVEL", True), ("ctrl", "BADCTRL", False)]
 )
-def test_warnings_are_told_by_kind_and_go_to_the_log(bundle, array, kind, broken, capfd, caplog):
+def test_warnings_are_reported_by_kind_and_logged(bundle, array, kind, broken, capfd, caplog):
     model = load_model(bundle)
     data = mujoco.MjData(model)
     getattr(data, array)[10] = np.nan
@@ -78,8 +78,8 @@ def test_warnings_are_told_by_kind_and_go_to_the_log(bundle, array, kind, broken
     assert capfd.readouterr() == ("", "")
 
 
-def test_who_listens_to_mujocos_warnings_goes_on_listening(bundle):
-    """mimoc quiets MuJoCo only where nobody has said what to do with its warnings."""
+def test_an_existing_handler_of_mujocos_warnings_is_kept(bundle):
+    """mimoc redirects MuJoCo's warnings only if no handler is set."""
     heard, quiet = [], mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(heard.append)
     try:

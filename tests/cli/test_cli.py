@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import mimoc
-from mimoc.bundle import folder
+from mimoc.bundle.io import LOCK, seal
 from mimoc.compiler import validation
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -21,7 +21,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 # What the commands do.
 
 
-def test_build_writes_a_bundle_and_says_where_and_what(invoke, here):
+def test_build_writes_a_bundle_and_describes_it(invoke, here):
     done = invoke("build", SPEC, "-o", "out")
     assert (done.code, done.err) == (0, "")
     child = mimoc.read_bundle("out").manifest.child
@@ -70,29 +70,29 @@ def test_validate_fails_outside_one_sd(invoke, monkeypatch):
 
 
 @pytest.mark.parametrize("policy", ["random", "zero"])
-def test_run_sums_up_what_happened(invoke, built, policy):
+def test_run_prints_a_summary(invoke, built, policy):
     done = invoke("run", built, "--policy", policy, "--steps", 30)
     assert (done.code, done.err) == (0, "")
     assert "30 control steps, 0.3 s simulated" in done.out
     assert re.search(r"^\d+ steps/s, [\d.]+ times real time$", done.out, re.MULTILINE)
 
 
-def test_run_tells_of_episodes_where_there_is_a_goal(invoke, built, here):
+def test_run_reports_episodes_if_there_is_a_task(invoke, built, here):
     (here / "turning.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\ntask: {kind: rollover, steps: 20}\n")
     assert invoke("build", "turning.yaml", "-o", "turning").code == 0
-    for steps, told in ((10, "0 of 0 episodes"), (40, "0 of 2 episodes (0%)")):
+    for steps, told in ((10, "0 of 0 completed episodes"), (40, "0 of 2 completed episodes (0%)")):
         assert told in invoke("run", "turning", "--steps", str(steps)).out
     assert "successes" not in invoke("run", str(built), "--steps", "10").out
 
 
-def test_run_with_the_same_seed_prints_the_same_but_for_the_speed(invoke, built):
+def test_run_with_the_same_seed_prints_the_same_summary(invoke, built):
     def numbers(seed):
         return invoke("run", built, "--steps", 50, "--seed", seed).out.splitlines()[:-1]
 
     assert numbers(1) == numbers(1) != numbers(2)
 
 
-def test_check_passes_a_whole_and_calm_bundle(invoke, built):
+def test_check_passes_an_intact_and_stable_bundle(invoke, built):
     done = invoke("check", built)
     assert (done.code, done.err) == (0, "")
     words = [line.split(maxsplit=1)[0] for line in done.out.splitlines()]
@@ -100,18 +100,18 @@ def test_check_passes_a_whole_and_calm_bundle(invoke, built):
 
 
 def test_check_fails_an_unstable_bundle(invoke, built, here):
-    """Whole, for it was sealed so, but with motors like those of a crane."""
+    """Intact, as its lock fits, but with motors as strong as a crane's."""
     files = dict(mimoc.read_bundle(built).files)
     files["infant.xml"] = re.sub(rb'gear="[^"]+"', b'gear="1e9"', files["infant.xml"])
-    files.pop(folder.LOCK)
-    mimoc.write_bundle(folder.seal(files, versions={}, inputs={}), "crane")
+    files.pop(LOCK)
+    mimoc.write_bundle(seal(files, versions={}, inputs={}), "crane")
     done = invoke("check", "crane")
     assert (done.code, done.err) == (1, "")
     assert "failed supine: BADQ" in done.out
     assert os.listdir() == ["crane"]  # No log of MuJoCo's.
 
 
-def test_explain_tells_a_number_from_the_xml_back_to_the_table(invoke, built):
+def test_explain_traces_a_number_from_the_xml_to_the_table(invoke, built):
     done = invoke("explain", built, "body.left_foot.mass")
     assert (done.code, done.err) == (0, "")
     assert done.out.startswith("body.left_foot.mass = ")
@@ -136,14 +136,14 @@ def test_import_replaces_a_spec_only_with_force(invoke, here):
     done = invoke("import", "babybench", "baby.yml", "-o", "mine.yaml")
     assert (done.code, done.err) == (
         2,
-        "mine.yaml: is there already; choose another place, or replace it with --force\n",
+        "mine.yaml: already exists; choose another file, or replace it with --force\n",
     )
     assert (here / "mine.yaml").read_text() == "mine"
     assert invoke("import", "babybench", "baby.yml", "-o", "mine.yaml", "--force").code == 0
     assert "touch" in (here / "mine.yaml").read_text()
 
 
-def test_import_writes_a_spec_and_says_what_has_no_counterpart(invoke, here):
+def test_import_writes_a_spec_and_lists_settings_without_counterpart(invoke, here):
     Path("baby.yml").write_text("scene: crib\nsave_dir: results\n")
     done = invoke("import", "babybench", "baby.yml", "-o", "spec.yaml")
     *_, note, written = done.out.splitlines()
@@ -181,19 +181,19 @@ BAD_INPUT = {
     "a damaged bundle": ("run damaged", "damaged: infant.xml was changed"),
     "a bundle that lacks a file": ("check lacking", "lacking: scene.xml is missing"),
     "an unknown policy": ("run out --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
-    "seeds that are none": (
+    "an empty range of seeds": (
         "rooms configs/playroom.yaml --seeds 7:7 -o rooms.png",
-        "'7:7' names 0 seeds; give 1 to 400",
+        "'7:7' is a range of 0 seeds; give 1 to 400",
     ),
-    "seeds in words": ("rooms configs/playroom.yaml --seeds many -o rooms.png", "'many' names no seeds"),
+    "seeds in words": ("rooms configs/playroom.yaml --seeds many -o rooms.png", "'many' is not a range of seeds"),
     "no steps": ("run out --steps 0", "'--steps'"),
     "steps that are no number": ("run out --steps many", "'--steps'"),
     "a seed below zero": ("run out --seed -1", "'--seed'"),
     "a misspelt number": ("explain out body.left_fot.mass", "did you mean 'body.left_foot.mass'"),
-    "a number that there is none of": ("explain out xyzzy", "without one, `mimoc explain` lists them all"),
+    "an unknown number": ("explain out xyzzy", "without one, `mimoc explain` lists them all"),
     "a bad spec for a bundle": ("run bad.yaml", "bad.yaml:3:13: age_months: "),
     "a picture in no format": ("render out -o x.doc", "end it in .png, .jpg, "),
-    "a sight in no format": ("see out -o x", "end it in .png, .jpg, "),
+    "a view in no format": ("see out -o x", "end it in .png, .jpg, "),
     "rooms in no format": ("rooms out -o x.mp3", "end it in .png, .jpg, "),
     "a plot in no format": ("validate --plot x.doc", "end it in .png, .svg, "),
     "rooms where there is none": (
@@ -255,13 +255,13 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     assert everything_in(here) == before
 
 
-def test_every_problem_of_a_spec_has_its_line(invoke, here):
+def test_every_problem_of_a_spec_is_reported_with_its_line(invoke, here):
     Path("spec.yaml").write_text("mimoc: 1\nname: X\nage_months: 99\nbody: {hands: miten}\n")
     lines = invoke("build", "spec.yaml", "-o", "out").err.splitlines()
     assert [line.split(": ")[0] for line in lines] == ["spec.yaml:2:7", "spec.yaml:3:13", "spec.yaml:4:15"]
 
 
-def test_a_fault_of_mimocs_own_is_not_hidden(invoke, monkeypatch):
+def test_a_bug_in_mimoc_is_not_hidden(invoke, monkeypatch):
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         invoke("validate")

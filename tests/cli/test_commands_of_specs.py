@@ -1,4 +1,4 @@
-"""The commands take a bundle, a spec, or a spec from a pipe, and write pictures as their names say."""
+"""Commands accept a bundle, a spec, or a spec from standard input, and write images in the format of their names."""
 
 import os
 import shutil
@@ -89,7 +89,7 @@ def test_rooms_are_drawn_of_a_bundle_too_and_say_where_only_toys_differ(run):
     for infant in ("toys.yaml", "out"):
         code, out, err = run(f"rooms {infant} --seeds 0:2 --size 32 -o rooms.webp")
         assert (code, out) == (0, "rooms.webp\n")
-        assert err == "note: the scene is 'flat', not a room: only its toys differ from seed to seed\n"
+        assert err == "note: in a 'flat' scene only the toys depend on the seed\n"
         sheets.append(Path("rooms.webp").read_bytes())
     assert sheets[0] == sheets[1]
 

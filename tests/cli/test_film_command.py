@@ -38,7 +38,7 @@ def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
         ("--video film.avi", "film.avi: not a video that mimoc writes; end its name with .mp4 or .gif"),
         ("--video film", "film: not a video that mimoc writes"),
         ("--video nowhere/film.gif", "nowhere/film.gif: there is no folder nowhere"),
-        ("--eyes", "--eyes shows what the infant sees beside its film; say where that goes, with --video FILE"),
+        ("--eyes", "--eyes adds the eyes' views to a video; give its file with --video FILE"),
         ("--video film.gif --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),
     ],
 )
@@ -64,7 +64,7 @@ def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, monkeypatch)
     monkeypatch.setitem(POLICIES, "random", stopping)
     code, out, err = run("--steps 1000000000 --video film.gif --size 64")
     assert (code, out) == (130, "")
-    assert err.startswith("stopped; film.gif shows what happened until then\n")
+    assert err.startswith("stopped; film.gif shows the run up to this point\n")
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
     with Image.open("film.gif") as film:
         assert film.n_frames == 4

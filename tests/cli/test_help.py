@@ -14,7 +14,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
 
 
-def test_the_commands_are_those_of_the_issue():
+def test_the_commands_are_in_this_order():
     drawing, running = (
         ["explain", "render", "see", "rooms"],
         ["build", "validate", "run", "train", "experiment", "check"],
@@ -55,5 +55,5 @@ def test_the_command_alone_is_help(invoke):
         assert command in done.out + done.err
 
 
-def test_the_version_is_told(invoke):
+def test_the_version_is_printed(invoke):
     assert invoke("--version") == Outcome(0, f"mimoc {mimoc.__version__}\n", "")

@@ -54,12 +54,12 @@ def drained(terminal: int) -> bytes:
     "arguments",
     ["validate --json", "validate", "explain {built} body.left_foot.mass", "run {built} --steps 3", "check {built}"],
 )
-def test_a_reader_that_has_gone_is_no_fault(arguments, built):
+def test_a_broken_pipe_is_no_error(arguments, built):
     with process(*shlex.split(arguments.format(built=built))) as running:
         running.stdout.close()
         errors = running.stderr.read()
     assert errors == ""
-    assert running.returncode == 141  # As of what SIGPIPE ends.
+    assert running.returncode == 141  # As of a process that SIGPIPE ends.
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_a_reader_that_has_gone_is_no_fault(arguments, built):
     [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}],
     ids=["ascii", "C locale"],
 )
-def test_a_terminal_of_few_letters_is_no_fault(environment, built, here):
+def test_a_terminal_without_unicode_is_no_error(environment, built, here):
     for arguments in (["build", SPEC, "-o", "säugling"], ["run", built, "--steps", 3], ["build", "--help"]):
         done = finished(*arguments, **environment)
         assert (done.code, done.err) == (0, "")
@@ -85,7 +85,7 @@ def test_a_pipe_gets_plain_text(invoke, command, built):
     assert ESCAPE not in done.out + done.err
 
 
-def test_colours_are_for_terminals_that_want_them(invoke, built, monkeypatch):
+def test_colours_can_be_forced_and_switched_off(invoke, built, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.delenv("NO_COLOR", raising=False)
@@ -97,10 +97,10 @@ def test_colours_are_for_terminals_that_want_them(invoke, built, monkeypatch):
 
 @pytest.mark.parametrize("library", ["junk", "egl"])
 def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp_path):
-    """MuJoCo refuses to be imported then, also by commands that draw nothing."""
+    """Importing MuJoCo fails then, even for commands that render nothing."""
     for name in ("libEGL.so", "libEGL.so.1"):
         (tmp_path / name).write_text("not a library")
     done = finished("check", built, MUJOCO_GL=library, LD_LIBRARY_PATH=str(tmp_path))
     assert (done.code, done.out) == (2, "")
-    assert done.err.startswith(f"MuJoCo does not start with MUJOCO_GL={library} (")
+    assert done.err.startswith(f"MuJoCo cannot be loaded with MUJOCO_GL={library} (")
     assert len(done.err.splitlines()) == 1

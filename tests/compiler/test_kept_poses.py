@@ -64,7 +64,7 @@ def test_poses_in_which_what_is_kept_would_be_elsewhere_are_left_out(name):
 
 def test_a_pose_that_is_left_out_is_refused_in_a_line():
     bundle = pipeline.build(variant("held hip"))
-    message = "'prone' is not a pose with what is held or locked in place; choose from sitting"
+    message = "'prone' is not a pose for an infant with held bodies or locked joints; choose from sitting"
     with pytest.raises(UnknownNameError) as refused:
         InfantEnv(bundle).reset(options={"pose": "prone"})
     assert str(refused.value) == message

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from mimoc.body import assemble, grow
 from mimoc.body.prune import prune
-from mimoc.bundle.manifest import DelayEntry, DelaysEntry
 from mimoc.delays.presets import AGES_MONTHS, PHYSIOLOGICAL, PRESETS, delays
-from mimoc.delays.spec import DelaysSpec
+from mimoc.delays.spec import DelayEntry, DelaysEntry, DelaysSpec
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.bundle.manifest import DelayEntry, DelaysEntry
+from mimoc.delays.spec import DelayEntry, DelaysEntry
 
 TIMESTEP_MS = 5.0
 SENSES = {

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from mimoc.compiler import pipeline
-from mimoc.render.camera import OFF_THE_WALL_M, shows, walls_of
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.camera import CLEARANCE_M, planes_of, shows
 from mimoc.render.overview import overview
-from mimoc.render.portrait import Painter
 
 
 @pytest.fixture(scope="module")
@@ -39,11 +39,11 @@ def test_no_room_is_seen_through_a_wall(seed, playroom, monkeypatch):
     """Also seed 7, whose infant looks at a wall that is near; and everything is in the picture."""
     seen = []
 
-    def look(painter, data):
-        seen.append((painter.shot(data), painter.balls(data), walls_of(data.model, data), painter.aspect))
+    def look(camera, data):
+        seen.append((camera.shot(data), camera.spheres(data), planes_of(data.model, data), camera.aspect))
 
-    monkeypatch.setattr(Painter, "paint", look)
+    monkeypatch.setattr(BodyCamera, "render", look)
     overview(playroom(seed, check=False), 32, 24)
-    ((shot, balls, walls, aspect),) = seen
-    assert walls.before_m(shot.place_m) >= OFF_THE_WALL_M
-    assert shows(shot, balls, aspect)
+    ((shot, spheres, walls, aspect),) = seen
+    assert walls.clearance_m(shot.position_m) >= CLEARANCE_M
+    assert shows(shot, spheres, aspect)

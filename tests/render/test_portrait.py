@@ -5,13 +5,15 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.bundle.model import load_model
+from mimoc.bundle.model import load_model, load_posed, load_straight
 from mimoc.errors import RenderingError, UnknownNameError
-from mimoc.render.camera import FROM_BEFORE, FROM_THE_SIDE, Balls, Walls, frame, towards
+from mimoc.render.body_camera import BodyCamera
+from mimoc.render.camera import FROM_THE_FRONT, FROM_THE_SIDE, Planes, Spheres, fit_shot, view_of_body
+from mimoc.render.markers import MOST, UNLOADED
 from mimoc.render.opengl import open_context
-from mimoc.render.portrait import ROW_LENS_DEG, Painter, lineup, portrait
-from mimoc.render.touch_markers import MOST, RESTING, skin_beads
+from mimoc.render.portrait import ROW_FOVY_DEG, lineup, portrait
 from mimoc.senses.touch import run
+from mimoc.senses.touch.preview import skin_markers
 
 
 def share_of(picture, colour):
@@ -22,17 +24,17 @@ def share_of(picture, colour):
 
 
 @pytest.fixture
-def open_painter():
-    """Return what opens the painter of a model."""
-    painters = []
+def open_camera():
+    """Return what opens the camera of a model."""
+    cameras = []
 
     def open_one(model, width, height, *view):
-        painters.append(Painter(model, ["hip"], width, height, *view))
-        return painters[-1]
+        cameras.append(BodyCamera(model, ["hip"], width, height, *view))
+        return cameras[-1]
 
     yield open_one
-    for painter in painters:
-        painter.close()
+    for camera in cameras:
+        camera.close()
 
 
 def posed(bundle, pose, shadows=False):
@@ -54,24 +56,24 @@ def test_a_portrait_shows_skin_and_clothes(config):
 
 @pytest.mark.parametrize(("width", "height"), [(120, 120), (200, 120), (120, 200)])
 @pytest.mark.parametrize("pose", ["supine", "prone", "sitting", "standing"])
-def test_all_of_the_infant_is_in_the_picture_and_fills_it(bundle, pose, width, height, open_painter):
+def test_all_of_the_infant_is_in_the_picture_and_fills_it(bundle, pose, width, height, open_camera):
     """It is where the picture changes when the infant is taken out of it."""
     model, data = posed(bundle, pose)
-    painter = open_painter(model, width, height)
-    with_infant = painter.paint(data).astype(int)
+    camera = open_camera(model, width, height)
+    with_infant = camera.render(data).astype(int)
     model.mat_rgba[model.geom_matid[model.geom_bodyid > 0], 3] = 0
-    shown = np.abs(with_infant - painter.paint(data)).max(axis=2) > 20
+    shown = np.abs(with_infant - camera.render(data)).max(axis=2) > 20
     assert not shown[[0, -1]].any()
     assert not shown[:, [0, -1]].any()
     assert max(np.ptp(np.nonzero(shown)[0]) / height, np.ptp(np.nonzero(shown)[1]) / width) > 0.65
 
 
-def test_the_same_state_is_the_same_picture_whatever_was_drawn_before(bundle, open_painter):
+def test_the_same_state_is_the_same_picture_whatever_was_drawn_before(bundle, open_camera):
     model, data = posed(bundle, "prone", shadows=True)
-    painter = open_painter(model, 64, 64)
-    first = painter.paint(data)
-    painter.paint(posed(bundle, "standing")[1])
-    assert np.array_equal(painter.paint(data), first)
+    camera = open_camera(model, 64, 64)
+    first = camera.render(data)
+    camera.render(posed(bundle, "standing")[1])
+    assert np.array_equal(camera.render(data), first)
 
 
 def test_the_pose_is_that_of_the_bundle_unless_another_is_asked_for(bundle):
@@ -127,20 +129,20 @@ def test_an_environment_can_draw_again_after_it_was_closed(open_env):
     assert np.array_equal(env.render(), picture)
 
 
-def test_painters_side_by_side_do_not_disturb_each_other(bundle, bundle_at, open_painter):
+def test_cameras_side_by_side_do_not_disturb_each_other(bundle, bundle_at, open_camera):
     """Each keeps its own textures, size and picture, whatever becomes of the other."""
     subjects = [(posed(bundle, "prone", shadows=True), 64), (posed(bundle_at(0), "supine", shadows=True), 96)]
     alone = []
     for (model, data), size in subjects:
-        painter = open_painter(model, size, size)
-        alone.append(painter.paint(data))
-        painter.close()
-    together = [open_painter(model, size, size) for (model, _), size in subjects]
+        camera = open_camera(model, size, size)
+        alone.append(camera.render(data))
+        camera.close()
+    together = [open_camera(model, size, size) for (model, _), size in subjects]
     for _ in range(2):
-        for painter, ((_, data), _), picture in zip(together, subjects, alone, strict=True):
-            assert np.array_equal(painter.paint(data), picture)
+        for camera, ((_, data), _), picture in zip(together, subjects, alone, strict=True):
+            assert np.array_equal(camera.render(data), picture)
     together[0].close()
-    assert np.array_equal(together[1].paint(subjects[1][0][1]), alone[1])
+    assert np.array_equal(together[1].render(subjects[1][0][1]), alone[1])
 
 
 class CountedContext:
@@ -166,7 +168,7 @@ def contexts(monkeypatch):
         opened.append(CountedContext(width, height))
         return opened[-1]
 
-    monkeypatch.setattr("mimoc.render.portrait.open_context", open_counted)
+    monkeypatch.setattr("mimoc.render.renderer.open_context", open_counted)
     return opened
 
 
@@ -214,19 +216,19 @@ def test_infants_in_a_row_are_to_scale():
 
 def test_faces_at_the_ends_of_a_row_do_not_turn_away():
     """The camera sees each from within 10 degrees of straight ahead."""
-    standing = Balls(np.array([[0.0, y, z] for y in np.arange(5) * 0.4 for z in (0.1, 0.4, 0.7)]), np.full(15, 0.1))
-    walls = Walls(np.empty((0, 3)), np.empty((0, 3)))
-    place_m = frame(standing, walls, FROM_BEFORE, 2.5, ROW_LENS_DEG).place_m
-    angles_deg = np.degrees(np.arctan2(np.abs(standing.centres_m[:, 1] - place_m[1]), place_m[0]))
+    standing = Spheres(np.array([[0.0, y, z] for y in np.arange(5) * 0.4 for z in (0.1, 0.4, 0.7)]), np.full(15, 0.1))
+    walls = Planes(np.empty((0, 3)), np.empty((0, 3)))
+    position_m = fit_shot(standing, walls, FROM_THE_FRONT, 2.5, ROW_FOVY_DEG).position_m
+    angles_deg = np.degrees(np.arctan2(np.abs(standing.centres_m[:, 1] - position_m[1]), position_m[0]))
     assert angles_deg.max() < 10
 
 
 @pytest.mark.parametrize("months", [0, 9, 24])
-def test_an_infant_on_its_back_shows_its_face(months, bundle_at, open_painter):
+def test_an_infant_on_its_back_shows_its_face(months, bundle_at, open_camera):
     """It looks at the camera from less than 60 degrees away."""
     model, data = posed(bundle_at(months), "supine")
-    place_m = open_painter(model, 16, 16, towards(FROM_THE_SIDE, data, "hip")).shot(data).place_m
-    way = place_m - data.body("head").xpos
+    position_m = open_camera(model, 16, 16, view_of_body(FROM_THE_SIDE, data, "hip")).shot(data).position_m
+    way = position_m - data.body("head").xpos
     ahead = data.body("head").xmat.reshape(3, 3)[:, 0]
     assert ahead @ way > 0.5 * np.linalg.norm(way)
 
@@ -273,7 +275,8 @@ def share_of_skin_points(picture):
 
 def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_colour(feeling):
     bundle, *_ = feeling
-    bare, skin = (portrait(bundle, width=320, height=240, skin=show) for show in (False, True))
+    markers = skin_markers(bundle, *load_posed(bundle))
+    bare, skin = (portrait(bundle, width=320, height=240, markers=each) for each in (None, markers))
     assert skin.shape == bare.shape
     assert share_of_skin_points(bare) == (0, 0)
     assert share_of_skin_points(skin)[0] > 0.001
@@ -281,15 +284,15 @@ def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_col
 
 
 def test_the_points_that_are_pressed_are_larger_and_the_one_most_so_has_the_strongest_colour(feeling):
-    beads = skin_beads(*feeling)
+    markers = skin_markers(*feeling)
     bundle, model, data = feeling
     state = run.bind(bundle.manifest.senses.touch, bundle, model).skin_state(data)
     forces_n = np.linalg.norm(state.forces, axis=1)
-    assert np.array_equal(beads.positions, state.positions)
+    assert np.array_equal(markers.positions_m, state.positions)
     assert set(state.bodies[forces_n > 0]) <= {"left_foot", "right_foot", "left_toes", "right_toes"}
-    assert beads.radii_m[forces_n > 0].min() > 1.2 * beads.radii_m[forces_n == 0].max()
-    assert beads.colours[forces_n.argmax()] == pytest.approx(MOST)
-    assert beads.colours[forces_n == 0] == pytest.approx(np.tile(RESTING, ((forces_n == 0).sum(), 1)))
+    assert markers.radii_m[forces_n > 0].min() > 1.2 * markers.radii_m[forces_n == 0].max()
+    assert markers.colours[forces_n.argmax()] == pytest.approx(MOST)
+    assert markers.colours[forces_n == 0] == pytest.approx(np.tile(UNLOADED, ((forces_n == 0).sum(), 1)))
 
 
 def test_where_nothing_is_felt_all_points_are_alike(feeling):
@@ -297,26 +300,27 @@ def test_where_nothing_is_felt_all_points_are_alike(feeling):
     data = mujoco.MjData(model)
     data.qpos[2] += 1
     mujoco.mj_forward(model, data)
-    assert len(np.unique(skin_beads(bundle, model, data).colours, axis=0)) == 1
+    assert len(np.unique(skin_markers(bundle, model, data).colours, axis=0)) == 1
 
 
-def test_skin_points_are_in_one_picture_only(feeling, open_painter):
+def test_skin_points_are_in_one_picture_only(feeling, open_camera):
     bundle, model, data = feeling
-    painter = open_painter(model, 64, 64)
-    first = painter.paint(data)
-    assert not np.array_equal(painter.paint(data, skin_beads(bundle, model, data)), first)
-    assert np.array_equal(painter.paint(data), first)
+    camera = open_camera(model, 64, 64)
+    first = camera.render(data)
+    assert not np.array_equal(camera.render(data, skin_markers(bundle, model, data)), first)
+    assert np.array_equal(camera.render(data), first)
 
 
 def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
     bundle, *_ = feeling
-    bare, skin = (lineup([bundle, bundle], width=320, height=240, skin=show) for show in (False, True))
+    markers = [skin_markers(bundle, *load_straight(bundle))] * 2
+    bare, skin = (lineup([bundle, bundle], width=320, height=240, markers=each) for each in (None, markers))
     assert share_of_skin_points(bare) == (0, 0)
     for half in (skin[:, :160], skin[:, 160:]):
         assert min(share_of_skin_points(half)) > 0.0003
 
 
-@pytest.mark.parametrize("draw", [portrait, lambda bundle, skin: lineup([bundle, bundle], skin=skin)])
-def test_an_infant_without_touch_has_no_skin_to_show(bundle_at, draw):
+def test_an_infant_without_touch_has_no_skin_to_show(bundle_at):
+    bundle = bundle_at(9)
     with pytest.raises(RenderingError, match=r"'infant' has no sense of touch.* add `senses: \{touch: \{\}\}`"):
-        draw(bundle_at(9), skin=True)
+        skin_markers(bundle, *load_straight(bundle))

@@ -4,10 +4,11 @@ from typing import get_args
 import numpy as np
 
 from mimoc.actuation.binding import ACTUATIONS
-from mimoc.bundle.manifest import ActuationEntry, SensesEntry
+from mimoc.actuation.spec import ActuationEntry
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.rollout import POLICIES
 from mimoc.senses.binding import SENSES, bind_senses
+from mimoc.senses.spec import SensesEntry
 
 
 def test_every_sense_of_the_manifest_can_be_bound():

@@ -11,11 +11,14 @@ import pytest
 from mimoc import schema
 from mimoc.errors import SpecError
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
+from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.names import LIMB_BODIES, MEASUREMENTS, TRUNK_BODIES
 from mimoc.schema.outline import outline
-from mimoc.schema.source import KeyPath, parse
+from mimoc.schema.source import parse
+from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
+MODELS += [kind.spec for kind in TASKS.values()]
 UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd")
 NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity"}
 WRONG = [

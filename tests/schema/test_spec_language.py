@@ -16,7 +16,8 @@ from mimoc.schema.names import (
     STRENGTH_GROUPS,
     TRUNK_BODIES,
 )
-from mimoc.schema.source import dump, parse, read
+from mimoc.schema.source import parse, read
+from mimoc.schema.yaml_scalars import dump
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
 LEAST = {"mimoc": 1, "name": "x", "age_months": 9}

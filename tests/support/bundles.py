@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from mimoc.bundle.folder import MANIFEST, Bundle, seal
+from mimoc.bundle.io import MANIFEST, Bundle, seal
 
 MANIFEST_DATA = {
     "name": "infant",

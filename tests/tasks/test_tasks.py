@@ -11,9 +11,8 @@ import mimoc
 from mimoc.bundle.model import simulation_warnings
 from mimoc.registration import TASKS as NAMED
 from mimoc.schema import TaskSpec
+from mimoc.tasks.base import TaskEntry
 from mimoc.tasks.binding import TASKS
-from mimoc.tasks.entries import GoalEntry
-from mimoc.tasks.setups import STAGES
 
 KINDS = get_args(TaskSpec.model_fields["kind"].annotation)
 BODIES = [
@@ -38,7 +37,7 @@ def actions(env, count: int, seed: int = 0):
 
 
 def test_every_task_can_be_staged_bound_told_and_made():
-    entries = {entry.model_fields["kind"].default for entry in get_args(get_args(GoalEntry)[0])}
+    entries = {entry.model_fields["kind"].default for entry in get_args(get_args(TaskEntry)[0])}
     assert set(KINDS) == STAGES.keys() == TASKS.keys() == entries == set(NAMED.values())
     assert all(name == f"mimoc/{kind.capitalize()}-v0" for name, kind in NAMED.items())
 

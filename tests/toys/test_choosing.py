@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 from mimoc.compiler.furnish import BUILTIN_TOYS
-from mimoc.scenes.spec import ToysSpec
 from mimoc.toys.choosing import BRIGHTNESS, SATURATION, Toy, Toybox, choose_toys
+from mimoc.toys.spec import ToysSpec
 
 USUAL = ToysSpec()
 SIX = ToysSpec(count=(6, 6))

@@ -6,9 +6,9 @@ import pytest
 
 from mimoc.compiler.furnish import BUILTIN_TOYS
 from mimoc.mjcf.tree import Prop
-from mimoc.scenes.spec import ToysSpec
 from mimoc.toys.choosing import Toy, choose_toys
 from mimoc.toys.props import make_prop
+from mimoc.toys.spec import ToysSpec
 
 RED, BLUE, DARK, LIGHT = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0), (0.1, 0.1, 0.1, 1.0), (0.9, 0.9, 0.9, 1.0)
 COLOURS = {"main": RED, "accent": BLUE, "dark": DARK, "light": LIGHT}

@@ -6,24 +6,24 @@ import pytest
 
 from mimoc.errors import TrainingError
 from mimoc.training import Curve, Row
-from mimoc.training.curve import Finished, sum_up
+from mimoc.training.curve import FinishedEpisode, summarize
 
-EPISODES = [Finished(90.5, 100, True), Finished(-30.25, 1000, False), Finished(95.0, 50, True)]
+EPISODES = [FinishedEpisode(90.5, 100, True), FinishedEpisode(-30.25, 1000, False), FinishedEpisode(95.0, 50, True)]
 
 
 def test_a_row_is_about_the_episodes_that_ended():
-    row = sum_up(EPISODES, steps=4096, step_s=0.01, wall_s=1.5)
+    row = summarize(EPISODES, steps=4096, step_s=0.01, wall_s=1.5)
     assert row == Row(4096, 3, pytest.approx(155.25 / 3), pytest.approx(2 / 3), pytest.approx(1150 / 3), 0.75, 1.5)
 
 
-def test_of_no_episodes_nothing_is_known():
-    row = sum_up([], steps=10, step_s=0.01, wall_s=0.0)
+def test_the_statistics_of_no_episodes_are_nan():
+    row = summarize([], steps=10, step_s=0.01, wall_s=0.0)
     assert (row.episodes, row.steps) == (0, 10)
     assert all(math.isnan(value) for value in dataclasses.astuple(row)[2:6])
 
 
-def test_a_curve_goes_through_csv_without_losing_a_digit():
-    curve = Curve(tuple(sum_up(EPISODES[:count], 10 * count, 1 / 3, math.pi) for count in range(4)))
+def test_a_curve_is_the_same_after_a_round_trip_through_csv():
+    curve = Curve(tuple(summarize(EPISODES[:count], 10 * count, 1 / 3, math.pi) for count in range(4)))
     again = Curve.from_csv(curve.to_csv())
     assert again.to_csv() == curve.to_csv()
     for name, column in curve.columns().items():
@@ -33,10 +33,10 @@ def test_a_curve_goes_through_csv_without_losing_a_digit():
 
 
 @pytest.mark.parametrize("text", ["a,b\n1,2\n", "steps,episodes\nmany,3\n"])
-def test_what_is_no_curve_is_refused(text):
-    with pytest.raises(TrainingError, match=r"give the curve\.csv of a training"):
+def test_a_text_that_is_not_a_curve_is_refused(text):
+    with pytest.raises(TrainingError, match=r"not a learning curve; give the curve\.csv of a training run"):
         Curve.from_csv(text)
 
 
-def test_no_rows_are_no_steps():
+def test_an_empty_curve_has_no_steps():
     assert (Curve().steps, Curve().column("steps").shape) == (0, (0,))

@@ -43,5 +43,5 @@ def test_an_unknown_body_or_policy_is_refused(env):
 
 
 def test_episodes_without_an_end_are_refused(built):
-    with pytest.raises(TrainingError, match="the episodes of 'reaching' have no end"):
+    with pytest.raises(TrainingError, match="the episodes of 'reaching' do not end"):
         mimoc.evaluate(mimoc.make(built(task={"kind": "free"})), "zero", episodes=1)

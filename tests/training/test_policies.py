@@ -28,7 +28,7 @@ def rewritten(source, target, **members):
     return target
 
 
-def test_a_policy_acts_alike_on_alike_observations_and_within_the_range(bundle, policy):
+def test_a_policy_is_deterministic_and_its_actions_are_in_range(bundle, policy):
     env = infant(bundle)
     act, generator = mimoc.load_policy(policy)(env), np.random.default_rng(0)
     observation, _ = env.reset(seed=3)
@@ -44,14 +44,14 @@ def test_an_infant_runs_under_a_policy(bundle, policy):
     run = Run(infant(bundle), mimoc.load_policy(policy), seed=0)
     for _ in range(70):
         run.step()
-    told = run.summary()
-    assert told.finished >= 2
-    assert told.mean_return is not None
-    assert told.successes <= told.finished == told.episodes - 1
+    summary = run.summary()
+    assert summary.finished >= 2
+    assert summary.mean_return is not None
+    assert summary.successes <= summary.finished == summary.episodes - 1
 
 
-def test_what_an_observation_is_scaled_by_travels_with_the_policy(bundle, policy):
-    """And what trembles by less than the floor is not blown up."""
+def test_a_policy_file_has_the_statistics_of_the_observations(bundle, policy):
+    """Variations below the floor are not amplified."""
     act = mimoc.load_policy(policy)(infant(bundle))
     deviation = act.scale["proprioception.deviation"]
     assert deviation.min() >= 0.01
@@ -59,8 +59,8 @@ def test_what_an_observation_is_scaled_by_travels_with_the_policy(bundle, policy
     assert np.isfinite(act(np.random.default_rng(0), observation)).all()
 
 
-def test_nothing_that_a_policy_brings_along_is_run(bundle, policy, tmp_path):
-    """Stable-Baselines3 would run what is pickled in `data`."""
+def test_loading_a_policy_runs_no_code_from_its_file(bundle, policy, tmp_path):
+    """Stable-Baselines3 would unpickle `data`."""
     hostile = rewritten(policy, tmp_path / "hostile.zip", data=b'{"policy_class": {":serialized:": "gASVAAAA"}}')
     assert mimoc.load_policy(hostile)(infant(bundle))
 
@@ -70,39 +70,45 @@ def test_nothing_that_a_policy_brings_along_is_run(bundle, policy, tmp_path):
     [
         (
             {"senses": {"vestibular": {}}},
-            "it did not observe 'vestibular'; it observed 'proprioception', which there is",
+            "observation 'proprioception' is missing here; observation 'vestibular' was not there in training",
         ),
-        ({"senses": {"proprioception": {"include": ["velocity"]}}}, r"'proprioception' had the shape \(295\), here it"),
-        ({"task": {"kind": "free"}}, "it commanded 8 actuators, here are 44"),
-        ({"task": {"kind": "reach", "hand": "left"}}, "number 0 of the action was act:right_shoulder_horizontal, here"),
-        ({"actuation": {"model": "muscle"}}, "'proprioception' had the shape"),
+        (
+            {"senses": {"proprioception": {"include": ["velocity"]}}},
+            r"'proprioception' had shape \(295,\) in training and has",
+        ),
+        ({"task": {"kind": "free"}}, "the action commanded 8 actuators in training and commands 44 here"),
+        (
+            {"task": {"kind": "reach", "hand": "left"}},
+            "element 0 of the action was act:right_shoulder_horizontal in training and is ",
+        ),
+        ({"actuation": {"model": "muscle"}}, "'proprioception' had shape"),
     ],
 )
-def test_the_policy_of_another_infant_is_refused_and_what_differs_is_named(built, policy, keys, said):
-    with pytest.raises(PolicyError, match=f"'reaching' was trained otherwise: .*{said}"):
+def test_the_policy_of_another_infant_is_refused_and_the_differences_are_named(built, policy, keys, said):
+    with pytest.raises(PolicyError, match=f"trained for a different infant, 'reaching': .*{said}"):
         mimoc.load_policy(policy)(infant(built(**keys)))
 
 
-def test_a_policy_serves_infants_of_other_ages(built, policy):
+def test_a_policy_can_be_used_by_infants_of_other_ages(built, policy):
     assert mimoc.load_policy(policy)(infant(built(age_months=9)))
 
 
-def test_no_file_is_no_policy(tmp_path):
+def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(PolicyError, match="there is no such file"):
         mimoc.load_policy(tmp_path / "policy.zip")
 
 
 @pytest.mark.parametrize("content", [b"", b"junk", b"PK\x05\x06" + bytes(18)])
-def test_what_is_no_policy_is_refused(tmp_path, content):
+def test_a_file_that_is_not_a_policy_is_refused(tmp_path, content):
     (tmp_path / "policy.zip").write_bytes(content)
-    with pytest.raises(PolicyError, match="this is not a policy that mimoc trained"):
+    with pytest.raises(PolicyError, match="not a policy trained by mimoc"):
         mimoc.load_policy(tmp_path / "policy.zip")
 
 
 @pytest.mark.parametrize("member", ["mimoc.json", "scale.npz", "policy.pth"])
 @pytest.mark.parametrize("content", [None, b"{}", b"junk"])
 def test_a_damaged_policy_is_refused(policy, tmp_path, member, content):
-    with pytest.raises(PolicyError, match="this is not a policy that mimoc trained, or it is damaged"):
+    with pytest.raises(PolicyError, match="not a policy trained by mimoc, or it is damaged"):
         mimoc.load_policy(rewritten(policy, tmp_path / "policy.zip", **{member: content}))
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from mimoc.errors import TrainingError, UnknownNameError
-from mimoc.training import hyper
+from mimoc.training import hyperparameters
 from mimoc.training.settings import Settings
 
 
@@ -10,14 +10,14 @@ def settings(**changed):
     return Settings.choose(**{**choices, **changed})
 
 
-def test_every_hyper_parameter_has_a_value():
-    for algo, knobs in hyper.KNOBS.items():
-        assert settings(algo=algo).hyper.keys() == knobs.keys()
-        assert all(knob.low <= knob.default <= knob.high for knob in knobs.values())
+def test_every_hyperparameter_has_a_value():
+    for algo, known in hyperparameters.HYPERPARAMETERS.items():
+        assert settings(algo=algo).hyper.keys() == known.keys()
+        assert all(each.low <= each.default <= each.high for each in known.values())
 
 
-def test_intervals_and_the_end_are_whole_rounds():
-    assert settings().round_steps == 2048
+def test_intervals_and_the_end_are_whole_rollouts():
+    assert settings().rollout_steps == 2048
     assert settings().end_of_interval(0) == 20_480
     assert settings(checkpoint_every=5000).end_of_interval(2048) == 8192
     assert settings().end_of_interval(98_304) == 100_352
@@ -29,7 +29,7 @@ def test_settings_go_through_json():
     assert Settings.from_data(chosen.data()) == chosen
 
 
-def test_differences_are_named_but_for_the_steps():
+def test_all_differences_but_the_steps_are_named():
     assert settings(seed=2, steps=5).differences(settings(hyper={"gamma": 0.5})) == [
         "gamma 0.5, not 0.98",
         "seed 0, not 2",
@@ -37,31 +37,31 @@ def test_differences_are_named_but_for_the_steps():
     assert "algo ppo, not sac" in settings(algo="sac").differences(settings())
 
 
-def test_the_options_say_the_same():
-    told = settings(hyper={"gamma": 0.9, "width": 32}).options()
-    chosen = [told[place + 1] for place, option in enumerate(told) if option == "--set"]
-    assert hyper.read("ppo", chosen) == {"gamma": 0.9, "width": 32}
+def test_the_options_give_the_same_settings():
+    options = settings(hyper={"gamma": 0.9, "width": 32}).options()
+    chosen = [options[place + 1] for place, option in enumerate(options) if option == "--set"]
+    assert hyperparameters.parse("ppo", chosen) == {"gamma": 0.9, "width": 32}
 
 
-def test_texts_choose_hyper_parameters():
-    assert hyper.read("ppo", ["gamma=0.99", "n_steps=1e2"]) == {"gamma": 0.99, "n_steps": 100}
+def test_assignments_set_hyperparameters():
+    assert hyperparameters.parse("ppo", ["gamma=0.99", "n_steps=1e2"]) == {"gamma": 0.99, "n_steps": 100}
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("gamma", "'gamma' sets nothing; write a name and a number"),
-        ("gamma=much", "'gamma=much' sets nothing"),
-        ("gamma=nan", "gamma: nan will not do"),
-        ("n_steps=2.5", "n_steps: 2.5 will not do; give a whole number"),
-        ("width=0", "width: 0 will not do; give a whole number from 1"),
+        ("gamma", "'gamma' is not an assignment; write NAME=NUMBER"),
+        ("gamma=much", "'gamma=much' is not an assignment"),
+        ("gamma=nan", "gamma: expected a number from 0 to 1, got nan"),
+        ("n_steps=2.5", "n_steps: expected an integer from 2 to 1.04858e[+]06, got 2.5"),
+        ("width=0", "width: expected an integer from 1 to 16384, got 0"),
     ],
 )
-def test_texts_that_choose_nothing_are_refused(text, said):
+def test_invalid_assignments_are_refused(text, said):
     with pytest.raises(TrainingError, match=said):
-        hyper.read("ppo", [text])
+        hyperparameters.parse("ppo", [text])
 
 
-def test_each_algorithm_has_its_own():
-    with pytest.raises(UnknownNameError, match="'n_epochs' is not a hyper-parameter of sac"):
-        hyper.read("sac", ["n_epochs=3"])
+def test_each_algorithm_has_its_own_hyperparameters():
+    with pytest.raises(UnknownNameError, match="'n_epochs' is not a hyperparameter of sac"):
+        hyperparameters.parse("sac", ["n_epochs=3"])

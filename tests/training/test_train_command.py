@@ -44,20 +44,20 @@ def wait_for(path: Path, running: subprocess.Popen) -> None:
         time.sleep(0.01)
 
 
-def test_train_and_run_say_what_was_learned(invoke, here):
+def test_train_and_run_print_a_summary(invoke, here):
     code, out, err = invoke("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
     assert (code, err) == (0, "")
     for said in (
         "trained for 256 control steps",
-        "at first",
-        "in the end",
+        "start",
+        "end",
         "success rate",
         "mimoc run run/bundle --policy run/policy.zip",
     ):
         assert said in out
     code, out, err = invoke("run", "out", "--policy", "run/policy.zip", "--steps", 100)
     assert (code, err) == (0, "")
-    for said in ("return of an episode, mean", "successes", "episodes ("):
+    for said in ("mean return per episode", "successes", "completed episodes ("):
         assert said in out
 
 
@@ -68,14 +68,14 @@ def test_the_command_and_the_function_have_the_same_defaults():
     assert told["every"].default == known["checkpoint_every"].default
 
 
-def test_the_same_command_again_goes_on(invoke, here):
+def test_the_same_command_resumes_the_run(invoke, here):
     assert invoke("train", "out", "-o", "run", "--steps", EVERY, *TOLD)[0] == 0
     code, out, _ = invoke("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
     assert code == 0
-    assert "128 steps of them before" in out
+    assert "resumed at step 128" in out
 
 
-def test_the_command_in_the_folder_learns_the_same(invoke, here, learned, same):
+def test_the_command_in_the_run_folder_gives_the_same_policy(invoke, here, learned, same):
     assert invoke("train", "out", "-o", "run", "--steps", EVERY, "--seed", 4, *TOLD)[0] == 0
     command = json.loads(Path("run/run.json").read_text())["command"].split()
     command[2:5] = ["run/bundle", "-o", "again"]
@@ -84,7 +84,7 @@ def test_the_command_in_the_folder_learns_the_same(invoke, here, learned, same):
 
 
 def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
-    """And what is learned then is what would have been learned without."""
+    """And the resumed run gives the same policy as an uninterrupted one."""
     with started() as running:
         wait_for(here / "run" / "checkpoints" / f"{2 * EVERY:010d}.zip", running)
         running.kill()
@@ -94,12 +94,12 @@ def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
     newest = max(int(path.stem) for path in (here / "run" / "checkpoints").glob("*.zip"))
     assert newest - kept <= EVERY
     training = learn("run", steps=kept + EVERY)
-    assert (training.began_at, training.curve.steps) == (kept, kept + EVERY)
+    assert (training.resumed_at, training.curve.steps) == (kept, kept + EVERY)
     assert same(learned(training.policy), learned(learn("whole", steps=kept + EVERY).policy))
 
 
-def test_control_c_ends_it_quietly_and_it_can_go_on(invoke, here):
-    """As a terminal does it: everything that belongs to the command is told, the infants' processes too."""
+def test_control_c_ends_a_run_quietly_and_it_can_be_resumed(invoke, here):
+    """As in a terminal, where the signal also reaches the processes of the environments."""
     ours, theirs = pty.openpty()
     with started("--processes", stdout=theirs, stderr=theirs, start_new_session=True) as running:
         os.close(theirs)
@@ -129,14 +129,14 @@ def drained(terminal: int) -> bytes:
 BAD_INPUT = {
     "an unknown algorithm": ("train out -o run --algo ppp", "'ppp' is not a learning algorithm; did you mean 'ppo'?"),
     "an unknown hyper-parameter": ("train out -o run --set gama=1", "did you mean 'gamma'?"),
-    "no hyper-parameter": ("train out -o run --set gamma", "'gamma' sets nothing"),
+    "no hyper-parameter": ("train out -o run --set gamma", "'gamma' is not an assignment"),
     "no bundle": ("train nowhere -o run", "nowhere: there is no such folder"),
     "no spec": ("train nowhere.yaml -o run", "nowhere.yaml:1:1: there is no such file"),
-    "a folder of something else": ("train out -o folder", "folder: this folder is not that of a training"),
-    "a bundle to train in": ("train out -o out", "out: this folder is not that of a training"),
+    "a folder of something else": ("train out -o folder", "folder: not the folder of a training run"),
+    "a bundle to train in": ("train out -o out", "out: not the folder of a training run"),
     "a place nobody can write to": ("train out -o /proc/run", "/proc/run: cannot be written"),
     "no policy": ("run out --policy nowhere.zip", "nowhere.zip: there is no such file"),
-    "a file that is no policy": ("run out --policy junk.zip", "junk.zip: this is not a policy that mimoc trained"),
+    "a file that is no policy": ("run out --policy junk.zip", "junk.zip: not a policy trained by mimoc"),
 }
 
 

@@ -9,10 +9,10 @@ from stable_baselines3 import PPO
 
 import mimoc
 import mimoc.training
-from mimoc.bundle.folder import LOCK
+from mimoc.bundle.io import LOCK
 from mimoc.errors import BundleError, TrainingError, UnknownNameError
 from mimoc.training.checkpoint import read_progress
-from mimoc.training.run_folder import claim
+from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import Settings
 
 EVERY = 128
@@ -37,10 +37,10 @@ def interrupt(at: int):
     return tell
 
 
-# What comes of a training.
+# The result of a training run.
 
 
-def test_a_training_leaves_all_that_is_needed_to_repeat_and_to_use_it(learn, bundle, tmp_path):
+def test_a_run_folder_has_all_that_is_needed_to_repeat_and_to_use_the_training(learn, bundle, tmp_path):
     training = learn("run")
     folder = tmp_path / "run"
     steps = [EVERY, 2 * EVERY]
@@ -52,7 +52,7 @@ def test_a_training_leaves_all_that_is_needed_to_repeat_and_to_use_it(learn, bun
     assert (folder / "curve.png").read_bytes().startswith(PNG)
     rows = list(csv.DictReader((folder / "curve.csv").read_text().splitlines()))
     assert [int(row["steps"]) for row in rows] == steps == training.curve.column("steps").tolist()
-    assert (training.policy, training.began_at) == (folder / "policy.zip", 0)
+    assert (training.policy, training.resumed_at) == (folder / "policy.zip", 0)
     run = json.loads((folder / "run.json").read_text())
     assert {"mujoco", "gymnasium", "numpy", "torch", "stable_baselines3", "python", "mimoc"} <= run["sessions"][
         0
@@ -60,7 +60,7 @@ def test_a_training_leaves_all_that_is_needed_to_repeat_and_to_use_it(learn, bun
     assert Settings.from_data(run["settings"]).hyper["width"] == 8
 
 
-def test_the_command_in_the_folder_says_all_that_was_chosen(learn, tmp_path):
+def test_the_command_in_the_run_folder_has_all_settings(learn, tmp_path):
     learn("run", seed=3)
     command = shlex.split(json.loads((tmp_path / "run" / "run.json").read_text())["command"])
     assert command[:5] == ["mimoc", "train", "bundle", "-o", "NEW"]
@@ -77,23 +77,23 @@ def test_the_curve_counts_the_episodes_that_ended(learn):
     assert all(row.success_rate <= 1 and row.episode_return < 100 for row in rows)
 
 
-def test_an_infant_with_a_spec_is_built_and_trained(learn, bundle, tmp_path):
+def test_a_spec_is_built_and_trained(learn, bundle, tmp_path):
     (tmp_path / "infant.yaml").write_bytes(bundle.files["spec.yaml"])
     assert learn("from_spec", EVERY, source=tmp_path / "infant.yaml").curve.steps == EVERY
     assert mimoc.read_bundle(tmp_path / "from_spec" / "bundle").files[LOCK]
 
 
-def test_an_infant_without_a_goal_has_a_curve_of_blanks(learn, built):
+def test_the_curve_of_an_infant_without_a_task_is_nan(learn, built):
     curve = learn("free", EVERY, source=built(task={"kind": "free"}, senses={})).curve
     assert (curve.rows[0].episodes, str(curve.rows[0].success_rate)) == (0, "nan")
 
 
-def test_sac_learns_too(learn):
+def test_sac_trains_too(learn):
     training = learn("sac", 64, "sac", checkpoint_every=64)
     assert training.curve.steps == 64
 
 
-def test_an_infant_that_sees_learns_from_pictures_and_acts_on_them(learn, built):
+def test_an_infant_with_vision_is_trained_on_images(learn, built):
     seeing = built(senses={"proprioception": {"include": []}, "vision": {"width_px": 40, "height_px": 40}})
     training = learn("seeing", 64, source=seeing, checkpoint_every=64)
     env = mimoc.make(seeing)
@@ -101,48 +101,48 @@ def test_an_infant_that_sees_learns_from_pictures_and_acts_on_them(learn, built)
     env.close()
 
 
-# What is learned follows from bundle and settings.
+# Bundle and settings determine the result.
 
 
-def test_the_same_seed_learns_the_same_and_another_does_not(learn, learned, same):
+def test_the_same_seed_gives_the_same_policy_and_another_does_not(learn, learned, same):
     first, second, other = (learned(learn(name, seed=seed).policy) for name, seed in [("a", 0), ("b", 0), ("c", 1)])
     assert same(first, second)
     assert not same(first, other)
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac"])
-def test_a_training_that_is_interrupted_learns_what_one_in_a_single_go_does(learn, learned, same, algo):
-    """Weights, optimisers, statistics and what is remembered of past steps, to the bit."""
+def test_an_interrupted_and_resumed_run_gives_the_same_policy_as_an_uninterrupted_one(learn, learned, same, algo):
+    """Weights, optimisers, statistics and replay buffer, to the bit."""
     whole = learn("whole", 3 * EVERY, algo)
     with pytest.raises(KeyboardInterrupt):
         learn("parts", 3 * EVERY, algo, progress=interrupt(at=EVERY + 40))
     parts = learn("parts", 3 * EVERY, algo)
-    assert (whole.began_at, parts.began_at) == (0, EVERY)
+    assert (whole.resumed_at, parts.resumed_at) == (0, EVERY)
     assert same(learned(whole.policy), learned(parts.policy))
     assert timeless(whole.curve) == timeless(parts.curve)
 
 
-def test_infants_with_a_process_of_their_own_learn_the_same(learn, learned, same):
+def test_environments_in_separate_processes_give_the_same_policy(learn, learned, same):
     assert same(learned(learn("one", EVERY).policy), learned(learn("many", EVERY, processes=True).policy))
 
 
-def test_more_steps_go_on_where_a_training_ended(learn, learned, same):
+def test_a_finished_run_with_more_steps_continues_where_it_ended(learn, learned, same):
     learn("run", EVERY)
     more = learn("run", 2 * EVERY)
-    assert (more.began_at, more.curve.steps) == (EVERY, 2 * EVERY)
+    assert (more.resumed_at, more.curve.steps) == (EVERY, 2 * EVERY)
     assert same(learned(more.policy), learned(learn("at once", 2 * EVERY).policy))
 
 
-def test_a_training_that_is_done_is_only_read(learn, tmp_path):
+def test_a_finished_run_is_only_read(learn, tmp_path):
     first = learn("run")
     state = (tmp_path / "run" / "state.zip").read_bytes()
     again = learn("run")
-    assert (again.began_at, again.curve.to_csv()) == (first.curve.steps, first.curve.to_csv())
+    assert (again.resumed_at, again.curve.to_csv()) == (first.curve.steps, first.curve.to_csv())
     assert (tmp_path / "run" / "state.zip").read_bytes() == state
-    assert learn("run", EVERY).curve.to_csv() == first.curve.to_csv()  # As it is when less is asked for.
+    assert learn("run", EVERY).curve.to_csv() == first.curve.to_csv()  # Fewer steps, too.
 
 
-def test_what_is_shown_follows_from_the_state(learn, tmp_path):
+def test_curve_and_plot_are_restored_from_the_checkpoint(learn, tmp_path):
     learn("run")
     (tmp_path / "run" / "curve.csv").unlink()
     (tmp_path / "run" / "curve.png").write_bytes(b"")
@@ -153,70 +153,70 @@ def test_what_is_shown_follows_from_the_state(learn, tmp_path):
     assert not list((tmp_path / "run").glob(".mimoc-*"))
 
 
-def test_a_kill_before_the_first_checkpoint_begins_anew(learn, tmp_path):
+def test_a_run_killed_before_the_first_checkpoint_starts_over(learn, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         learn("run", progress=interrupt(at=10))
     assert "run.json" in os.listdir(tmp_path / "run")
-    assert learn("run").began_at == 0
+    assert learn("run").resumed_at == 0
 
 
-# What is refused.
+# Refusals.
 
 
 OTHERS = {
-    "begun with seed 0, not 1": {"seed": 1},
-    "begun with envs 2, not 4": {"envs": 4},
-    "begun with layers 1, not 2; n_epochs 1, not 10; n_steps 32, not 256; width 8, not 64": {
+    "started with seed 0, not 1": {"seed": 1},
+    "started with envs 2, not 4": {"envs": 4},
+    "started with layers 1, not 2; n_epochs 1, not 10; n_steps 32, not 256; width 8, not 64": {
         "hyper": {"batch_size": 64}
     },
 }
 
 
-def test_other_settings_are_refused_and_nothing_changes_but_by_force(learn, tmp_path):
+def test_other_settings_are_refused_without_force_and_nothing_is_changed(learn, tmp_path):
     learn("run", EVERY)
     before = everything_in(tmp_path)
     for said, options in OTHERS.items():
         with pytest.raises(TrainingError, match=said):
             learn("run", EVERY, **options)
         assert everything_in(tmp_path) == before
-    assert learn("run", EVERY, seed=1, force=True).began_at == 0
+    assert learn("run", EVERY, seed=1, force=True).resumed_at == 0
 
 
 def test_another_infant_is_refused(learn, built):
     learn("run", EVERY)
-    with pytest.raises(TrainingError, match="begun with another infant; go on as it was begun, name another folder"):
+    with pytest.raises(TrainingError, match="started with another infant; use the same settings to resume it"):
         learn("run", EVERY, source=built(age_months=9))
 
 
 @pytest.mark.parametrize("kind", ["folder", "file"])
-def test_what_is_no_training_is_left_alone(learn, tmp_path, kind):
+def test_a_path_that_is_not_a_run_folder_is_left_alone(learn, tmp_path, kind):
     if kind == "folder":
         (tmp_path / "run").mkdir()
         (tmp_path / "run" / "thesis.tex").touch()
     else:
         (tmp_path / "run").touch()
     before = everything_in(tmp_path)
-    with pytest.raises(TrainingError, match=r"this folder is not that of a training|this is a file"):
+    with pytest.raises(TrainingError, match=r"not the folder of a training run|this is a file"):
         learn("run", EVERY, force=True)
     assert everything_in(tmp_path) == before
 
 
-def test_two_at_once_in_one_folder_are_one_too_many(learn, bundle, tmp_path):
+def test_two_processes_cannot_train_in_one_folder(learn, bundle, tmp_path):
     tiny = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
     settings = Settings.choose("ppo", EVERY, 0, 2, EVERY, tiny)
     with (
-        claim(tmp_path / "run", settings, bundle, force=False),
+        open_run_folder(tmp_path / "run", settings, bundle, force=False),
         pytest.raises(TrainingError, match="another process is training here"),
     ):
         learn("run", EVERY)
     assert learn("run", EVERY).curve.steps == EVERY
 
 
-def test_a_damaged_state_is_told_of(learn, tmp_path):
+def test_a_damaged_checkpoint_is_refused(learn, tmp_path):
     learn("run", EVERY)
     for content in (b"", b"PK\x05\x06" + bytes(18), b"junk"):
         (tmp_path / "run" / "state.zip").write_bytes(content)
-        with pytest.raises(TrainingError, match=r"state\.zip: it cannot be gone on from.*--force"):
+        with pytest.raises(TrainingError, match=r"state\.zip: checkpoint is damaged; training cannot resume.*--force"):
             learn("run")
     assert learn("run", EVERY, force=True).curve.steps == EVERY
 
@@ -225,11 +225,11 @@ def test_a_damaged_state_is_told_of(learn, tmp_path):
     ("options", "error", "said"),
     [
         ({"algo": "pppo"}, UnknownNameError, "did you mean 'ppo'"),
-        ({"steps": 0}, TrainingError, "steps: 0 is too few"),
-        ({"seed": -1}, TrainingError, "seed: -1 is below zero"),
+        ({"steps": 0}, TrainingError, "steps: expected at least 1, got 0"),
+        ({"seed": -1}, TrainingError, "seed: expected a non-negative integer, got -1"),
         ({"hyper": {"gama": 1}}, UnknownNameError, "did you mean 'gamma'"),
-        ({"hyper": {"gamma": 2}}, TrainingError, "gamma: 2 will not do; give a number from 0 to 1"),
-        ({"hyper": {"n_steps": 100}}, TrainingError, "200 steps .* is not a whole number of batches of 256"),
+        ({"hyper": {"gamma": 2}}, TrainingError, "gamma: expected a number from 0 to 1, got 2"),
+        ({"hyper": {"n_steps": 100}}, TrainingError, "200 steps .* is not a multiple of batch_size 256"),
         ({"source": "nowhere"}, BundleError, "nowhere: there is no such folder"),
     ],
 )
@@ -239,8 +239,8 @@ def test_bad_settings_are_refused_before_anything_is_written(bundle, tmp_path, o
     assert not (tmp_path / "run").exists()
 
 
-def test_pictures_too_small_to_learn_from_are_refused(learn, built, tmp_path):
-    with pytest.raises(TrainingError, match="pictures of 16 x 16 px are too small to learn from"):
+def test_images_too_small_to_learn_from_are_refused(learn, built, tmp_path):
+    with pytest.raises(TrainingError, match="images of 16 x 16 px are too small to learn from"):
         learn("run", source=built(senses={"vision": {"width_px": 16, "height_px": 16}}))
     assert not (tmp_path / "run").exists()
 
@@ -248,13 +248,13 @@ def test_pictures_too_small_to_learn_from_are_refused(learn, built, tmp_path):
 # The files.
 
 
-def test_the_state_says_how_far_it_is(learn, tmp_path):
+def test_the_checkpoint_has_the_progress(learn, tmp_path):
     training = learn("run")
     progress = read_progress((tmp_path / "run" / "state.zip").read_bytes())
     assert (progress.steps, progress.curve.to_csv()) == (2 * EVERY, training.curve.to_csv())
 
 
-def test_stable_baselines_reads_the_policy_too(trained, learned, same):
+def test_stable_baselines_loads_the_policy_too(trained, learned, same):
     agent = PPO.load(trained / "policy.zip", device="cpu")
     assert agent.num_timesteps == EVERY
     assert same(agent.policy.state_dict(), learned(trained / "policy.zip")[0])

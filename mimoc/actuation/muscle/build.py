@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from mimoc.actuation.drives import Drive
 from mimoc.body import BodyTree, Joint, Motor
 from mimoc.mjcf.tree import Actuator
 from mimoc.units import deg_to_rad
@@ -33,7 +34,12 @@ DAMPING = 1 / 20
 """What muscles leave of the damping of joints, by the reference body's; of their springs they leave nothing (MIMo)."""
 
 
-def muscles(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
+def build(spec: None, tree: BodyTree, timestep_s: float) -> Drive:
+    """Return two muscles for each of MIMo's actuators, which alone move and stiffen the joints."""
+    return Drive(muscles(tree), MUSCLE, "implicitfast", limp_joints(tree))
+
+
+def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
     """Return both muscles of each of MIMo's actuators, the one towards negative angles first."""
     joints = tree.joints
     return tuple(muscle for motor in tree.motors for muscle in _antagonists(motor, joints[motor.joint]))

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.commands import Commands, command_range, find_actuators, mean_effort
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation.spec import ActuationEntry
 from mimoc.senses.sense import IntArray
 
 FORCE = 2
@@ -25,7 +25,7 @@ class Muscle(Commands):
         return mean_effort(data.act[self.activations], np.abs(self.limits_nm).max(axis=1))
 
 
-def bind_muscle(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:
+def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:
     """Find the muscles of *entry* in *model*."""
     ids = find_actuators(entry, model)
     pull_nm = -model.actuator_gear[ids, 0] * model.actuator_gainprm[ids, FORCE]

@@ -1,1 +1,10 @@
-"""Servos that hold a commanded angle."""
+"""Servos that hold a commanded angle with the strength of muscles."""
+
+from mimoc.kinds import ActuationKind
+
+KIND = ActuationKind(
+    name="position",
+    about="Servos that hold a commanded angle with the strength of muscles.",
+    build="mimoc.actuation.position.build",
+    run="mimoc.actuation.position.run",
+)

@@ -12,7 +12,9 @@ degrees past its target on the way. (`tests/scene/test_servos.py`)
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
+from mimoc.actuation.drives import Drive
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.body import BodyTree, Joint, Motor
 from mimoc.body.heft import inertias
@@ -34,6 +36,11 @@ SERVO = (
     ("gaintype", "fixed"),
     ("biastype", "affine"),
 )
+
+
+def build(spec: None, tree: BodyTree, timestep_s: float) -> Drive:
+    """Return one servo for each of MIMo's actuators, on joints that are damped to the speed of muscles."""
+    return Drive(servos(tree, timestep_s), SERVO, "implicitfast", servo_joints(tree), partial(held, tree))
 
 
 def servos(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:

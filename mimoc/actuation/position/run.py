@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.commands import Commands, command_range, find_actuators, limits_of_motors, mean_effort
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation.spec import ActuationEntry
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Position(Commands):
         return mean_effort(shares, largest_nm)
 
 
-def bind_position(entry: ActuationEntry, model: mujoco.MjModel) -> Position:
+def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Position:
     """Find the servos of *entry* in *model*."""
     ids = find_actuators(entry, model)
     return Position(ids, *command_range(entry), limits_of_motors(model, ids))

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.commands import Commands, command_range, find_actuators, limits_of_motors, mean_effort
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation.spec import ActuationEntry
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Torque(Commands):
         return mean_effort(data.actuator_force[self.actuators], np.abs(self.limits_nm).max(axis=1))
 
 
-def bind_torque(entry: ActuationEntry, model: mujoco.MjModel) -> Torque:
+def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Torque:
     """Find the actuators of *entry* in *model*."""
     ids = find_actuators(entry, model)
     return Torque(ids, *command_range(entry), limits_of_motors(model, ids))

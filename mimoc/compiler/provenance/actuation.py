@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 
-from mimoc.actuation.drives import DRIVES
+from mimoc.actuation.drives import Drive
 from mimoc.actuation.muscle.build import DAMPING, LONGEST, PEAK, SHORTEST
 from mimoc.actuation.position.build import FINEST_STEP_S, LAG_S, STEPS_OF_LAG
 from mimoc.body import Anatomy, BodyTree, Motor
@@ -14,18 +14,18 @@ STROKE = LONGEST - SHORTEST
 """By how much a muscle's length changes over the range of its joint, in optimal lengths."""
 
 
-def trace_drive(model: str, anatomy: Anatomy, tree: BodyTree, actuators: tuple[Actuator, ...]) -> dict[str, Entry]:
+def trace_drive(model: str, anatomy: Anatomy, tree: BodyTree, drive: Drive) -> dict[str, Entry]:
     """Return an entry for each number of the actuators, and for those of the joints that an actuation model changes.
 
     Args:
         model: The actuation model.
         anatomy: What the body was grown to.
         tree: The body.
-        actuators: What drives it.
+        drive: What drives it.
     """
     gears_nm = {motor.name.format(side=side): motor.gear_nm for side, motor in anatomy.motors}
     entries: dict[str, Entry] = {}
-    for name, joint in DRIVES[model].joints(tree).items():
+    for name, joint in drive.joints.items():
         was = tree.joints[name]
         if joint.stiffness_nm_per_rad != was.stiffness_nm_per_rad:
             entries.update(_trace_joint(name, "stiffness", joint.stiffness_nm_per_rad, "N m/rad", model, ()))
@@ -33,8 +33,8 @@ def trace_drive(model: str, anatomy: Anatomy, tree: BodyTree, actuators: tuple[A
             sources = _speed_keys(tree, name) if model == "position" else ()
             entries.update(_trace_joint(name, "damping", joint.damping_nms_per_rad, "N m s/rad", model, sources))
     for motor in tree.motors:
-        mine = [actuator for actuator in actuators if actuator.mimo_actuator == motor.name]
-        entries.update(TRACES[model](tree, motor, gears_nm[motor.name], mine))
+        mine = [actuator for actuator in drive.actuators if actuator.mimo_actuator == motor.name]
+        entries.update(TRACES.get(model, _trace_strength)(tree, motor, gears_nm[motor.name], mine))
     return entries
 
 

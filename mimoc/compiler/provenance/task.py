@@ -3,12 +3,12 @@
 from typing import Any
 
 from mimoc.body.provenance import Entry
-from mimoc.tasks.entries import GoalEntry
+from mimoc.tasks.base import TaskEntry
 
 SOURCES = ["spec.task.kind", "spec.age_months"]
 
 
-def trace_task(goal: GoalEntry) -> dict[str, Entry]:
+def trace_task(goal: TaskEntry) -> dict[str, Entry]:
     """Return an entry for each number that the manifest tells of a task."""
     fields = type(goal).model_fields
     numbers = {name: value for name, value in goal.model_dump().items() if _is_number(value)}

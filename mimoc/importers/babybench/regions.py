@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from mimoc.errors import suggestion
 from mimoc.importers.settings import Settings
+from mimoc.schema.key_paths import shown
 from mimoc.schema.names import PAIRED_GROUPS, SIDES, STRENGTH_GROUPS
-from mimoc.schema.source import shown
 
 _WHOLE = {
     "neck": ("neck", "head"),

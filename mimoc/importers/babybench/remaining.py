@@ -2,7 +2,7 @@
 
 from mimoc.errors import suggestion
 from mimoc.importers.settings import Settings, plain
-from mimoc.schema.source import shown
+from mimoc.schema.key_paths import shown
 
 WHERE = "say where results go when you run something: mimoc train OUT -o DIR"
 HOW_OFTEN = "say how often when you train: mimoc train --help"

@@ -1,1 +1,9 @@
-"""A crib."""
+"""A crib that fits the infant."""
+
+from mimoc.kinds import SceneKind
+
+KIND = SceneKind(
+    name="crib",
+    about="A crib that fits the infant.",
+    build="mimoc.scenes.crib.build",
+)

@@ -4,8 +4,15 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
+from mimoc.body.stature import stature
 from mimoc.looks.wallpaper import WALLS
 from mimoc.mjcf.furniture import FIRM, UNTOUCHED, Furniture, WorldGeom, WorldMaterial, WorldTexture
+from mimoc.mjcf.tree import Ground, World
+from mimoc.scenes.setting import HEADLIGHT, WINDOW, Decor, Occupant, Setting
+from mimoc.scenes.spec import SceneSpec
+from mimoc.units import cm_to_m
 
 INNER_M = (1.2, 0.6)
 """Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""
@@ -51,6 +58,16 @@ class Crib:
     floor_m: float
     """Height of the floor that it stands on; negative."""
     furniture: Furniture
+
+
+def build(spec: SceneSpec, occupant: Occupant, decor: Decor) -> Setting:
+    """Return a crib that fits the infant, which lies on its mattress."""
+    x_m, y_m = (np.abs(occupant.discs[:, :2]) + occupant.discs[:, 2:]).max(axis=0).tolist()
+    made = crib(cm_to_m(stature(occupant.body)["length_cm"]), (x_m, y_m))
+    length, width = made.inner_m
+    floor = Ground("floor", made.floor_m)
+    world = World(grounds=(floor,), lights=(WINDOW,), headlight=HEADLIGHT, furniture=made.furniture)
+    return Setting(world, half_size_m=(length / 2, width / 2))
 
 
 def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:

@@ -1,1 +1,11 @@
-"""A room drawn at random."""
+"""A furnished room drawn at random."""
+
+from mimoc.kinds import SceneKind
+from mimoc.scenes.room.spec import RoomSpec
+
+KIND = SceneKind(
+    name="room",
+    about="A furnished room drawn at random.",
+    build="mimoc.scenes.room.build",
+    spec=RoomSpec,
+)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.looks.appearance import UNTINTED
-from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS, Wallpaper
+from mimoc.looks.wallpaper import Wallpaper
 from mimoc.mjcf.furniture import (
     SOLID,
     UNTOUCHED,
@@ -19,7 +19,11 @@ from mimoc.mjcf.furniture import (
     WorldMaterial,
     WorldTexture,
 )
+from mimoc.mjcf.tree import World
 from mimoc.random_streams import between, pick, shuffled, stream, whole_between
+from mimoc.scenes.footprint import reach_of
+from mimoc.scenes.setting import HEADLIGHT, OWN_DECOR, Decor, Occupant, Placement, Setting
+from mimoc.scenes.spec import SceneSpec
 
 Range = tuple[float, float]
 
@@ -35,22 +39,11 @@ OFF_THE_WALL_M = 0.012
 """How far from it pictures hang, and lamps from the ceiling, so that nothing shines through, even 20 m away."""
 LAMP_COUNT = (1, 2)
 LAMP_RADIUS_M, LAMP_HALF_HEIGHT_M = 0.16, 0.025
-HEADLIGHT = Headlight((0.66, 0.66, 0.66), (0.08, 0.08, 0.08))
 LAMP_LIGHT = 0.34
 """All lamps together, on what faces them: with the headlight, white walls are just not burnt out."""
 WARMEST, COOLEST = (1.0, 0.93, 0.82), (0.96, 0.98, 1.0)
 QUADS = 16
 """Facets along a side: MuJoCo works out light at their corners only."""
-
-
-@dataclass(frozen=True, slots=True)
-class Decor:
-    """What a room may be decorated with."""
-
-    floors: Sequence[Wallpaper] = tuple(FLOORS.values())
-    ceilings: Sequence[Wallpaper] = tuple(CEILINGS.values())
-    walls: Sequence[Wallpaper] = tuple(WALLS.values())
-    pictures: Sequence[Wallpaper] = tuple(PICTURES.values())
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,16 +54,6 @@ class Room:
     """Depth, width and height: along x, y and z."""
     furniture: Furniture
     headlight: Headlight = HEADLIGHT
-
-
-@dataclass(frozen=True, slots=True)
-class Placement:
-    """Where an infant is in a room."""
-
-    x_m: float
-    y_m: float
-    yaw_rad: float
-    """About the vertical, 0 to 2 pi."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +68,18 @@ class _Side:
     """Where its z points."""
 
 
-def draw_room(size_m: tuple[Range, Range, Range], seed: int, decor: Decor = Decor()) -> Room:
+def build(spec: SceneSpec, occupant: Occupant, decor: Decor) -> Setting:
+    """Return a room drawn from the seed, the infant anywhere in it that is clear of the walls."""
+    room = draw_room(spec.room.size_m, spec.seed, decor)
+    depth, width, _ = room.size_m
+    return Setting(
+        World(headlight=room.headlight, furniture=room.furniture),
+        place_infant(room.size_m, reach_of(occupant.discs), stream(spec.seed, "infant.place")),
+        (depth / 2, width / 2),
+    )
+
+
+def draw_room(size_m: tuple[Range, Range, Range], seed: int, decor: Decor = OWN_DECOR) -> Room:
     """Return a room; its size, floor, ceiling, walls, pictures and lamps are drawn apart from each other.
 
     Args:

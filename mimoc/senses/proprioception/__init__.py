@@ -1,1 +1,14 @@
 """Joint angles and what else is felt of the joints."""
+
+from mimoc.delays.ages import AGES_MONTHS
+from mimoc.kinds import AgeTable, SenseKind
+from mimoc.senses.proprioception.spec import ProprioceptionEntry, ProprioceptionSpec
+
+KIND = SenseKind(
+    name="proprioception",
+    spec=ProprioceptionSpec,
+    entry=ProprioceptionEntry,
+    build="mimoc.senses.proprioception.build",
+    run="mimoc.senses.proprioception.run",
+    physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
+)

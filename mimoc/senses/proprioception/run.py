@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import ActuationEntry, ProprioceptionEntry
+from mimoc.actuation.spec import ActuationEntry
+from mimoc.bundle.io import Bundle
+from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray, Vector
 
 LIMIT_MARGIN_RAD = 0.035
@@ -53,7 +54,7 @@ class Proprioception(Vector):
         return np.concatenate([channel.read(data) for channel in self.channels])
 
 
-def bind(entry: ProprioceptionEntry, bundle: Bundle, model: mujoco.MjModel) -> Proprioception:
+def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> Proprioception:
     """Find the joints, sensors and actuators of *entry* in *model*."""
     actuation = bundle.manifest.actuation
     channels = (_angles(entry, model), *(CHANNELS[name](entry, actuation, model) for name in entry.include))

@@ -1,1 +1,14 @@
-"""Touch."""
+"""Touch, all over the skin."""
+
+from mimoc.delays.ages import AGES_MONTHS
+from mimoc.kinds import AgeTable, SenseKind
+from mimoc.senses.touch.spec import TouchEntry, TouchSpec
+
+KIND = SenseKind(
+    name="touch",
+    spec=TouchSpec,
+    entry=TouchEntry,
+    build="mimoc.senses.touch.build",
+    run="mimoc.senses.touch.run",
+    physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
+)

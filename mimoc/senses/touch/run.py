@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
 
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import TouchEntry
+from mimoc.bundle.io import Bundle
 from mimoc.senses.sense import FloatArray, IntArray, Observation, Reading
 from mimoc.senses.touch.contacts import Pushes, feeling_bodies, find_pushes, rotated
 from mimoc.senses.touch.receptors import Skin, bind_skin
+from mimoc.senses.touch.spec import TouchEntry
 
 MAX_FORCE_N = 1e4
 """Bound of the observation; an infant weighs a hundred."""
@@ -117,7 +117,7 @@ class Touch:
         return np.bincount(numbers.ravel(), shares.ravel(), size)[:size]  # pyright: ignore[reportReturnType] - Sums.
 
 
-def bind(entry: TouchEntry, bundle: Bundle, model: mujoco.MjModel) -> Touch:
+def bind(entry: TouchEntry, model: mujoco.MjModel, bundle: Bundle) -> Touch:
     """Put the skin of *entry* on the bodies of *model*."""
     skin = bind_skin(entry.points_m, entry.spacing_m, model)
     return Touch(skin, feeling_bodies(skin.bodies, model), QUANTITIES[entry.quantity], RESPONSES[entry.response])

@@ -10,9 +10,10 @@ import numpy as np
 
 from mimoc.body import Body, BodyTree, Geom, grow_reference
 from mimoc.body.strengthen import GROUPS, body_groups
+from mimoc.geometry.primitives import area
 from mimoc.schema.names import single_groups
 from mimoc.senses.touch.exposed import Layout, carry_over, lay_out
-from mimoc.senses.touch.surface import FloatArray, area_m2
+from mimoc.senses.touch.surface import FloatArray
 
 SPACING_M = {
     "head": 0.013,
@@ -111,7 +112,7 @@ def _joined(patches: Sequence[_Patch]) -> _Patch:
 
 
 def _area_m2(body: Body) -> float:
-    return sum(area_m2(geom) for geom in body.geoms)
+    return sum(area(geom.type, geom.size_m) for geom in body.geoms)
 
 
 def _points(body: Body, layout: Layout) -> FloatArray:

@@ -1,14 +1,10 @@
-"""The surface of a geom: its points, its area, and the way to it from inside."""
-
-import math
+"""The surface of a geom in the frame of its body: its points, and the way to it from inside."""
 
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.body import Geom
-from mimoc.body.kinematics import euler_matrix
-
-FloatArray = npt.NDArray[np.float64]
+from mimoc.geometry import primitives
+from mimoc.geometry.rotations import FloatArray, matrix_from_euler
 
 
 def place(geom: Geom, multiples: FloatArray) -> FloatArray:
@@ -21,7 +17,7 @@ def place(geom: Geom, multiples: FloatArray) -> FloatArray:
     """
     local = multiples[:, :3] * _radii_m(geom)
     local[:, 2] += multiples[:, 3] * _axis_m(geom)
-    return local @ euler_matrix(geom.euler_deg).T + geom.pos_m
+    return local @ matrix_from_euler(geom.euler_deg).T + geom.pos_m
 
 
 def depth(geom: Geom, points_m: FloatArray) -> FloatArray:
@@ -31,12 +27,7 @@ def depth(geom: Geom, points_m: FloatArray) -> FloatArray:
         geom: The geom.
         points_m: Shape (n, 3), in the frame of its body.
     """
-    local = _local(geom, points_m)
-    if geom.type == "box":
-        return (_radii_m(geom) - np.abs(local)).min(axis=1)
-    if geom.type == "cylinder":
-        return _depths_in_cylinder(local, *geom.size_m).min(axis=1)
-    return geom.size_m[0] - np.linalg.norm(_from_axis(geom, local), axis=1)
+    return primitives.depths(geom.type, geom.size_m, _local(geom, points_m))
 
 
 def outward(geom: Geom, points_m: FloatArray) -> FloatArray:
@@ -46,28 +37,8 @@ def outward(geom: Geom, points_m: FloatArray) -> FloatArray:
         geom: The geom.
         points_m: Shape (n, 3), in the frame of its body.
     """
-    local = _local(geom, points_m)
-    if geom.type == "box":
-        nearest = (_radii_m(geom) - np.abs(local)).argmin(axis=1)
-        ways = np.where(np.arange(3) == nearest[:, None], np.copysign(1.0, local), 0.0)
-    elif geom.type == "cylinder":
-        by_side, by_end = _depths_in_cylinder(local, *geom.size_m).T
-        ends = np.copysign((0.0, 0.0, 1.0), local)
-        ways = np.where((by_end < by_side)[:, None], ends, _unit(local * (1, 1, 0)))
-    else:
-        ways = _unit(_from_axis(geom, local))
-    return ways @ euler_matrix(geom.euler_deg).T
-
-
-def area_m2(geom: Geom) -> float:
-    """Return the area of the whole surface."""
-    if geom.type == "box":
-        x, y, z = geom.size_m
-        return 8 * (x * y + y * z + z * x)
-    radius_m = geom.size_m[0]
-    if geom.type == "cylinder":
-        return 2 * math.pi * radius_m * (2 * geom.size_m[1] + radius_m)
-    return 4 * math.pi * radius_m * (_axis_m(geom) + radius_m)
+    ways = primitives.outward(geom.type, geom.size_m, _local(geom, points_m))
+    return ways @ matrix_from_euler(geom.euler_deg).T
 
 
 def _radii_m(geom: Geom) -> FloatArray:
@@ -84,22 +55,4 @@ def _axis_m(geom: Geom) -> float:
 
 
 def _local(geom: Geom, points_m: FloatArray) -> FloatArray:
-    return (points_m - geom.pos_m) @ euler_matrix(geom.euler_deg)
-
-
-def _from_axis(geom: Geom, local: FloatArray) -> FloatArray:
-    """Return the vectors from the nearest points of a capsule's axis, or from a sphere's centre."""
-    half_m, vectors = _axis_m(geom), local.copy()
-    vectors[:, 2] -= np.clip(local[:, 2], -half_m, half_m)
-    return vectors
-
-
-def _depths_in_cylinder(local: FloatArray, radius_m: float, half_m: float) -> FloatArray:
-    """Return how far the round side and the nearer end are from places inside, shape (n, 2)."""
-    return np.column_stack((radius_m - np.hypot(local[:, 0], local[:, 1]), half_m - np.abs(local[:, 2])))
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    """Return vectors of length one; along x where there is no direction."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.where(lengths > 0, vectors, (1.0, 0.0, 0.0)) / np.where(lengths > 0, lengths, 1.0)
+    return (points_m - geom.pos_m) @ matrix_from_euler(geom.euler_deg)

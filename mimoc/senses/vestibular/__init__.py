@@ -1,1 +1,14 @@
 """Balance."""
+
+from mimoc.delays.ages import AGES_MONTHS
+from mimoc.kinds import AgeTable, SenseKind
+from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
+
+KIND = SenseKind(
+    name="vestibular",
+    spec=VestibularSpec,
+    entry=VestibularEntry,
+    build="mimoc.senses.vestibular.build",
+    run="mimoc.senses.vestibular.run",
+    physiological_delay=AgeTable(AGES_MONTHS, (10, 10, 10, 10, 10, 10)),
+)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import VestibularEntry
+from mimoc.bundle.io import Bundle
 from mimoc.senses.sense import FloatArray, IntArray, Vector
+from mimoc.senses.vestibular.spec import VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4
 """Bound of the observation; hard knocks of the head reach some hundreds."""
@@ -27,7 +27,7 @@ class Vestibular(Vector):
         return data.sensordata[self.addresses]
 
 
-def bind(entry: VestibularEntry, bundle: Bundle, model: mujoco.MjModel) -> Vestibular:
+def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> Vestibular:
     """Find the sensors of *entry* in *model*."""
     wanted = ((entry.accelerometer, MAX_ACCELERATION_M_S2, "m/s²"), (entry.gyro, MAX_RATE_RAD_S, "rad/s"))
     sensors = [(name, high, unit) for name, high, unit in wanted if name]

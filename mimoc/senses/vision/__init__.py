@@ -1,1 +1,15 @@
-"""Sight."""
+"""Sight, with a camera in each eye."""
+
+from mimoc.delays.ages import AGES_MONTHS
+from mimoc.kinds import AgeTable, SenseKind
+from mimoc.senses.vision.spec import VisionEntry, VisionSpec
+
+KIND = SenseKind(
+    name="vision",
+    spec=VisionSpec,
+    entry=VisionEntry,
+    build="mimoc.senses.vision.build",
+    run="mimoc.senses.vision.run",
+    organs=("left_eye", "right_eye"),
+    physiological_delay=AgeTable(AGES_MONTHS, (245, 205, 115, 105, 105, 105)),
+)

@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mimoc.bundle.manifest import VisionEntry
 from mimoc.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
-from mimoc.senses.spec import VisionSpec
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
+from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 SIDES = ("left", "right")
 LAST_MONTH = 36.0

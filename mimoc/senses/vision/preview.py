@@ -7,13 +7,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import VisionEntry
-from mimoc.bundle.model import load_model
-from mimoc.bundle.poses import pose_of
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import load_posed
 from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.run import filters, perceive
+from mimoc.senses.vision.spec import VisionEntry
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -46,13 +45,10 @@ def glimpse(
         UnknownNameError: If the infant has no such pose or no such eye.
         RenderingError: If there is no OpenGL here.
     """
-    model = load_model(bundle)
-    first, pose = sights[0][0], pose_of(bundle.manifest, pose)
+    model, data = load_posed(bundle, pose)
+    first = sights[0][0]
     (name,) = first.cameras
     _require("camera of this infant", name, [model.camera(index).name for index in range(model.ncam)])
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-    mujoco.mj_forward(model, data)
     camera = data.camera(name)
     world_from_eye = camera.xmat.reshape(3, 3).copy()
     camera.xmat = _turned(world_from_eye, _gaze(bundle, data, camera.xpos, world_from_eye, down_deg))

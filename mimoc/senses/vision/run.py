@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box
 
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import VisionEntry
+from mimoc.bundle.io import Bundle
 from mimoc.render.averaging import average_down
 from mimoc.senses.sense import IntArray, Observation, Reading
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.foveation import Pictures, foveate, source_weights
+from mimoc.senses.vision.spec import VisionEntry
 
 Filter = Callable[[Pictures], Pictures]
 """From pictures to pictures, shape (..., height, width, colours), 0 to 255."""
@@ -61,7 +61,7 @@ class Vision:
         self.eyes.close()
 
 
-def bind(entry: VisionEntry, bundle: Bundle, model: mujoco.MjModel) -> Vision:
+def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     """Open the eyes of *entry* in *model*.
 
     Raises:

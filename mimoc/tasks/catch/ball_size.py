@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from mimoc.tasks.entries import BallEntry
+from mimoc.tasks.base import BallEntry
 
 SOLID_SPHERE = 2 / 5
 """Moment of inertia of a solid sphere, by mass and squared radius."""

@@ -7,9 +7,8 @@ from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
 from mimoc.body.poses import POSES, Pose, resting_state
 from mimoc.body.tree import Vec3
 from mimoc.tasks.ball import BALL, RADIUS_M, ball
-from mimoc.tasks.entries import CatchEntry
-from mimoc.tasks.setup import Side, Stage, bodies_of, middle_finger, one_armed, require
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
+from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
 
 STEPS = 800
 """Of an episode (MIMo)."""
@@ -33,7 +32,7 @@ LOST = 0.75
 """How far from the palm the ball is lost, in lengths of the hand: farther than its fingers reach."""
 
 
-def stage_catch(task: TaskSpec, tree: BodyTree) -> Stage:
+def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
     """Return the stage of `catch`.
 
     Raises:

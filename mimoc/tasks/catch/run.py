@@ -6,11 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.catch.ball_size import Marble
-from mimoc.tasks.entries import CatchEntry
+from mimoc.tasks.catch.spec import CatchEntry
 from mimoc.tasks.task import Task, Verdict
 
 HAND, BALL = 1, 2

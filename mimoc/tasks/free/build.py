@@ -1,14 +1,10 @@
-"""The stage of a world without a goal."""
+"""No goal."""
 
 from mimoc.body import BodyTree
-from mimoc.tasks.entries import FreeEntry
-from mimoc.tasks.setup import Stage
-from mimoc.tasks.spec import TaskSpec
-
-FREE = Stage(FreeEntry())
-"""Without an end."""
+from mimoc.tasks.free.spec import FreeEntry, FreeSpec
+from mimoc.tasks.setup import TaskSetup
 
 
-def stage_free(task: TaskSpec, tree: BodyTree) -> Stage:
-    """Return the stage of `free`."""
-    return Stage(FreeEntry(steps=task.steps))
+def build(spec: FreeSpec, tree: BodyTree) -> TaskSetup:
+    """Return the setup of `free`, which adds nothing."""
+    return TaskSetup(FreeEntry(steps=spec.steps))

@@ -2,9 +2,9 @@
 
 import mujoco
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.tasks.entries import FreeEntry
+from mimoc.tasks.free.spec import FreeEntry
 from mimoc.tasks.task import Task
 
 

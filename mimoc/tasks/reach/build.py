@@ -1,17 +1,15 @@
 """The stage of reaching: a ball hangs before an infant that is held upright and looks at it."""
 
-import math
-
 import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import Pose, resting_state
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.ball import BALL, ball
-from mimoc.tasks.entries import GazeEntry, ReachEntry
-from mimoc.tasks.setup import Side, Stage, middle_finger, one_armed, require
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.base import GazeEntry
+from mimoc.tasks.reach.spec import ReachEntry, ReachSpec
+from mimoc.tasks.setup import Side, TaskSetup, middle_finger, one_armed, require
 from mimoc.units import deg_to_rad
 
 STEPS = 1000
@@ -25,7 +23,7 @@ ELEVATION_DEG = (-45.0, 25.0)
 LOOKERS = ("left_eye", "right_eye")
 
 
-def stage_reach(task: TaskSpec, tree: BodyTree) -> Stage:
+def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     """Return the stage of `reach`.
 
     Raises:
@@ -74,7 +72,5 @@ def _middle(tree: BodyTree, goal: ReachEntry, start: tuple[float, ...]) -> Vec3:
     origin, (_, trunk) = placed[goal.shoulder][0], placed[goal.trunk]
     ranges = (goal.distance_m, goal.azimuth_rad, goal.elevation_rad)
     distance_m, azimuth, elevation = (sum(ends) / 2 for ends in ranges)
-    flat_m = distance_m * math.cos(elevation)
-    offset = (flat_m * math.cos(azimuth), flat_m * math.sin(azimuth), distance_m * math.sin(elevation))
-    x, y, z = (origin + trunk @ offset).tolist()
+    x, y, z = (origin + trunk @ (distance_m * direction(azimuth, elevation))).tolist()
     return x, y, z

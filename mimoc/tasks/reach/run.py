@@ -6,11 +6,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
+from mimoc.geometry.rotations import direction
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import FloatArray
-from mimoc.tasks.entries import ReachEntry
 from mimoc.tasks.gaze import Gaze
+from mimoc.tasks.reach.spec import ReachEntry
 from mimoc.tasks.task import Task, Verdict
 
 STILL_M = 1e-4
@@ -64,10 +65,8 @@ class Reach(Task):
         entry = self._entry
         ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
         distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
-        level = np.cos(elevation)
-        direction = np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
         trunk = data.xmat[self._trunk].reshape(3, 3)
-        return data.xpos[self._shoulder] + trunk @ (distance_m * direction)
+        return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
 
 
 def bind(entry: ReachEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Reach:

@@ -6,10 +6,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.tasks.entries import RolloverEntry
+from mimoc.tasks.rollover.spec import RolloverEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 from mimoc.units import to_steps
 

@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping
 from mimoc.body import BodyTree
 from mimoc.body.poses import Pose, resting_state
 from mimoc.schema.names import SIDES
-from mimoc.tasks.entries import SelfbodyEntry, TargetEntry
-from mimoc.tasks.setup import Side, Stage, bodies_of, middle_finger, one_armed, require
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.selfbody.spec import SelfbodyEntry, SelfbodySpec, TargetEntry
+from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
 
 STEPS = 500
 """Of an episode (MIMo)."""
@@ -29,7 +28,7 @@ TRUNK = {"head": ("head", "left_eye", "right_eye"), "upper_body": ("upper_body",
 """Parts of head and trunk, by name in the goal; the lower body collides with nothing, so it cannot be touched."""
 
 
-def stage_selfbody(task: TaskSpec, tree: BodyTree) -> Stage:
+def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
     """Return the stage of `selfbody`.
 
     Raises:

@@ -7,10 +7,10 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
+from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import IntArray, Observation
-from mimoc.tasks.entries import SelfbodyEntry
+from mimoc.tasks.selfbody.spec import SelfbodyEntry
 from mimoc.tasks.task import Task, Verdict
 
 EFFECTOR, NOTHING = -2, -1

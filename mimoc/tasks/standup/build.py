@@ -5,19 +5,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import root_scalar
 
 from mimoc.body import BodyTree
-from mimoc.body.kinematics import FloatArray, axis_matrix, frames, pose, reach
-from mimoc.body.poses import CONTACT_DEPTH_M, standing_height
+from mimoc.body.kinematics import FloatArray, frames, pose
+from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
 from mimoc.body.stature import stature
 from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import matrix_from_axis
 from mimoc.scenes.crib.build import RAIL_RADIUS_M
-from mimoc.tasks.entries import StandupEntry
-from mimoc.tasks.setup import Hold, Side, Stage, joints_of, require
-from mimoc.tasks.spec import TaskSpec
+from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
 from mimoc.tasks.standup.rail import Rail, half_span, rail_height
+from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 from mimoc.units import cm_to_m, deg_to_rad
 
 STEPS = 500
@@ -40,7 +41,7 @@ COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
 LOCKED = ("neck", "eyes")
 """What neither stands up nor holds on; it would loll."""
 WRIST = ("hand1", "hand2", "hand3")
-_HALVINGS = 40
+_PRECISION_DEG = 1e-9
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Seat:
     @property
     def turn(self) -> FloatArray:
         """World from hip, shape (3, 3)."""
-        return axis_matrix((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG))
+        return matrix_from_axis((0.0, 1.0, 0.0), -deg_to_rad(LEANING_BACK_DEG))
 
     def in_world(self, place_m: FloatArray) -> FloatArray:
         """Return a place in the frame of the hip, shape (3,), as one in the world."""
@@ -65,7 +66,7 @@ class Seat:
         return self.turn.T @ (place_m - (0.0, 0.0, self.height_m))
 
 
-def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
+def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     """Return the stage of `standup`.
 
     Raises:
@@ -77,7 +78,7 @@ def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
     rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))
     fingers = {joint for side in SIDES for joint in _fingers(tree, side)}
-    return Stage(
+    return TaskSetup(
         goal=_goal(task, tree),
         start=_start(tree, seat, rail, grips),
         commanded=joints_of(tree, *COMMANDED),
@@ -88,7 +89,7 @@ def stage_standup(task: TaskSpec, tree: BodyTree) -> Stage:
     )
 
 
-def _goal(task: TaskSpec, tree: BodyTree) -> StandupEntry:
+def _goal(task: StandupSpec, tree: BodyTree) -> StandupEntry:
     standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
     return StandupEntry(
         steps=task.steps or STEPS,
@@ -119,8 +120,7 @@ def _sit(tree: BodyTree) -> Seat:
 
 def _depth(tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, parts: tuple[str, ...]) -> float:
     """Return how far below the hip some parts reach, in [m]."""
-    posed, down = pose(tree, angles_rad), turn.T @ (0.0, 0.0, -1.0)
-    extents_m = posed.centres @ down + reach(posed.geoms, np.einsum("nij,i->nj", posed.turns, down))
+    extents_m = pose(tree, angles_rad).reaches(turn.T @ (0.0, 0.0, -1.0))
     owners = [body.name for body in tree.bodies for _ in body.geoms]
     return max(extent for extent, owner in zip(extents_m.tolist(), owners, strict=True) if owner in parts)
 
@@ -145,15 +145,13 @@ def _flat_foot(
         knee, ankle = deg_to_rad(-knee_deg), deg_to_rad(knee_deg - thigh_deg)
         return {f"robot:{side}_knee": knee, f"robot:{side}_foot1": ankle}
 
-    def depth(knee_deg: float) -> float:
-        return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",))
+    def too_deep_m(knee_deg: float) -> float:
+        return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",)) - height_m
 
-    if not depth(low) < height_m < depth(high):
+    if not too_deep_m(low) < 0 < too_deep_m(high):
         raise UnplayableError(f"'standup' begins with flat feet, and this infant's {side} leg is too long or too short")
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if depth(middle) < height_m else (low, middle)
-    return {name: round(angle, 6) for name, angle in leg(low).items()}
+    knee_deg = root_scalar(too_deep_m, bracket=(low, high), xtol=_PRECISION_DEG).root
+    return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
 
 
 def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
@@ -184,6 +182,5 @@ def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -
         shoulder_y_m = float(here[f"{side}_upper_arm"][0][1])
         place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
         angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
-    half = -deg_to_rad(LEANING_BACK_DEG) / 2
     hinges = (angles.get(joint, 0.0) for joint in tree.joints)
-    return (0.0, 0.0, seat.height_m, math.cos(half), 0.0, math.sin(half), 0.0, *hinges)
+    return (0.0, 0.0, seat.height_m, *pitched(-deg_to_rad(LEANING_BACK_DEG)), *hinges)

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 
-from mimoc.bundle.folder import Bundle
-from mimoc.bundle.manifest import ActuationEntry
+from mimoc.actuation.spec import ActuationEntry
+from mimoc.bundle.io import Bundle
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.tasks.entries import StandupEntry
+from mimoc.tasks.standup.spec import StandupEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel
 from mimoc.toys.shaping import join, mesh_volume
 from mimoc.toys.solids import reach

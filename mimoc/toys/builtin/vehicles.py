@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import SHELL, WOOD
 from mimoc.toys.builtin.wheels import axles, wheels

@@ -6,7 +6,8 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from mimoc.toys.model import FloatArray, IntArray, Mesh, Solid
+from mimoc.geometry.rotations import FloatArray, matrix_from_axis, quaternion_from_matrix
+from mimoc.toys.model import IntArray, Mesh, Solid
 from mimoc.toys.shaping import mesh_volume
 from mimoc.toys.toys4k.subprocesses import ApartError, LateError, do_apart
 
@@ -80,7 +81,7 @@ def is_thin(points: FloatArray, thickness: float = THIN) -> bool:
 def thin_box(points: FloatArray) -> Mesh:
     """Return the smallest box around what is thin, made thick enough; `box_of` makes a box of it again."""
     axes = _axes(points)
-    boxes = [_turned(axes, degrees) for degrees in range(90)]
+    boxes = [axes @ matrix_from_axis((0.0, 0.0, 1.0), math.radians(degrees)) for degrees in range(90)]
     box_axes = min(boxes, key=lambda box: math.prod(np.maximum(np.ptp(points @ box[:, :2], axis=0), THIN)))
     low, high = (points @ box_axes).min(axis=0), (points @ box_axes).max(axis=0)
     corners = (low + high) / 2 + _CORNERS * np.maximum(high - low, THIN) / 2
@@ -89,16 +90,12 @@ def thin_box(points: FloatArray) -> Mesh:
 
 def box_of(mesh: Mesh) -> Solid:
     """Return the box whose corners `thin_box` gave, wherever they are now."""
-    from trimesh.transformations import quaternion_from_matrix
-
     edges = mesh.vertices[[4, 2, 1]] - mesh.vertices[0]
     lengths = np.linalg.norm(edges, axis=1)
-    placement = np.eye(4)
-    placement[:3, :3] = (edges / lengths[:, None]).T
-    w, x, y, z = quaternion_from_matrix(placement).tolist()
+    quat = quaternion_from_matrix((edges / lengths[:, None]).T)
     half_x, half_y, half_z = (lengths / 2).tolist()
     at_x, at_y, at_z = mesh.vertices.mean(axis=0).tolist()
-    return Solid("box", (half_x, half_y, half_z), (at_x, at_y, at_z), (w, x, y, z))
+    return Solid("box", (half_x, half_y, half_z), (at_x, at_y, at_z), quat)
 
 
 def _hull(points: FloatArray) -> Mesh:
@@ -127,9 +124,3 @@ def _axes(points: FloatArray) -> FloatArray:
     middle = points - points.mean(axis=0)
     axes = np.linalg.eigh(middle.T @ middle)[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))
-
-
-def _turned(axes: FloatArray, degrees: float) -> FloatArray:
-    """Return axes turned about the last of them."""
-    cos, sin = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return axes @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

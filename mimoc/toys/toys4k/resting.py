@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.toys.model import FloatArray
+from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
 
 STEADY_DEG = 5.0
 """How far a thing must lean before it falls for a pose to be called steady."""
@@ -69,10 +69,4 @@ def _lean_deg(normals: FloatArray, distances: FloatArray) -> FloatArray:
 
 def _turn_down(normal: FloatArray) -> FloatArray:
     """Return the smallest rotation that makes a direction point down."""
-    down = np.array([0.0, 0.0, -1.0])
-    cos = float(normal @ down)
-    if cos < -1 + 1e-9:
-        return np.diag([1.0, -1.0, -1.0])
-    x, y, z = np.cross(normal, down)
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + skew + skew @ skew / (1 + cos)
+    return matrix_from_quaternion(quaternion_between(normal, np.array([0.0, 0.0, -1.0])))

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.bundle.manifest import ActuationEntry, ActuatorEntry, ProprioceptionEntry
+from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.senses.proprioception.run import CHANNELS, LIMIT_MARGIN_RAD, bind
+from mimoc.senses.proprioception.spec import ProprioceptionEntry
 
 LOW_RAD, HIGH_RAD, GEAR_NM = -0.5, 1.2, 3.0
 ARM = f"""

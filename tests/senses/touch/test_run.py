@@ -5,8 +5,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.bundle.manifest import TouchEntry
 from mimoc.senses.touch.run import MAX_FORCE_N, Touch, bind
+from mimoc.senses.touch.spec import TouchEntry
 
 G_M_S2 = 9.81
 WORLD = """

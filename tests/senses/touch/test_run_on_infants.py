@@ -152,6 +152,17 @@ def test_an_infant_at_rest_feels_its_weight(pose):
     assert touch.skin_state(data).forces.sum(axis=0) == pytest.approx([0, 0, weight_n], abs=0.01 * weight_n)
 
 
+def test_the_quantities_are_of_one_force():
+    """In the body's frame, in the world's, and its part along the normal."""
+    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
+    for state in tangled(data, 20):
+        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
+        forces, pressures = points(in_world(state)), normal(state)
+        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
+        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
+        assert ((pressures > 0) == forces.any(axis=1)).all()
+
+
 def test_pressures_add_up_to_the_normal_forces(child):
     touch, data = child
     normal = Touch(touch.skin, touch.feeling, QUANTITIES["normal"], touch.spread)
@@ -213,14 +224,3 @@ def test_a_denser_skin_feels_more():
 def test_every_quantity_and_response_of_the_spec_can_be_felt():
     assert QUANTITIES.keys() == set(get_args(TouchQuantity))
     assert RESPONSES.keys() == set(get_args(TouchResponse))
-
-
-def test_the_quantities_are_of_one_force():
-    """In the body's frame, in the world's, and its part along the normal."""
-    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
-    for state in tangled(data, 20):
-        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
-        forces, pressures = points(in_world(state)), normal(state)
-        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
-        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
-        assert ((pressures > 0) == forces.any(axis=1)).all()

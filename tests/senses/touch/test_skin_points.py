@@ -1,6 +1,5 @@
 """The skin covers all that a body shows, evenly, and grows with it."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -18,7 +17,7 @@ from mimoc.schema import InfantSpec
 from mimoc.schema.names import LIMB_BODIES, MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, TRUNK_BODIES
 from mimoc.senses.touch.exposed import carry_over, lay_out
 from mimoc.senses.touch.skin_points import Skin, grow_skin
-from mimoc.senses.touch.surface import area_m2, place
+from mimoc.senses.touch.surface import place
 
 HANDS = ("mitten", "five_finger")
 SIDES = ("left", "right")
@@ -334,19 +333,6 @@ def test_points_between_solids_that_barely_overlap_leave_sideways(overlap_m):
     moved_m = np.linalg.norm(points_m - 0.03 * multiples[:, :3], axis=1)
     assert np.abs(outside).max() < 1e-9
     assert 0 < moved_m.max() < 1.5 * np.sqrt(0.03 * overlap_m)
-
-
-@pytest.mark.parametrize(
-    ("kind", "size_m", "area"),
-    [
-        ("box", (0.5, 0.5, 1.0), 10),
-        ("sphere", (1.0,), 4 * np.pi),
-        ("cylinder", (1.0, 0.5), 4 * np.pi),
-        ("capsule", (1.0, 0.5), 6 * np.pi),
-    ],
-)
-def test_the_area_of_a_geom_is_that_of_its_surface(kind, size_m, area):
-    assert area_m2(replace(ball("any", 0), type=kind, size_m=size_m)) == pytest.approx(area)
 
 
 def test_the_skin_that_is_given_out_cannot_be_written_to():

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mimoc.bundle.manifest import VestibularEntry
 from mimoc.senses.vestibular.run import bind
+from mimoc.senses.vestibular.spec import VestibularEntry
 
 GRAVITY_M_S2 = 9.81
 HEAD = """

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.errors import RenderingError
+from mimoc.render import renderer
 from mimoc.render.opengl import open_context
 from mimoc.senses.vision import eyes as home
 from mimoc.senses.vision.eyes import Eyes
@@ -67,7 +68,7 @@ def contexts(monkeypatch):
         found.append(context)
         return context
 
-    monkeypatch.setattr(home, "open_context", noted)
+    monkeypatch.setattr(renderer, "open_context", noted)
     return found
 
 
@@ -145,8 +146,9 @@ def test_the_models_own_quality_is_left_alone(open_eyes):
 def test_the_buffer_is_as_large_as_the_pictures(open_eyes, contexts):
     model, _ = posed()
     eyes = open_eyes(model, ("level", "aside"), 40, 24)
-    assert contexts[0].size == (eyes._context.offWidth, eyes._context.offHeight) == (40, 48)
-    assert (eyes._context.offSamples, eyes._context.shadowSize) == (0, 0)
+    drawn_with = eyes._renderer.context
+    assert contexts[0].size == (drawn_with.offWidth, drawn_with.offHeight) == (40, 48)
+    assert (drawn_with.offSamples, drawn_with.shadowSize) == (0, 0)
 
 
 def test_other_eyes_neither_show_in_a_picture_nor_blacken_it_when_they_close(open_eyes):

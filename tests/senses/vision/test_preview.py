@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.bundle.manifest import VisionEntry
 from mimoc.bundle.model import load_model
 from mimoc.compiler import pipeline
 from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.preview import glimpse
+from mimoc.senses.vision.spec import VisionEntry
 
 PLAYROOM = Path(__file__).parents[3] / "configs" / "playroom.yaml"
 DRAWN = VisionEntry(

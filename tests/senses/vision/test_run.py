@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.bundle.manifest import VisionEntry
 from mimoc.bundle.model import load_model
 from mimoc.errors import RenderingError
 from mimoc.render import opengl
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.foveation import foveate, source_weights
 from mimoc.senses.vision.run import average_down, bind, filters, perceive
+from mimoc.senses.vision.spec import VisionEntry
 
 AGES = (0, 1.5, 4.5, 9, 15, 24)
 PICTURE = {"width_px": 48, "height_px": 32}

@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from mimoc.tasks.base import BallEntry
 from mimoc.tasks.catch.ball_size import Marble
-from mimoc.tasks.entries import BallEntry
 
 BALL = BallEntry(body="ball", joint="ball:free", geom="ball")
 

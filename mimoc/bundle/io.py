@@ -1,0 +1,276 @@
+"""The bundle, read from a folder with its digests checked, and written to one all or nothing."""
+
+import errno
+import json
+import os
+import secrets
+import shutil
+import socket
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from glob import escape
+from hashlib import sha256
+from pathlib import Path, PurePosixPath
+from types import MappingProxyType
+from typing import Any
+
+from mimoc.bundle.atomic_swap import swap_folders
+from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
+from mimoc.bundle.plugins_needed import check_plugins
+from mimoc.errors import BundleError
+
+MANIFEST, LOCK = "manifest.json", "lock.json"
+MAX_LOCK_BYTES = 2**22
+"""Upper bound of a lock's size; real ones are far smaller."""
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Bundle:
+    """The files of a compiled infant."""
+
+    files: Mapping[str, bytes]
+    """Content of each file by its path within the bundle, sorted; read-only."""
+    manifest: Manifest
+    """Everything the runtime knows about the infant."""
+    path: Path | None
+    """Folder it was read from; None if it exists only in memory."""
+
+    def __repr__(self) -> str:
+        """Return name, age, size and folder in one line."""
+        size_kb = sum(map(len, self.files.values())) / 1000
+        at = f", read from {str(self.path)!r}" if self.path else ""
+        who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
+        return f"Bundle({who}, {len(self.files)} files, {size_kb:.0f} kB{at})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Support copying and pickling, which the read-only mapping does not by itself."""
+        return _bundle, (dict(self.files), self.manifest, self.path)
+
+
+def seal(
+    files: Mapping[str, bytes],
+    versions: Mapping[str, str],
+    inputs: Mapping[str, bytes],
+    manifest: Manifest | None = None,
+) -> Bundle:
+    """Return a bundle of the given files (including the manifest) and a lock with their digests.
+
+    Args:
+        files: Content by path within the bundle.
+        versions: Versions of the software that made the files, by name.
+        inputs: Tables the files were made from, by name; only their digests are kept.
+        manifest: The parsed manifest file, to avoid parsing it again.
+    """
+    lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
+    sealed = {**files, LOCK: (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()}
+    return _bundle(sealed, manifest or _manifest(files[MANIFEST]), None)
+
+
+def digests(files: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the digest of each file, sorted by name."""
+    return {name: f"sha256:{sha256(files[name]).hexdigest()}" for name in sorted(files)}
+
+
+def read_bundle(path: str | Path) -> Bundle:
+    """Read the bundle in a folder; files that are not listed in its lock are ignored.
+
+    Raises:
+        BundleError: If the folder is not a bundle, or files are missing or changed; the error names each of them.
+    """
+    folder = Path(os.path.expanduser(path))
+    while True:
+        with _watch_for_replacement(folder) as replaced:
+            try:
+                return _read_folder(folder)
+            except BundleError:
+                if not replaced():
+                    raise
+
+
+def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Path:
+    """Write a bundle into a folder atomically: a reader sees either the old folder or the new one.
+
+    Args:
+        bundle: The bundle.
+        out: A new or empty folder or, with *force*, an existing bundle.
+        force: Replace an existing bundle, together with any other files in its folder.
+
+    Raises:
+        BundleError: If the folder holds something that must not be replaced, or cannot be written.
+    """
+    target = Path(os.path.expanduser(out))
+    try:
+        place = Path(os.path.realpath(target))
+        _check_replaceable(place, target, force)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        _remove_leftovers(place)
+        staging = place.parent / f"{_staging_prefix(place)}{os.getpid()}-{secrets.token_hex(8)}"
+        staging.mkdir()
+        try:
+            _fill(staging, bundle.files)
+            _move_into_place(staging, place, target, force)
+        finally:
+            shutil.rmtree(staging, ignore_errors=True)
+    except OSError as error:
+        raise BundleError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
+    except ValueError:
+        raise BundleError(f"{str(target)!r}: a folder cannot have this name; choose another folder") from None
+    return target
+
+
+def _bundle(files: Mapping[str, bytes], manifest: Manifest, path: Path | None) -> Bundle:
+    return Bundle(MappingProxyType(dict(sorted(files.items()))), manifest, path)
+
+
+def _manifest(content: bytes) -> Manifest:
+    return Manifest.model_validate_json(content)
+
+
+@contextmanager
+def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
+    """Yield a function that says whether another build has replaced a folder since.
+
+    The folder is kept open meanwhile, so that no new folder can be given its inode.
+    """
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        yield lambda: False
+        return
+    try:
+        yield lambda: folder.exists() and not os.path.samestat(os.fstat(handle), os.stat(folder))
+    finally:
+        os.close(handle)
+
+
+def _read_folder(folder: Path) -> Bundle:
+    lock = _read_lock(folder)
+    locked = _locked_files(lock)
+    if locked is None:
+        raise BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
+    found = {name: _read(folder / name) for name in sorted(locked)}
+    files = {name: content for name, content in found.items() if content is not None}
+    missing = [f"{name} is missing" for name in sorted(locked.keys() - files.keys())]
+    changed = [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
+    if missing or changed:
+        raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimoc build --force'")
+    try:
+        check_plugins(json.loads(files[MANIFEST]))
+        manifest = _manifest(files[MANIFEST])
+    except BundleError as error:
+        raise BundleError(f"{folder}: {error}") from None
+    except (ValueError, RecursionError):
+        raise BundleError(
+            f"{folder}: this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"
+        ) from None
+    return _bundle({**files, LOCK: lock}, manifest, folder)
+
+
+def _read_lock(folder: Path) -> bytes:
+    advice = "build one there with 'mimoc build SPEC -o OUT'"
+    if not folder.is_dir():
+        raise BundleError(f"{folder}: there is no such folder; {advice}")
+    content = _read(folder / LOCK, MAX_LOCK_BYTES + 1)
+    if content is None:
+        raise BundleError(f"{folder}: this is not a bundle, it has no {LOCK}; {advice}")
+    return content
+
+
+def _locked_files(content: bytes) -> dict[str, str] | None:
+    """Return the digests of the files that a lock lists, or None if it is not a valid lock."""
+    try:
+        lock: Any = json.loads(content)
+        files = lock["files"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    inside = isinstance(files, dict) and MANIFEST in files and all(map(_is_inside, files))
+    return files if inside and len(content) <= MAX_LOCK_BYTES else None
+
+
+def _is_inside(name: str) -> bool:
+    """Return whether a relative path stays within its folder."""
+    path = PurePosixPath(name)
+    return name.isprintable() and not path.is_absolute() and ".." not in path.parts and "\\" not in name
+
+
+def _read(path: Path, max_bytes: int = -1) -> bytes | None:
+    """Return the content of a file, or None if it does not exist or cannot be read."""
+    try:
+        if not path.is_file():
+            return None  # Reading a pipe or a device might never end.
+        with path.open("rb") as file:
+            return file.read(max_bytes)
+    except OSError:
+        return None
+
+
+def _check_replaceable(place: Path, target: Path, force: bool) -> None:
+    """Raise a BundleError if writing to *place* would overwrite anything but an empty folder or, by force, a bundle."""
+    if not os.path.lexists(place):
+        return
+    if not place.is_dir():
+        raise BundleError(f"{target}: this is a file; name a new folder")
+    if Path.cwd().is_relative_to(place) or os.path.ismount(place):
+        reason = "a mounted folder" if os.path.ismount(place) else "the folder you are in"
+        raise BundleError(f"{target}: {reason} cannot be replaced; name a new folder inside it")
+    if not any(place.iterdir()):
+        return
+    content = _read(place / LOCK, MAX_LOCK_BYTES + 1)
+    if content is None or _locked_files(content) is None:
+        raise BundleError(f"{target}: this folder is not a bundle and is never replaced; name a new folder")
+    if not force:
+        raise BundleError(f"{target}: a bundle already exists here; replace it with --force, or name a new folder")
+
+
+def _fill(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files into an empty folder."""
+    if outside := [name for name in files if not _is_inside(name)]:
+        raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+
+
+def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> None:
+    """Rename the finished folder to its final path; anything it replaces is left in *staging*."""
+    try:
+        os.rename(staging, place)
+    except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+            raise
+        _check_replaceable(place, target, force)  # Another process may have written there meanwhile.
+        swap_folders(staging, place)
+
+
+def _staging_prefix(place: Path) -> str:
+    """Return the prefix, before the process ID, of the names of this machine's unfinished folders for a bundle."""
+    return f".{place.name}.mimoc-{socket.gethostname()}-{_process_namespace()}-"
+
+
+def _process_namespace() -> str:
+    """Return the ID of the process namespace: containers on one machine number their processes separately."""
+    try:
+        return str(os.stat("/proc/self/ns/pid").st_ino)
+    except OSError:
+        return "0"
+
+
+def _remove_leftovers(place: Path) -> None:
+    """Remove what killed builds of the same bundle have left behind on this machine."""
+    prefix = _staging_prefix(place)
+    for path in place.parent.glob(f"{escape(prefix)}*"):
+        process = path.name.removeprefix(prefix).split("-")[0]
+        if process.isdecimal() and not _is_alive(int(process)):
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

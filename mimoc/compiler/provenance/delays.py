@@ -1,0 +1,31 @@
+"""Where each delay comes from."""
+
+from collections.abc import Iterator
+
+from mimoc.body.provenance import Entry
+from mimoc.delays.presets import given_keys
+from mimoc.delays.spec import DelaysEntry, channels
+from mimoc.schema.infant import InfantSpec
+
+PRESETS = {
+    "none": "no preset",
+    "paper": "the paper: 50 ms for senses, one physics step for motors",
+    "physiological": "conduction times by age, interpolated (see mimoc/delays/presets.py), to the nearest physics step",
+}
+"""What each preset of delays goes by."""
+
+
+def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each delay in the manifest."""
+    for channel in channels():
+        keys = given_keys(spec.delays, channel)[:1]
+        rule = "given by the spec" if keys else PRESETS[spec.delays.preset]
+        sources = [f"spec.delays.{key}" for key in keys] or [
+            "spec.delays.preset",
+            "spec.age_months",
+            "spec.control.timestep_ms",
+        ]
+        delay = getattr(delays, channel)
+        for name, ms in (("ms", delay.ms), ("legs_ms", delay.legs_ms)):
+            if ms is not None:
+                yield f"delays.{channel}.{name}", {"value": ms, "unit": "ms", "rule": rule, "from": sources}

@@ -1,0 +1,1 @@
+"""Rotations and primitive solids, in NumPy alone."""

@@ -1,0 +1,226 @@
+"""Records of the kinds of things an infant can have: all that mimoc must know of each, in one place.
+
+A record names the code of a kind by module, so that each command imports only what it needs: the spec language is known
+without the compiler, and a bundle is opened without it.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from importlib.metadata import EntryPoints, entry_points
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from mimoc.errors import KindError, UnknownNameError
+
+if TYPE_CHECKING:  # The names of kinds are known before pydantic is.
+    from mimoc.schema.base import Model
+
+Code = str | Callable[..., Any]
+"""A function, or the full name of the module that defines it."""
+
+NAME = re.compile("[a-z][a-z0-9_]*")
+
+
+@dataclass(frozen=True, slots=True)
+class AgeTable:
+    """Delays by age, interpolated linearly."""
+
+    ages_months: tuple[float, ...]
+    ms: tuple[float, ...]
+    """To or from all of the body but the legs."""
+    legs_ms: tuple[float, ...] | None = None
+    """To or from legs and feet, where that differs."""
+
+
+@dataclass(frozen=True, slots=True)
+class SenseKind:
+    """A sense."""
+
+    name: str
+    """Key in the spec's `senses`, and with `_ms` in its `delays`."""
+    spec: "type[Model]"
+    """What a user can ask of it; its docstring is the help on it."""
+    entry: "type[Model]"
+    """What a bundle's manifest tells the runtime of it."""
+    build: Code
+    """`build(spec, body) -> Placed`: what it adds to the MJCF, and its entry."""
+    run: Code
+    """`bind(entry, model, bundle) -> Sense`: what reads it; imported when an environment is opened."""
+    organs: tuple[str, ...] = ()
+    """Parts of the body of which it requires at least one."""
+    paper_delay_ms: float = 50.0
+    """Delay with `preset: paper`; 50 ms is the middle one of the delays of the paper's reaching experiment."""
+    physiological_delay: AgeTable | None = None
+    """Delay with `preset: physiological`; None is no delay."""
+
+
+@dataclass(frozen=True, slots=True)
+class ActuationKind:
+    """An actuation model."""
+
+    name: str
+    """Value of the spec's `actuation.model`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, body, timestep_s) -> Drive`: the actuators in the MJCF, and the joints as they leave them."""
+    run: Code
+    """`bind(entry, model) -> Actuation`: from an action to controls."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `actuation` under its name."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskKind:
+    """A task."""
+
+    name: str
+    """Value of the spec's `task.kind`."""
+    spec: "type[Model]"
+    """What a user can ask of it: a section with `kind: Literal[name]`; its docstring is the help on it."""
+    entry: "type[Model]"
+    """What a bundle's manifest tells the runtime of it, with `kind: Literal[name] = name`."""
+    build: Code
+    """`build(spec, body) -> TaskSetup`: how the infant starts and what the task adds to the world, and its entry."""
+    run: Code
+    """`bind(entry, model, bundle) -> Task`: what starts episodes and judges each control step."""
+    scenes: tuple[str, ...] | None = None
+    """Kinds of scenes it can be in; None is all."""
+    poses: tuple[str, ...] | None = ()
+    """Values of `scene.pose` it can start from: none where it has a start of its own; None is all."""
+    step_ms: float = 10.0
+    """Control step, unless the spec gives one."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneKind:
+    """A kind of scene."""
+
+    name: str
+    """Value of the spec's `scene.kind`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, surroundings) -> Setting`: the world before toys are put there."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `scene` under its name."""
+    has_floor: bool = True
+    """Whether toys can lie there."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToySource:
+    """A source of toys."""
+
+    name: str
+    """Value of the spec's `scene.toys.source`."""
+    about: str
+    """One sentence for help."""
+    build: Code
+    """`build(spec, folder) -> Toybox`: the toys there are; paths are relative to *folder*."""
+    spec: "type[Model] | None" = None
+    """What else a user can ask of it, as a section of `scene.toys` under its name."""
+    needs_root: bool = False
+    """Whether it requires `scene.toys.root`, a folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyKind:
+    """A policy that needs no training."""
+
+    name: str
+    """Value of `mimoc run --policy`."""
+    about: str
+    """One sentence for help."""
+    run: Code
+    """`bind(env) -> Policy`: from a random number generator and an observation to an action."""
+
+
+class Kind(Protocol):
+    """What all records have in common."""
+
+    @property
+    def name(self) -> str:
+        """Name, unique among its kind of thing."""
+        ...
+
+
+K = TypeVar("K", bound=Kind)
+
+
+@dataclass(frozen=True)
+class Kinds(Mapping[str, K]):
+    """The records of one kind of thing by name: mimoc's own, in their order, then those that were added."""
+
+    what: str
+    """What they are, in the singular, such as `sense`."""
+    own: Mapping[str, K | str]
+    """Mimoc's own; a record that is only imported when it is asked for is the `KIND` of the module that is named."""
+    _added: dict[str, tuple[K, str]] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> K:
+        if name not in self.own:
+            return self._added[name][0]
+        record = self.own[name]
+        return import_module(record).KIND if isinstance(record, str) else record
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.own
+        yield from sorted(self._added)
+
+    def __len__(self) -> int:
+        return len(self.own) + len(self._added)
+
+    def find(self, name: str) -> K:
+        """Return the record of a name.
+
+        Raises:
+            UnknownNameError: If there is none.
+        """
+        if name not in self:
+            raise UnknownNameError(self.what, name, list(self))
+        return self[name]
+
+    def distribution(self, name: str) -> str:
+        """Return the distribution that a kind comes from, such as `mimoc`; empty if a script registered it."""
+        return "mimoc" if name in self.own else self._added[name][1]
+
+    def add(self, record: K, distribution: str = "") -> None:
+        """Add somebody else's record; a script may replace what it registered before.
+
+        Raises:
+            KindError: If its name is no identifier in lower case, or is taken.
+        """
+        if not NAME.fullmatch(record.name):
+            raise KindError(f"'{record.name}' cannot name a {self.what}; use lower-case letters, digits and '_'")
+        if record.name in self and (distribution or self.distribution(record.name)):
+            taken = self.distribution(record.name) or "this script"
+            raise KindError(f"there is a {self.what} '{record.name}' already, from {taken}; choose another name")
+        self._added[record.name] = record, distribution
+
+    def remove(self, name: str) -> None:
+        """Take out a record that was added."""
+        del self._added[name]
+
+
+def announced(group: str) -> list[str]:
+    """Return the names of the kinds that installed distributions announce in a group of entry points, not loaded."""
+    return sorted(each.name for each in installed_entry_points().select(group=group))
+
+
+@cache
+def installed_entry_points() -> EntryPoints:
+    """Return the entry points of all installed distributions, which are looked up once."""
+    return entry_points()
+
+
+def function_of(code: Code, name: str) -> Callable[..., Any]:
+    """Return the function that a record means.
+
+    Args:
+        code: The function itself, or the module that defines it.
+        name: Its name in the module.
+    """
+    return getattr(import_module(code), name) if isinstance(code, str) else code

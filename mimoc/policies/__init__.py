@@ -1,0 +1,12 @@
+"""Policies that need no training."""
+
+from mimoc.kinds import Kinds, PolicyKind
+
+POLICIES: Kinds[PolicyKind] = Kinds(
+    "policy",
+    {
+        "random": PolicyKind("random", "draws every command uniformly from its range", "mimoc.policies.random"),
+        "zero": PolicyKind("zero", "commands zero", "mimoc.policies.zero"),
+        "reach": PolicyKind("reach", "reaches by inverse dynamics; not for servos", "mimoc.policies.reach"),
+    },
+)

@@ -1,0 +1,125 @@
+"""A camera that keeps one infant or several in the picture."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import mujoco
+import numpy as np
+
+from mimoc.render.averaging import average_down
+from mimoc.render.camera import (
+    FOVY_DEG,
+    FROM_THE_SIDE,
+    MARGIN,
+    Planes,
+    Shot,
+    Spheres,
+    View,
+    bounding_spheres,
+    fit_shot,
+    planes_of,
+    unobstructed_view,
+)
+from mimoc.render.markers import Markers, add_markers
+from mimoc.render.renderer import Picture, Renderer
+from mimoc.render.visual_settings import Setting, visual_settings
+
+STILL, MOVING = 3, 2
+"""Supersampling of single pictures and of moving ones: they are drawn so many times larger and then averaged down,
+which smooths the edges of shadows too."""
+LARGEST_PX = 4096
+"""Side of what is drawn: a picture that would be larger is drawn at its size, with MuJoCo's multisampling."""
+SAMPLES = 8
+"""For each pixel, of MuJoCo's multisampling."""
+
+
+class BodyCamera:
+    """A camera that looks at some bodies and all that is attached to them, and the OpenGL context it needs."""
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        root_bodies: Sequence[str],
+        width_px: int,
+        height_px: int,
+        view: View = FROM_THE_SIDE,
+        *,
+        fovy_deg: float = FOVY_DEG,
+        supersample: int = MOVING,
+        margin: float = MARGIN,
+    ):
+        """Open an OpenGL context for pictures of this size.
+
+        Args:
+            model: The model.
+            root_bodies: Names of the bodies.
+            width_px: Of a picture.
+            height_px: Of a picture.
+            view: The direction it looks in.
+            fovy_deg: Vertical field of view, where there is space for it.
+            supersample: How many times larger pictures are drawn and then averaged down, if that is not too large.
+            margin: How much wider the field of view is than what it has to show.
+
+        Raises:
+            RenderingError: If there is no OpenGL here, or none that draws such large pictures.
+        """
+        self._model, self.view, self._fovy_deg, self._margin = model, view, fovy_deg, margin
+        self._supersample = supersample if supersample * max(width_px, height_px) <= LARGEST_PX else 1
+        self._seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in root_bodies])
+        self.aspect = width_px / height_px
+        """Width of the pictures over their height."""
+        larger = self._supersample * width_px, self._supersample * height_px
+        self._renderer = Renderer(model, *larger, partial(_multisampling, 0 if self._supersample > 1 else SAMPLES))
+
+    def spheres(self, data: mujoco.MjData) -> Spheres:
+        """Return what it looks at."""
+        return bounding_spheres(self._model, data, self._seen)
+
+    def turn(self, data: mujoco.MjData) -> None:
+        """Look from now on from where the walls leave space."""
+        self.view = unobstructed_view(self.spheres(data), self._walls(data), self.view, self.aspect, self._fovy_deg)
+
+    def shot(self, data: mujoco.MjData) -> Shot:
+        """Return the shot that shows all of it."""
+        return fit_shot(self.spheres(data), self._walls(data), self.view, self.aspect, self._fovy_deg, self._margin)
+
+    def render(self, data: mujoco.MjData, markers: Markers | None = None, shot: Shot | None = None) -> Picture:
+        """Return a picture, shape (height, width, 3), of all of it or of a shot; markers are drawn without shadows."""
+        renderer = self._renderer
+        renderer.make_current()
+        if markers is not None:
+            renderer.reserve(len(markers.radii_m))
+        self._compose(data, shot or self.shot(data))
+        shadows = renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW]
+        if markers is not None:
+            renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # Those of the markers would hide the skin.
+            add_markers(renderer.scene, markers)
+        renderer.draw()
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
+        drawn = renderer.read()[::-1]
+        if self._supersample == 1:
+            return drawn.copy()
+        return np.rint(average_down(drawn.astype(np.float32), self._supersample)).astype(np.uint8)
+
+    def close(self) -> None:
+        """Free the OpenGL context; closing twice is fine."""
+        self._renderer.close()
+
+    def _walls(self, data: mujoco.MjData) -> Planes:
+        return planes_of(self._model, data)
+
+    def _compose(self, data: mujoco.MjData, shot: Shot) -> None:
+        """Fill the scene with what a shot shows."""
+        camera = mujoco.MjvCamera()
+        camera.lookat[:], camera.distance = shot.lookat_m, shot.depth_m
+        camera.azimuth, camera.elevation = shot.view
+        with visual_settings([(self._model.vis.global_, "fovy", shot.fovy_deg)]):
+            self._renderer.compose(data, camera)
+        scene = self._renderer.scene
+        for light in scene.lights[: scene.nlight]:
+            if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL and not light.headlight:
+                light.pos[:2] += shot.lookat_m[:2]  # The sun is everywhere; the shadows it draws are around a point.
+
+
+def _multisampling(samples: int, model: mujoco.MjModel) -> tuple[Setting, ...]:
+    return ((model.vis.quality, "offsamples", samples),)

@@ -1,0 +1,82 @@
+"""What an environment shows of itself: pictures, or a window."""
+
+from typing import TYPE_CHECKING
+
+import mujoco
+
+from mimoc.render.opengl import has_screen
+from mimoc.render.renderer import Picture
+
+if TYPE_CHECKING:  # They load SciPy and GLFW, which most environments do without.
+    from mimoc.render.body_camera import BodyCamera
+    from mimoc.render.window import Window
+
+MODES = ("human", "rgb_array")
+
+
+def available_modes() -> list[str]:
+    """Return the render modes that work here: a window only where there is a screen."""
+    return [mode for mode in MODES if mode != "human" or has_screen()]
+
+
+class EnvRenderer:
+    """Shows the state of one model in Gymnasium's render mode `human` or `rgb_array`; without a mode, nothing."""
+
+    def __init__(
+        self, mode: str | None, model: mujoco.MjModel, data: mujoco.MjData, root_body: str, size_px: tuple[int, int]
+    ):
+        """Open the window of the mode `human`; what pictures need is opened with the first one.
+
+        Args:
+            mode: The render mode, or None.
+            model: The model.
+            data: Its state, which changes later.
+            root_body: What is looked at, with all that is attached to it.
+            size_px: Width and height of pictures.
+
+        Raises:
+            RenderingError: If the mode needs a screen, and there is none.
+        """
+        self._mode, self._model, self._data, self._root_body, self._size_px = mode, model, data, root_body, size_px
+        self._camera: BodyCamera | None = None
+        self._window = self._open_window() if mode == "human" else None
+
+    def show(self) -> None:
+        """Show the state in the window, if there is one."""
+        if self._window is not None:
+            self._window.show()
+
+    def render(self) -> Picture | None:
+        """Return a picture of the state, shape (height, width, 3), in the mode `rgb_array`; else None.
+
+        Raises:
+            RenderingError: If there is no OpenGL here.
+        """
+        if self._mode != "rgb_array":
+            return None
+        if self._camera is None:
+            self._camera = self._open_camera()
+        return self._camera.render(self._data)
+
+    def close(self) -> None:
+        """Free the OpenGL context and close the window; closing twice is fine, and pictures can be drawn again."""
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def _open_camera(self) -> "BodyCamera":
+        from mimoc.render.body_camera import BodyCamera
+        from mimoc.render.camera import FROM_THE_SIDE, view_of_body
+
+        view = view_of_body(FROM_THE_SIDE, self._data, self._root_body)
+        camera = BodyCamera(self._model, [self._root_body], *self._size_px, view)
+        camera.turn(self._data)
+        return camera
+
+    def _open_window(self) -> "Window":
+        from mimoc.render.window import Window
+
+        return Window(self._model, self._data, self._root_body)

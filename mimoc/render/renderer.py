@@ -1,0 +1,129 @@
+"""Off-screen drawing of a model: an OpenGL context, a scene, and the buffer that pictures are read from."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.errors import RenderingError
+from mimoc.render.opengl import Finalizer, open_context
+from mimoc.render.visual_settings import Setting, visual_settings
+
+Picture = npt.NDArray[np.uint8]
+"""Red, green and blue, shape (height, width, 3)."""
+
+SPARE_GEOMS = 100
+"""Room in a scene for what is drawn besides the model's geoms and sites."""
+
+
+def _no_settings(model: mujoco.MjModel) -> Iterable[Setting]:
+    return ()
+
+
+class Renderer:
+    """Draws one model at a time into a buffer of its own.
+
+    It is made once and kept, since making one uploads all textures. Each has an OpenGL context of its own, so that
+    closing one neither blackens the pictures of another nor mixes their textures.
+    """
+
+    scene: mujoco.MjvScene
+    """What is drawn; filled by `compose`."""
+    context: mujoco.MjrContext
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        width_px: int,
+        height_px: int,
+        settings: Callable[[mujoco.MjModel], Iterable[Setting]] = _no_settings,
+    ):
+        """Open an OpenGL context.
+
+        Args:
+            model: The model, whose geoms and colours may change later.
+            width_px: Of the buffer.
+            height_px: Of the buffer.
+            settings: Returns the visual settings that a model's meshes and buffers are made with.
+
+        Raises:
+            RenderingError: If there is no OpenGL here, or none with room for such a large buffer.
+        """
+        self.buffer = mujoco.MjrRect(0, 0, width_px, height_px)
+        self._settings = settings
+        self._options, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
+        self._gl = open_context(width_px, height_px)
+        self._load(model)
+
+    def change_model(self, model: mujoco.MjModel) -> None:
+        """Draw another model from now on, in the same OpenGL context: a tenth of the time of a new renderer.
+
+        Raises:
+            RenderingError: If OpenGL has no room for it.
+        """
+        self._gl.make_current()
+        self._finalizer.detach()
+        self.context.free()
+        self._load(model)
+
+    def reserve(self, geoms: int) -> None:
+        """Make room in the scene for more geoms than those of the model."""
+        needed = self._model.ngeom + self._model.nsite + SPARE_GEOMS + geoms
+        if self.scene.maxgeom < needed:
+            self.scene = mujoco.MjvScene(self._model, needed)
+
+    def compose(self, data: mujoco.MjData, camera: mujoco.MjvCamera) -> None:
+        """Fill the scene with what a camera is to show."""
+        mujoco.mjv_updateCamera(self._model, data, camera, self.scene)  # Or shadows are those of the camera before.
+        everything = mujoco.mjtCatBit.mjCAT_ALL
+        mujoco.mjv_updateScene(self._model, data, self._options, self._perturbation, camera, everything, self.scene)
+
+    def make_current(self) -> None:
+        """Let what is drawn and read from now on be in this renderer's OpenGL context."""
+        self._gl.make_current()
+
+    def draw(self, part: mujoco.MjrRect | None = None) -> None:
+        """Draw the scene into the buffer, or into a part of it; the context must be current."""
+        mujoco.mjr_render(part or self.buffer, self.scene, self.context)
+
+    def read(self) -> Picture:
+        """Return a new array with the pixels of the buffer, the lowest row first; the context must be current."""
+        pixels = np.empty((self.buffer.height, self.buffer.width, 3), np.uint8)
+        mujoco.mjr_readPixels(pixels, None, self.buffer, self.context)
+        return pixels
+
+    def close(self) -> None:
+        """Free the OpenGL context; closing twice is fine."""
+        self._finalizer()
+
+    def _load(self, model: mujoco.MjModel) -> None:
+        """Make all that drawing a model takes, in the OpenGL context that is current."""
+        self._model = model
+        self.context = self._make_context(model)
+        self._finalizer = Finalizer(self, _free, self.context, self._gl)
+        self.scene = mujoco.MjvScene(model, model.ngeom + model.nsite + SPARE_GEOMS)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self.context)
+
+    def _make_context(self, model: mujoco.MjModel) -> mujoco.MjrContext:
+        """Return a model's meshes and textures in OpenGL, and a buffer of just the wanted size.
+
+        Raises:
+            RenderingError: If OpenGL has no room for that; its context is freed then.
+        """
+        size = model.vis.global_
+        buffer = ((size, "offwidth", self.buffer.width), (size, "offheight", self.buffer.height))
+        try:
+            with visual_settings((*buffer, *self._settings(model))):
+                return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
+        except mujoco.FatalError as error:
+            self._gl.free()
+            pixels = f"{self.buffer.width} x {self.buffer.height} pixels"
+            raise RenderingError(f"OpenGL cannot draw {pixels} here ({error}); choose smaller pictures") from None
+
+
+def _free(context: mujoco.MjrContext, gl: Any) -> None:
+    gl.make_current()
+    context.free()
+    gl.free()

@@ -1,0 +1,10 @@
+"""Nothing at all: no floor and no gravity."""
+
+from mimoc.kinds import SceneKind
+
+KIND = SceneKind(
+    name="empty",
+    about="Nothing at all: no floor and no gravity.",
+    build="mimoc.scenes.empty.build",
+    has_floor=False,
+)

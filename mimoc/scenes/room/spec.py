@@ -1,0 +1,18 @@
+"""What can be asked of a room."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from mimoc.schema.base import Model
+from mimoc.schema.quantities import Metres, Rising
+
+RoomSide = Annotated[Metres, Field(ge=1, le=20)]
+RoomSideRange = Annotated[tuple[RoomSide, RoomSide], Rising]
+
+
+class RoomSpec(Model):
+    """The room of `kind: room`, drawn anew from every seed."""
+
+    size_m: tuple[RoomSideRange, RoomSideRange, RoomSideRange] = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
+    """Ranges of depth, width and height."""

@@ -1,0 +1,81 @@
+"""Sections of the spec language and of the manifest that are put together from what each kind declares."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, TypeVar
+
+from pydantic.fields import FieldInfo
+
+from mimoc.kinds import Kinds
+from mimoc.schema.base import Model
+
+Fields = Callable[[], Mapping[str, FieldInfo]]
+M = TypeVar("M", bound=type[Model])
+
+_FIELDS: dict[type[Model], Fields | None] = {}
+"""Sections that depend on the kinds there are, from the innermost out, and what returns their fields."""
+_COMPOSED: dict[type[Model], set[str]] = {}
+"""The names of the fields that were put into each section."""
+_WATCHERS: list[Callable[[], None]] = []
+
+
+def composed(fields: Fields | None = None) -> Callable[[M], M]:
+    """Return a decorator for a section whose fields depend on the kinds there are.
+
+    Args:
+        fields: Returns these fields, with their annotations; None if only sections inside of it depend on kinds.
+    """
+
+    def decorate(section: M) -> M:
+        _FIELDS[section] = fields
+        _compose(section, fields)
+        return section
+
+    return decorate
+
+
+def recompose() -> None:
+    """Put all sections together again, after a kind was added."""
+    for section, fields in _FIELDS.items():
+        _compose(section, fields)
+        section.model_rebuild(force=True)
+    for watcher in _WATCHERS:
+        watcher()
+
+
+def on_recompose(watcher: Callable[[], None]) -> Callable[[], None]:
+    """Have a function called whenever kinds were added, such as one that clears a cache; return it."""
+    _WATCHERS.append(watcher)
+    return watcher
+
+
+def section_field(section: type[Model]) -> FieldInfo:
+    """Return the field for a section that may be left out; its description is the first line of its docstring."""
+    annotation: Any = section | None
+    return FieldInfo(annotation=annotation, default=None, description=(section.__doc__ or "").split("\n")[0])
+
+
+def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
+    """Return a field for each kind that declares keys of its own: a section under its name."""
+    return {
+        kind.name: FieldInfo(
+            annotation=kind.spec, default_factory=kind.spec, description=(kind.spec.__doc__ or "").split("\n")[0]
+        )
+        for kind in kinds.values()
+        if kind.spec
+    }
+
+
+def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
+    """Return a field that names one of the kinds there are."""
+    annotation: Any = Literal[tuple(kinds)]
+    return FieldInfo(annotation=annotation, default=default, description=about)
+
+
+def _compose(section: type[Model], fields: Fields | None) -> None:
+    found = fields() if fields else {}
+    for name in _COMPOSED.get(section, set()) - found.keys():
+        del section.__annotations__[name], section.model_fields[name]
+    _COMPOSED[section] = set(found)
+    for name, info in found.items():
+        section.__annotations__[name] = info.annotation
+        section.model_fields[name] = info

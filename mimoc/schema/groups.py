@@ -1,0 +1,26 @@
+"""Groups of muscles, as a spec names them."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from mimoc.errors import suggestion
+from mimoc.schema.names import STRENGTH_GROUPS
+from mimoc.schema.quantities import Distinct
+
+OTHER_WORDS = {"head": "neck", "body": "trunk", "chest": "trunk", "fingers": "hands", "feet": "legs", "toes": "legs"}
+"""What else one may call some groups, or parts of them."""
+
+
+def _known_group(name: str) -> str:
+    if name not in STRENGTH_GROUPS:
+        meant = OTHER_WORDS.get(name)
+        advice = f"write '{meant}'" if meant else suggestion(name, STRENGTH_GROUPS)
+        raise ValueError(f"unknown group of muscles; {advice}")
+    return name
+
+
+GroupName = Annotated[str, AfterValidator(_known_group)]
+
+
+Groups = Annotated[tuple[GroupName, ...], Distinct]

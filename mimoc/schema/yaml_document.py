@@ -1,0 +1,207 @@
+"""The data of one YAML document, with the place of every value and all that is wrong with it."""
+
+import re
+from typing import Any, NoReturn
+
+import yaml
+from yaml.events import (
+    AliasEvent,
+    CollectionEndEvent,
+    CollectionStartEvent,
+    DocumentStartEvent,
+    ScalarEvent,
+    SequenceStartEvent,
+)
+from yaml.parser import Parser
+from yaml.reader import Reader
+from yaml.scanner import Scanner
+
+from mimoc.errors import Problem, SpecError
+from mimoc.schema.key_paths import KeyPath, Place, dotted, shown
+from mimoc.schema.yaml_scalars import means_itself, scalar
+
+MAX_VALUES = 5_000
+"""Values in one file, with every alias written out; a spec that says everything has some 300."""
+MAX_DEPTH = 20
+"""Sections inside each other; the spec language needs five."""
+
+UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+"""Characters that YAML does not allow in a file."""
+_SYNTAX = {
+    "found character '\\t'": "a tab stands where YAML wants spaces; put spaces in its place",
+    "that cannot start any token": "a value cannot start with this character; put the value in quotes",
+    "mapping values are not allowed": "a second ':' on one line, or a key further in than its neighbours; "
+    "line the keys up, and put text that holds ': ' in quotes",
+    "could not find expected ':'": "this line is neither a key nor a value; write 'key: value'",
+    "expected <block end>": "this line is not in line with those above it; give the keys of a section one indentation",
+    "expected ',' or ']'": "this list is not closed; separate its values with ',' and close it with ']'",
+    "expected ',' or '}'": "this section is not closed; separate its keys with ',' and close it with '}'",
+    "found unexpected end of stream": "this quotation is not closed; end it with the same quote",
+    "found unknown escape character": "an unknown escape after '\\'; put the text in single quotes",
+    "sequence entries are not allowed": "a list cannot start here; start it on its own line, or write [a, b]",
+}
+"""What PyYAML's scanner and parser say, and what a user can do about it."""
+_OTHER_SYNTAX = "this is not YAML; look for a quote, a bracket, a colon or an indentation that is wrong"
+
+
+class DocumentReader:
+    """Builds the data of one document from its events, and gathers what is wrong with it."""
+
+    def __init__(self, text: str, file: str):
+        self.file = file
+        self.events = _Events(text)
+        self.problems: list[Problem] = []
+        self.invalid: set[KeyPath] = set()
+        self.key_places: dict[KeyPath, Place] = {}
+        self.value_places: dict[KeyPath, Place] = {}
+        self.anchors: dict[str, tuple[Any, int] | None] = {}
+        """Value and size of each; None while it is being read."""
+        self.size = 0
+
+    def document(self) -> Any:
+        """Return the data of the file's one document, None if there is none."""
+        try:
+            self.events.get_event()  # The stream starts.
+            if not self.events.check_event(DocumentStartEvent):
+                return None
+            self.events.get_event()
+            data = self._value((), self.events.get_event())
+            self.events.get_event()  # The document ends.
+            if self.events.check_event(DocumentStartEvent):
+                self.stop((), _place(self.events.peek_event()), "a second document; keep one infant to a file")
+        except yaml.MarkedYAMLError as error:
+            raise SpecError([*self.problems, _syntax_problem(error, self.file)]) from None
+        except (ValueError, OverflowError):  # PyYAML lets escapes through that are no characters: "\\UFFFFFFFF".
+            mark = self.events.get_mark()
+            self.stop((), (mark.line + 1, mark.column + 1), "this escape is no character; write the character itself")
+        return data
+
+    def stop(self, path: KeyPath, place: Place, message: str) -> NoReturn:
+        """Give up, with all that was found so far."""
+        self._note(path, place, message)
+        raise SpecError(self.problems)
+
+    def _note(self, path: KeyPath, place: Place, message: str) -> None:
+        self.problems.append(Problem(self.file, *place, dotted(path), message))
+
+    def _note_invalid(self, path: KeyPath, place: Place, message: str) -> None:
+        self._note(path, place, message)
+        self.invalid.add(path)
+
+    def _value(self, path: KeyPath, event: Any) -> Any:
+        place = self.value_places[path] = _place(event)
+        self.key_places.setdefault(path, place)
+        self._count(1, place)
+        size_before = self.size
+        if isinstance(event, AliasEvent):
+            return self._repeated(path, event.anchor, place)
+        if event.tag is not None:
+            tag = shown(event.tag.replace("tag:yaml.org,2002:", "!!"))
+            self._note_invalid(path, place, f"the tag {tag} is not allowed; write the value without it")
+        if event.anchor is not None:
+            self.anchors[event.anchor] = None
+        if isinstance(event, ScalarEvent):
+            value = self._scalar(path, event)
+        elif len(path) >= MAX_DEPTH:
+            self.stop((), place, f"more than {MAX_DEPTH} sections inside each other; a spec needs five at most")
+        else:
+            value = self._list(path) if isinstance(event, SequenceStartEvent) else self._mapping(path)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = (value, 1 + self.size - size_before)
+        return value
+
+    def _scalar(self, path: KeyPath, event: Any) -> Any:
+        try:
+            if event.implicit[0]:
+                return scalar(event.value)
+            if UNPRINTABLE.search(event.value):
+                raise ValueError("an escape in this text is no printable character; leave it out")
+        except ValueError as error:
+            self._note_invalid(path, _place(event), str(error))
+        return event.value
+
+    def _repeated(self, path: KeyPath, name: str, place: Place) -> Any:
+        """Return what an alias stands for."""
+        anchored = self.anchors.get(name)
+        if anchored is None:
+            what = "stands inside what it repeats" if name in self.anchors else f"has no '&{shown(name)}' before it"
+            self._note_invalid(path, place, f"the alias '*{shown(name)}' {what}; write the value out")
+            return None
+        value, size = anchored
+        self._count(size, place)
+        return value
+
+    def _list(self, path: KeyPath) -> list[Any]:
+        values = []
+        while not isinstance(event := self.events.get_event(), CollectionEndEvent):
+            values.append(self._value((*path, len(values)), event))
+        return values
+
+    def _mapping(self, path: KeyPath) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        while not isinstance(event := self.events.get_event(), CollectionEndEvent):
+            key = self._key(path, event)
+            if key is None:
+                self._skip(self.events.get_event())
+            elif key in values:
+                line = self.key_places[(*path, key)][0]
+                message = f"repeated key; line {line} has it already, keep one of the two"
+                self._note((*path, key), _place(event), message)
+                self._skip(self.events.get_event())
+            else:
+                self.key_places[(*path, key)] = _place(event)
+                values[key] = self._value((*path, key), self.events.get_event())
+        return values
+
+    def _key(self, path: KeyPath, event: Any) -> str | None:
+        """Return a key, None if it cannot be one."""
+        if not isinstance(event, ScalarEvent):
+            self._skip(event)
+            self._note(path, _place(event), "a key is missing or is no word; write keys such as 'age_months'")
+        elif event.implicit[0] and event.value == "<<":
+            self._note(path, _place(event), "merge keys ('<<') are not allowed; write the keys out")
+        elif event.tag is not None:
+            self._note(path, _place(event), "a key has a tag; write the key without it")
+        elif event.implicit[0] and not means_itself(event.value):
+            what = f"'{shown(event.value)}' is not a word" if event.value else "a key is missing before ':'"
+            self._note(path, _place(event), f"{what}; write keys such as 'age_months'")
+        else:
+            return event.value
+        return None
+
+    def _skip(self, event: Any) -> None:
+        """Pass over a value."""
+        depth = 0
+        while True:
+            self._count(1, _place(event))
+            depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+            if depth == 0:
+                return
+            event = self.events.get_event()
+
+    def _count(self, values: int, place: Place) -> None:
+        self.size += values
+        if self.size > MAX_VALUES:
+            self.stop((), place, f"more than {MAX_VALUES} values, aliases included; a spec has some 300 at most")
+
+
+class _Events(Reader, Scanner, Parser):
+    """The syntax of YAML and no more: nothing is resolved, constructed or imported."""
+
+    def __init__(self, text: str):
+        Reader.__init__(self, text)
+        Scanner.__init__(self)
+        Parser.__init__(self)
+
+
+def _syntax_problem(error: yaml.MarkedYAMLError, file: str) -> Problem:
+    """Return what PyYAML's scanner or parser complains about, in our words."""
+    said = error.problem or ""
+    unclosed = said.startswith(("expected ',' or", "found unexpected end of stream"))
+    mark = error.context_mark if unclosed and error.context_mark else error.problem_mark
+    place = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    return Problem(file, *place, "", next((text for part, text in _SYNTAX.items() if part in said), _OTHER_SYNTAX))
+
+
+def _place(event: Any) -> Place:
+    return (event.start_mark.line + 1, event.start_mark.column + 1)

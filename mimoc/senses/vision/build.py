@@ -1,0 +1,45 @@
+"""Vision on a body."""
+
+from mimoc.body import BodyTree
+from mimoc.mjcf import sensor_sites
+from mimoc.mjcf.placed import Placed
+from mimoc.senses.vision.acuity_by_age import resolve_acuity
+from mimoc.senses.vision.spec import VisionEntry, VisionSpec
+
+PROFILES = {
+    "tac2": "log2 of acuity = -.1839 ln²t + 1.8235 ln t - .5889 at t months, fitted to Mayer et al. 1995 and Salomão & "
+    "Ventura 1995 on the scale of the TAC II (Neijzen et al. 2025)",
+    "mayer1995": "Mayer et al. 1995, log acuity interpolated over log age",
+    "mimo_v2": "the figures of MIMo v2, log acuity interpolated over log age",
+}
+"""What each acuity profile goes by."""
+
+
+def build(spec: VisionSpec, body: BodyTree) -> Placed:
+    """Return the entry, and the cameras of the eyes with the field of view that is asked for."""
+    cameras = sensor_sites.cameras(body, spec.fovy_deg)
+    entry = VisionEntry(
+        cameras=tuple(camera.name for eye in cameras.values() for camera in eye),
+        width_px=spec.width_px,
+        height_px=spec.height_px,
+        supersample=spec.supersample,
+        acuity_cpd=resolve_acuity(spec, body.age_months),
+        foveation=spec.foveation,
+        foveation_radius=spec.foveation_radius,
+        unseen=sensor_sites.UNSEEN,
+    )
+    return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
+
+
+def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object]]:
+    if entry.acuity_cpd is None:
+        return {}
+    by_age = isinstance(spec.acuity, (int, float, str))
+    return {
+        "vision.acuity_cpd": {
+            "value": entry.acuity_cpd,
+            "unit": "cycles/deg",
+            "rule": PROFILES[spec.acuity_profile] if by_age else "given by the spec",
+            "from": ["spec.senses.vision.acuity", "spec.senses.vision.acuity_profile", "spec.age_months"],
+        }
+    }

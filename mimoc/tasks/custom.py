@@ -1,0 +1,58 @@
+"""Tasks that a script passes as objects, without a record or a bundle that knows of them."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import gymnasium
+import mujoco
+import numpy as np
+
+from mimoc.bundle.io import Bundle
+from mimoc.senses.sense import Observation
+from mimoc.tasks.task import Task, Verdict
+
+
+class CustomTask(Task):
+    """A task made of an object of a user's own.
+
+    The object has `judge(data, action, effort)`, which returns a `Verdict` or the reward alone. It can also have
+    `bind(model, bundle)`, called whenever a model was loaded; `start(data, generator)`, called at each reset;
+    `observe()` and `spaces`, what it adds to the observation; `steps`, after which an episode is truncated; and
+    `state`, a dictionary that can be read and set, of all that it remembers within an episode.
+    """
+
+    def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
+        """Bind the object to a model."""
+        super().__init__(getattr(custom, "steps", None))
+        if hasattr(custom, "bind"):
+            custom.bind(model, bundle)
+        self._custom = custom
+
+    @property
+    def spaces(self) -> Mapping[str, gymnasium.Space]:
+        """What it adds to the observation."""
+        return getattr(self._custom, "spaces", {})
+
+    def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
+        """Start an episode."""
+        if hasattr(self._custom, "start"):
+            self._custom.start(data, generator)
+
+    def observe(self) -> Observation:
+        """Return what it adds to the observation."""
+        return self._custom.observe() if hasattr(self._custom, "observe") else {}
+
+    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
+        """Return its verdict on a control step."""
+        judged = self._custom.judge(data, action, effort)
+        return judged if isinstance(judged, Verdict) else Verdict({"reward": float(judged)})
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """What it remembers within an episode."""
+        return getattr(self._custom, "state", {})
+
+    @state.setter
+    def state(self, state: dict[str, Any]) -> None:
+        if hasattr(self._custom, "state"):
+            self._custom.state = state

@@ -1,0 +1,44 @@
+"""The `toys` of a spec's scene."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, StringConstraints, model_validator
+from pydantic.fields import FieldInfo
+
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.quantities import Centimetres, Distinct, PathText, Rising, Whole
+from mimoc.toys import TOY_SOURCES
+
+ToyCount = Annotated[Whole, Field(ge=0, le=50)]
+ToySize = Annotated[Centimetres, Field(ge=0.5, le=100)]
+ToyName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=255)]
+
+
+def _fields() -> dict[str, FieldInfo]:
+    about = "Those that come with mimoc, or the Toys4K data set."
+    return {"source": choice_field(TOY_SOURCES, "builtin", about), **own_sections(TOY_SOURCES)}
+
+
+@composed(_fields)
+class ToysSpec(Model):
+    """The toys around the infant."""
+
+    source: str = "builtin"
+    """Those that come with mimoc, or the Toys4K data set."""
+    root: PathText | None = None
+    """Folder that Toys4K was unpacked to; `~` and environment variables count, and it is seen from the spec's."""
+    subset: Annotated[tuple[ToyName, ...], Distinct] = ()
+    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all. Of a folder
+    of meshes of one's own, names of files without their ends."""
+    count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
+    """Range of how many."""
+    size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)
+    """Range of their longest side."""
+
+    @model_validator(mode="after")
+    def _has_a_root(self) -> Self:
+        if TOY_SOURCES[self.source].needs_root and self.root is None:
+            advice = "add the folder you unpacked it to"
+            raise KeyedError(("root",), f"is missing, and 'source: {self.source}' needs it; {advice}")
+        return self

@@ -1,0 +1,116 @@
+"""Parallel environments with normalised observations, for Stable-Baselines3."""
+
+import os
+from collections.abc import Callable, Sequence
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnvWrapper, VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
+
+from mimoc.bundle.io import Bundle
+from mimoc.errors import TrainingError
+from mimoc.runtime.env import InfantEnv
+from mimoc.training.settings import Settings
+
+MIN_IMAGE_PX = 36
+"""Smallest image that Stable-Baselines3's convolutional network accepts."""
+MIN_STEP_S = 1.5e-3
+"""Shortest control step for which processes are faster, as communication takes a good part of this time."""
+TIMED_STEPS = 20
+
+
+class SinglePrecisionRewards(VecEnvWrapper):
+    """Rewards in single precision, as Stable-Baselines3 has them in one process but not in several."""
+
+    def reset(self) -> VecEnvObs:
+        """Reset all environments and return their observations."""
+        return self.venv.reset()
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """Return the result of a step."""
+        observations, rewards, dones, infos = self.venv.step_wait()
+        return observations, rewards.astype(np.float32), dones, infos
+
+
+def check_learnable(bundle: Bundle) -> None:
+    """Check that an infant can be trained.
+
+    Raises:
+        TrainingError: If its images are too small, or its action is empty.
+    """
+    if not any(actuator.commanded for actuator in bundle.manifest.actuation.actuators):
+        raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")
+    vision = bundle.manifest.senses.vision
+    if vision and min(vision.width_px, vision.height_px) < MIN_IMAGE_PX:
+        size = f"{vision.width_px} x {vision.height_px}"
+        raise TrainingError(f"images of {size} px are too small to learn from; give at least {MIN_IMAGE_PX} px")
+
+
+def make_vector_env(open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None) -> VecNormalize:
+    """Return the parallel environments of a training run.
+
+    Args:
+        open_env: Opens one environment.
+        settings: Settings of the training run.
+        processes: Whether to run each environment in a process of its own; None chooses what is faster. The result of
+            the training is the same.
+    """
+    openers: list[Callable[[], Any]] = [open_env] * settings.envs
+    if processes is None:
+        processes = settings.envs > 1 and (os.cpu_count() or 1) > 1 and _measure_step_s(open_env) > MIN_STEP_S
+    envs = VecMonitor(SinglePrecisionRewards(SubprocVecEnv(openers) if processes else DummyVecEnv(openers)))
+    return VecNormalize(
+        envs,
+        gamma=settings.hyper["gamma"],
+        clip_obs=settings.hyper["observation_clip"],
+        epsilon=settings.hyper["observation_floor"] ** 2,
+        norm_obs_keys=normalized_names(envs.observation_space),
+    )
+
+
+def normalized_names(space: Any) -> list[str]:
+    """Return the names of the observations that are normalised: all but images."""
+    return [name for name, part in space.spaces.items() if part.dtype != np.uint8]
+
+
+def statistics(env: VecNormalize) -> dict[str, np.ndarray]:
+    """Return mean, variance and count of each observation and of the return, by name."""
+    return {
+        f"{name}.{what}": np.asarray(getattr(running, what), np.float64)
+        for name, running in _running_statistics(env).items()
+        for what in STATISTICS
+    }
+
+
+def set_statistics(env: VecNormalize, saved: dict[str, np.ndarray]) -> None:
+    """Restore the statistics."""
+    for name, running in _running_statistics(env).items():
+        for what in STATISTICS:
+            value = saved[f"{name}.{what}"]
+            setattr(running, what, float(value) if value.ndim == 0 else value.copy())
+
+
+STATISTICS: Sequence[str] = ("mean", "var", "count")
+
+
+def _running_statistics(env: VecNormalize) -> dict[str, Any]:
+    assert isinstance(env.obs_rms, dict)
+    return {**env.obs_rms, "return": env.ret_rms}
+
+
+def _measure_step_s(open_env: Callable[[], InfantEnv]) -> float:
+    """Return the median wall time of a control step, in [s]; an overestimate on a busy machine."""
+    env = open_env()
+    env.action_space.seed(0)
+    env.reset(seed=0)
+    durations_s = []
+    for _ in range(TIMED_STEPS):
+        action = env.action_space.sample()
+        start = perf_counter()
+        env.step(action)
+        durations_s.append(perf_counter() - start)
+    env.close()
+    return median(durations_s)

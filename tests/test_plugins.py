@@ -1,0 +1,248 @@
+import json
+import sys
+from importlib.metadata import EntryPoint
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from pydantic import ValidationError
+
+import mimoc
+from mimoc import plugins
+from mimoc.bundle.io import digests
+from mimoc.errors import BundleError, KindError
+from mimoc.kinds import PolicyKind, SenseKind, TaskKind
+from mimoc.senses import SENSES
+from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
+from mimoc.tasks import TASKS
+
+
+def record(name: str = "echo") -> SenseKind:
+    return SenseKind(name, VestibularSpec, VestibularEntry, "mimoc.senses.vestibular.build", "os")
+
+
+@pytest.fixture
+def spec_at():
+    """Return what gives the spec of an average child that feels its balance."""
+    return lambda age_months: mimoc.InfantSpec(mimoc=1, name="a", age_months=age_months, senses={"vestibular": {}})
+
+
+# Records.
+
+
+@pytest.mark.parametrize("name", ["Echo", "1st", "two words", "", "a-b", "a.b"])
+def test_a_name_that_is_no_key_is_refused(name):
+    with pytest.raises(KindError, match="cannot name a sense; use lower-case letters"):
+        mimoc.register(record(name))
+
+
+def test_a_name_of_mimocs_own_is_refused():
+    with pytest.raises(KindError, match="there is a sense 'touch' already, from mimoc; choose another name"):
+        mimoc.register(record("touch"))
+
+
+def test_what_is_no_record_is_refused():
+    with pytest.raises(KindError, match="'touch' is no record of a kind; pass one of SenseKind, ActuationKind"):
+        mimoc.register("touch")
+
+
+def test_a_script_may_replace_what_it_registered_before(registered):
+    with registered(record()):
+        mimoc.register(record())
+        assert SENSES.distribution("echo") == ""
+
+
+def test_a_registered_sense_is_in_the_spec_language_and_among_the_delays(registered):
+    with registered(record()):
+        spec = mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}}, delays={"echo_ms": 10})
+        assert spec.senses.echo == VestibularSpec()
+        assert spec.delays.echo_ms == 10
+    with pytest.raises(ValidationError, match="Extra inputs are not permitted"):
+        mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}})
+
+
+# Entry points.
+
+
+class Distribution:
+    name = "broken"
+
+
+def entry_point(value: str, group: str = "mimoc.senses") -> EntryPoint:
+    found = EntryPoint("echo", value, group)
+    vars(found)["dist"] = Distribution()
+    return found
+
+
+@pytest.mark.parametrize(
+    ("value", "reason"),
+    [
+        ("no_such_module:KIND", "No module named 'no_such_module'"),
+        ("mimoc.senses.touch:NO_KIND", "has no attribute 'NO_KIND'"),
+        ("mimoc.senses.touch:KIND", "there is a sense 'touch' already, from mimoc"),
+        ("mimoc.tasks.reach:KIND", "it is a task, which does not belong to the group 'mimoc.senses'"),
+        ("math:pi", "is no record of a kind"),
+    ],
+)
+def test_a_plug_in_that_cannot_be_loaded_is_a_warning_and_left_out(value, reason):
+    before = list(SENSES)
+    with pytest.warns(UserWarning, match=f"the plug-in 'echo' of 'broken' cannot be loaded: .*{reason}"):
+        assert not plugins._add(entry_point(value))
+    assert list(SENSES) == before
+
+
+# Bundles of strangers.
+
+
+@pytest.fixture(scope="module")
+def folder(bundle_at, tmp_path_factory):
+    return mimoc.write_bundle(bundle_at(9), tmp_path_factory.mktemp("bundles") / "infant")
+
+
+def resealed(folder, **changes):
+    """Change the manifest of a bundle, and its lock with it, as a stranger could."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    content = json.dumps({**manifest, **changes}).encode()
+    (folder / "manifest.json").write_bytes(content)
+    lock = json.loads((folder / "lock.json").read_text())
+    lock["files"] |= digests({"manifest.json": content})
+    (folder / "lock.json").write_text(json.dumps(lock))
+    return folder
+
+
+@pytest.fixture
+def canary(tmp_path, monkeypatch):
+    """Return the name of a module that can be imported, and is not."""
+    (tmp_path / "mimoc_canary.py").write_text("KIND = None\ndef bind(*_): ...\ndef build(*_): ...\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield "mimoc_canary"
+    assert "mimoc_canary" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    "hostile",
+    [
+        lambda name: {"plugins": {f"senses.{name}": name}},
+        lambda name: {"plugins": {f"tasks.{name}": ""}},
+        lambda name: {"plugins": {"senses.touch": name}},
+        lambda name: {"plugins": {name: name, "": "", "senses.": name, "tasks.a.b": name, "os.path": name}},
+        lambda name: {"plugins": [name]},
+        lambda name: {"plugins": {"senses.sound": {"run": name}}},
+        lambda name: {"task": {"kind": name, "steps": None}},
+        lambda name: {"task": {"kind": "free", "steps": None, "run": name}},
+        lambda name: {"senses": {name: {}}},
+        lambda name: {"senses": {"touch": {"run": f"{name}:bind"}}},
+        lambda name: {"actuation": {"model": f"{name}.run", "actuators": []}},
+        lambda name: {"actuation": {"model": name, "actuators": [], "build": name}},
+    ],
+)
+def test_no_manifest_makes_mimoc_import_a_module(hostile, canary, bundle_at, tmp_path):
+    folder = resealed(mimoc.write_bundle(bundle_at(9), tmp_path / "infant"), **hostile(canary))
+    with pytest.raises(BundleError) as caught:
+        mimoc.make(folder)
+    assert str(folder) in str(caught.value)
+
+
+def test_a_bundle_names_the_kind_that_is_missing_and_what_to_install(bundle_at, tmp_path):
+    folder = resealed(mimoc.write_bundle(bundle_at(9), tmp_path / "infant"), plugins={"tasks.kick": "mimoc-nursery"})
+    message = "needs the task 'kick' from the plug-in 'mimoc-nursery', which is not here; install 'mimoc-nursery'"
+    with pytest.raises(BundleError, match=message):
+        mimoc.read_bundle(folder)
+
+
+def test_a_kind_of_the_same_name_from_elsewhere_does_not_count(bundle_at, tmp_path):
+    folder = resealed(mimoc.write_bundle(bundle_at(9), tmp_path / "infant"), plugins={"senses.touch": "other"})
+    with pytest.raises(BundleError, match="the sense 'touch' from the plug-in 'other', but here it comes from 'mimoc'"):
+        mimoc.read_bundle(folder)
+
+
+# Objects instead of records.
+
+
+class Clock:
+    """A sense that has everything it can have."""
+
+    delay_ms = 10
+
+    def bind(self, model, bundle):
+        self.space = gymnasium.spaces.Box(0.0, 1.0, (2,), np.float32)
+        self.step_s = model.opt.timestep
+
+    def __call__(self, data):
+        return [data.time, 5.0]
+
+
+class Countdown:
+    """A task that has everything it can have."""
+
+    steps = 3
+    spaces = {"left": gymnasium.spaces.Box(0.0, 3.0, (1,), np.float32)}  # noqa: RUF012 - As a user would write it.
+
+    def start(self, data, generator):
+        self.state = {"left": 3}
+
+    def observe(self):
+        return {"left": np.array([self.state["left"]], np.float32)}
+
+    def judge(self, data, action, effort):
+        self.state = {"left": self.state["left"] - 1}
+        return mimoc.Verdict({"left": float(self.state["left"])}, success=self.state["left"] == 0)
+
+
+class Stillness:
+    """A task that has no more than it must."""
+
+    def judge(self, data, action, effort):
+        return -1.0
+
+
+def test_a_sense_and_a_task_can_be_passed_as_objects(spec_at):
+    env = mimoc.make(spec_at(9), task=Countdown(), senses={"clock": Clock()})
+    check_env(env.unwrapped, skip_render_check=True)
+    observation, _ = env.reset(seed=0)
+    assert observation["left"] == [3]
+    seen = [env.step(env.action_space.sample()) for _ in range(3)]
+    assert [reward for _, reward, *_ in seen] == [2, 1, 0]
+    assert [truncated for *_, truncated, _ in seen] == [False, False, True]
+    assert seen[-1][-1]["is_success"]
+    np.testing.assert_allclose(seen[-1][0]["clock"], [0.02, 1.0], atol=1e-6)  # 10 ms late, and clipped.
+
+
+def test_a_reward_alone_is_enough_for_a_task(spec_at):
+    env = mimoc.make(spec_at(9), task=Stillness())
+    env.reset(seed=0)
+    assert env.step(env.action_space.sample())[1:4] == (-1.0, False, False)
+
+
+def test_a_state_of_an_infant_with_objects_comes_back(spec_at):
+    env = mimoc.make(spec_at(9), task=Countdown(), senses={"clock": Clock()}).unwrapped
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    state = env.get_state()
+    action = env.action_space.sample()
+    there = env.step(action)
+    env.set_state(state)
+    here = env.step(action)
+    assert here[1:] == there[1:]
+    for name, value in there[0].items():
+        np.testing.assert_array_equal(here[0][name], value)
+
+
+def test_a_sense_of_a_name_that_is_taken_is_refused(spec_at):
+    with pytest.raises(KindError, match="has a sense 'vestibular' already; pass yours under another name"):
+        mimoc.make(spec_at(9), senses={"vestibular": Clock()})
+
+
+def test_a_delay_that_is_no_whole_number_of_physics_steps_is_refused(spec_at):
+    clock = Clock()
+    clock.delay_ms = 3
+    with pytest.raises(KindError, match=r"sense 'clock': 3 ms is 0\.60 steps of 5 ms"):
+        mimoc.make(spec_at(9), senses={"clock": clock})
+
+
+def test_tasks_and_policies_of_others_are_in_their_tables(registered):
+    task = TASKS["free"]
+    own = TaskKind("nap", task.spec, task.entry, task.build, task.run)
+    with registered(PolicyKind("still", "does nothing", "mimoc.policies.zero")), registered(own):
+        assert list(TASKS)[-1] == "nap"
