@@ -56,13 +56,13 @@ def measure_alone(hands: str, pose: str, age_months: float, rounds: int) -> tupl
     for command in random_commands(env):
         env.step(command)
         states.append(copy.copy(env.unwrapped.data))
-    senses = {"touch": bind(entry, env.unwrapped.bundle, model), "loop": touch_loop(entry, env.unwrapped.bundle, model)}
+    senses = {"touch": bind(entry, model, env.unwrapped.bundle), "loop": touch_loop(entry, env.unwrapped.bundle, model)}
     if not all(np.allclose(senses["touch"](state), senses["loop"](state)) for state in states):
         raise SystemExit("touch and the loop did not feel the same")
     candidates = {name: partial(feel_all, sense, states) for name, sense in senses.items()}
     touch_us, loop_us = (1e6 * taken_s / len(states) for taken_s in cpu_medians_s(candidates, rounds).values())
     contacts = float(np.mean([state.ncon for state in states]))
-    return len(senses["touch"].skin.names), contacts, touch_us, loop_us, loop_us / touch_us
+    return len(senses["touch"].receptors.names), contacts, touch_us, loop_us, loop_us / touch_us
 
 
 def feel_all(sense, states) -> None:

@@ -53,16 +53,16 @@ def main() -> None:
 
 def compare(size_px: int, rounds: int) -> None:
     """Print a row of the first table."""
-    entry, model, states, sight = infant(size_px)
+    entry, model, states, vision = infant(size_px)
     of_head = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.unseen])
     model.geom_group[of_head] = HIDDEN_GROUP  # MuJoCo's renderer would look into the head.
     renderer = mujoco.Renderer(model, size_px, size_px)
-    drawn = [sight.eyes(data) for data in states]
+    drawn = [vision.eyes(data) for data in states]
     candidates = {
-        "mimoc": lambda: [sight(data) for data in states],
+        "mimoc": lambda: [vision(data) for data in states],
         "usual": lambda: [usual(renderer, entry, data) for data in states],
-        "drawing": lambda: [sight.eyes(data) for data in states],
-        "filters": lambda: [perceive(pictures, sight.filters) for pictures in drawn],
+        "drawing": lambda: [vision.eyes(data) for data in states],
+        "filters": lambda: [perceive(pictures, vision.filters) for pictures in drawn],
     }
     ms = {name: 1e3 * s / STATES for name, s in cpu_medians_s(candidates, rounds).items()}
     print(
@@ -71,34 +71,34 @@ def compare(size_px: int, rounds: int) -> None:
         flush=True,
     )
     renderer.close()
-    sight.close()
+    vision.close()
 
 
 def dissect(size_px: int, rounds: int) -> None:
     """Print what each part of mimoc's way costs, and what drawing would with other settings."""
-    entry, model, states, sight = infant(size_px)
-    drawn = [sight.eyes(data) for data in states]
+    entry, model, states, vision = infant(size_px)
+    drawn = [vision.eyes(data) for data in states]
     stages = [[pictures.astype(np.float32) for pictures in drawn]]
-    for each in sight.filters:
+    for each in vision.filters:
         stages.append([each(pictures) for pictures in stages[-1]])
     with as_round_as_the_model_asks_for():
         rounder = Eyes(model, entry.cameras, size_px, size_px, entry.unseen)
     is_floor = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
     candidates = {
-        "drawing": lambda: [sight.eyes(data) for data in states],
-        "- without the floor": lambda: draw_without(is_floor, model, sight.eyes, states),
-        "- without anything": lambda: draw_without(is_floor | True, model, sight.eyes, states),
+        "drawing": lambda: [vision.eyes(data) for data in states],
+        "- without the floor": lambda: draw_without(is_floor, model, vision.eyes, states),
+        "- without anything": lambda: draw_without(is_floor | True, model, vision.eyes, states),
         f"- limbs of {model.vis.quality.numslices} sides": lambda: [rounder(data) for data in states],
     }
-    for each, before in zip(sight.filters, stages, strict=False):
+    for each, before in zip(vision.filters, stages, strict=False):
         candidates[each.func.__name__] = lambda each=each, before=before: [each(pictures) for pictures in before]
     candidates["clip and round"] = lambda: [perceive(pictures, [lambda same: same]) for pictures in drawn]
     for name, s in cpu_medians_s(candidates, rounds).items():
         print(f"{name:24} {1e3 * s / STATES:7.3f}", flush=True)
-    change = np.mean([np.abs(rounder(data).astype(int) - sight.eyes(data)).mean() for data in states])
+    change = np.mean([np.abs(rounder(data).astype(int) - vision.eyes(data)).mean() for data in states])
     print(f"\nlimbs with as many sides as the model asks for change a picture by {change:.2f} grey levels on average")
     rounder.close()
-    sight.close()
+    vision.close()
 
 
 def infant(size_px: int) -> tuple[VisionEntry, mujoco.MjModel, list[mujoco.MjData], Vision]:
@@ -117,7 +117,7 @@ def infant(size_px: int) -> tuple[VisionEntry, mujoco.MjModel, list[mujoco.MjDat
         mujoco.mj_forward(model, data)
         states.append(data)
     entry = bundle.manifest.senses.vision
-    return entry, model, states, bind(entry, bundle, model)
+    return entry, model, states, bind(entry, model, bundle)
 
 
 def usual(renderer: mujoco.Renderer, entry: VisionEntry, data: mujoco.MjData) -> list[np.ndarray]:

@@ -3,6 +3,9 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 SIGNIFICANT_DIGITS = 9
 """Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
 
@@ -25,3 +28,12 @@ def rounded(data: Any) -> Any:
     if isinstance(data, (list, tuple)):
         return [rounded(item) for item in data]
     return data
+
+
+def rounded_array(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return an array with every float rounded as it is in files."""
+    if array.dtype.kind != "f":
+        return array
+    numbers = array.ravel().tolist()
+    texts = (f"%.{SIGNIFICANT_DIGITS}g " * len(numbers) % tuple(numbers)).split()
+    return np.array(texts, array.dtype).reshape(array.shape) + 0.0

@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any
 
+from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.atomic_swap import swap_folders
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
 from mimoc.bundle.plugins_needed import check_plugins
@@ -35,6 +36,15 @@ class Bundle:
     """Everything the runtime knows about the infant."""
     path: Path | None
     """Folder it was read from; None if it exists only in memory."""
+
+    @property
+    def arrays(self) -> Mapping[str, Array]:
+        """Its large arrays by name, such as `touch/points_m`, read-only; empty if it has none.
+
+        Raises:
+            BundleError: If the archive that holds them is damaged.
+        """
+        return MappingProxyType(unpack_arrays(self.files[ARRAYS]) if ARRAYS in self.files else {})
 
     def __repr__(self) -> str:
         """Return name, age, size and folder in one line."""

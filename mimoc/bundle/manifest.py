@@ -14,7 +14,7 @@ from mimoc.tasks.base import TaskEntry
 from mimoc.tasks.free.spec import FreeEntry
 from mimoc.tasks.spec import task_entry_field
 
-MANIFEST_VERSION = 1
+MANIFEST_VERSION = 2
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""
 
 
@@ -94,7 +94,7 @@ class FasteningsEntry(Model):
 class Manifest(Model):
     """All that the compiler passes on to the runtime."""
 
-    manifest: Literal[1] = MANIFEST_VERSION
+    manifest: Literal[2] = MANIFEST_VERSION
     """Version of this file."""
     name: str
     """Name of the infant, from its spec."""

@@ -43,11 +43,11 @@ def see(
     from mimoc.render.picture_files import check_picture_name, write_picture
     from mimoc.render.picture_grid import draw_sheet
     from mimoc.senses.vision.comparison import compare_ages, read_ages
-    from mimoc.senses.vision.preview import glimpse
+    from mimoc.senses.vision.preview import preview
 
     check_picture_name(file)
     bundle = load_infant(infant)
     vision = resolved_spec(bundle).senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
-    pictures = glimpse(bundle, compared.sights, pose, down, fovy)
+    pictures = preview(bundle, compared.entries, pose, down, fovy)
     print(write_picture(file, draw_sheet(pictures, compared.columns, compared.rows)))

@@ -13,8 +13,9 @@ import numpy.typing as npt
 from mimoc import body, fits
 from mimoc.actuation.drives import build_drive
 from mimoc.body.provenance import trace_body
+from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, read_bundle, seal
-from mimoc.bundle.json_text import join_json, json_members
+from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import ChildEntry, Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose, place_senses
@@ -40,8 +41,9 @@ from mimoc.fits.tables import data_files
 from mimoc.fits.who import percentile
 from mimoc.mjcf import printing
 from mimoc.mjcf.conventions import find_convention
+from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.tree import SceneTree
-from mimoc.rounding import rounded
+from mimoc.rounding import rounded, rounded_array
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
 from mimoc.schema.yaml_scalars import dump
@@ -112,12 +114,8 @@ class Builder:
     files: Mapping[str, bytes]
     """Of the infant alone."""
     manifest: Manifest
-    manifest_members: Mapping[str, str]
-    """The manifest's text, by key."""
     origins: Mapping[str, Any]
     """Where the infant's numbers come from."""
-    origin_members: Mapping[str, str]
-    """The same as text, by key."""
 
     def __repr__(self) -> str:
         """Return whom it builds, in a line."""
@@ -149,15 +147,14 @@ class Builder:
         toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished))
         changes = {"seed": seed, "toys": toys, "notes": notes(spec, self.supplies.toybox, self.convention)}
         manifest = self.manifest.model_copy(update=changes)
-        changed = json_members(manifest.model_dump(include=set(changes)))
         own_origins = {**_trace_spec(spec, written), **trace_world(spec, furnished)}
         files = {
             **self.files,
             **printing.render_world(furnished),
             SPEC_FILE: written.text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
-            "provenance.json": join_json({**json_members(own_origins), **self.origin_members}),
-            "manifest.json": join_json({**self.manifest_members, **changed}),
+            "provenance.json": render_json({**own_origins, **self.origins}),
+            "manifest.json": render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
         try:
@@ -214,12 +211,20 @@ def builder(spec: InfantSpec, convention: str | None = None) -> Builder:
         stage=stage,
         discs=outline(infant, spec.scene, tree),
         supplies=gather(spec, written),
-        files=printing.render_infant(infant),
+        files={**printing.render_infant(infant), **_arrays(senses)},
         manifest=manifest,
-        manifest_members=json_members(manifest.model_dump()),
         origins=origins,
-        origin_members=json_members(origins),
     )
+
+
+def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:
+    """Return the file that holds the large arrays of all senses, if there are any."""
+    arrays = {
+        f"{sense}/{name}": rounded_array(array)
+        for sense, placed in senses.items()
+        for name, array in placed.arrays.items()
+    }
+    return {ARRAYS: pack_arrays(arrays)} if arrays else {}
 
 
 def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:

@@ -1,1 +1,1 @@
-"""How long signals travel between the body and what controls it."""
+"""Delays of the signals between the body and its controller."""

@@ -1,4 +1,4 @@
-"""Delay: what goes in comes out later."""
+"""A delay line: each item comes out a fixed number of items later."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -8,20 +8,20 @@ Item = TypeVar("Item")
 
 
 class DelayLine(Generic[Item]):
-    """First in, first out, always as full as at the start; it knows nothing of what it carries."""
+    """First in, first out, of a fixed length; it knows nothing of what it carries."""
 
     def __init__(self, length: int, item: Item):
-        """Fill a line: *item* comes out *length* times before what goes in does."""
+        """Fill the line: *item* comes out *length* times before anything that goes in."""
         self._held = deque([item] * length)
 
     def shift(self, item: Item) -> Item:
-        """Put an item in, and take the oldest out."""
+        """Put an item in, and return the oldest."""
         self._held.append(item)
         return self._held.popleft()
 
     @property
     def held(self) -> list[Item]:
-        """What is on its way, the oldest first."""
+        """All items in the line, the oldest first."""
         return list(self._held)
 
     @held.setter

@@ -1,10 +1,10 @@
-"""The delays of an infant: what its spec gives, else what a preset says for its age.
+"""The delays of an infant: those that its spec gives, else those of a preset for its age.
 
 Measured conduction times, at birth and later, are the visual P1 (Lee et al. 2012; McCulloch et al. 1999), the
 somatosensory N20 (Thieme et al. 2005) and P37, F waves of 229 infants (Clinical Neurophysiology 2020) and vestibular
-evoked myogenic potentials. Values between them are interpolated, or estimated from conduction velocity: half of an
-adult's at birth, an adult's by 3 to 5 years (Garcia-Garcia and Calleja-Fernandez 2004). The table of each sense is in
-its record.
+evoked myogenic potentials. Values between them are interpolated, or estimated from conduction velocity, which is
+half of an adult's at birth and an adult's by 3 to 5 years (Garcia-Garcia and Calleja-Fernandez 2004). The table of
+each sense is in its record.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.delays.ages import AGES_MONTHS
-from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, channels
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 from mimoc.kinds import AgeTable
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
@@ -26,38 +26,38 @@ MOTOR_DELAY = AgeTable(AGES_MONTHS, ms=(30, 30, 25, 25, 20, 20), legs_ms=(40, 40
 
 
 def delays(spec: InfantSpec, tree: BodyTree) -> DelaysEntry:
-    """Return the delay of each sense and of commands.
+    """Return the delay of each sense and of the commands.
 
     Delays of a preset are rounded to whole physics steps; those that a spec gives are whole already.
     """
     here = {body.name for body in tree.bodies}
-    found = {channel: _delay(spec, channel) for channel in channels()}
+    found = {signal: _delay(spec, signal) for signal in signals()}
     return DelaysEntry(**found, legs=tuple(leg for leg in LEGS if leg in here))
 
 
-def given_keys(spec: DelaysSpec, channel: str) -> list[str]:
-    """Return the keys of a spec that give the delay of a channel, the one that takes precedence first."""
-    common = () if channel == MOTOR else ("sensory_ms",)
-    return [key for key in (f"{channel}_ms", *common) if getattr(spec, key) is not None]
+def given_keys(spec: DelaysSpec, signal: str) -> list[str]:
+    """Return the keys of a spec that give the delay of a signal; the first takes precedence."""
+    common = () if signal == MOTOR else ("sensory_ms",)
+    return [key for key in (f"{signal}_ms", *common) if getattr(spec, key) is not None]
 
 
-def _delay(spec: InfantSpec, channel: str) -> DelayEntry:
-    keys = given_keys(spec.delays, channel)
+def _delay(spec: InfantSpec, signal: str) -> DelayEntry:
+    keys = given_keys(spec.delays, signal)
     if keys:
         return DelayEntry(ms=getattr(spec.delays, keys[0]))
-    return PRESETS[spec.delays.preset](channel, spec.age_months, spec.control.timestep_ms)
+    return PRESETS[spec.delays.preset](signal, spec.age_months, spec.control.timestep_ms)
 
 
-def _none(channel: str, age_months: float, timestep_ms: float) -> DelayEntry:
+def _none(signal: str, age_months: float, timestep_ms: float) -> DelayEntry:
     return DelayEntry()
 
 
-def _paper(channel: str, age_months: float, timestep_ms: float) -> DelayEntry:
-    return DelayEntry(ms=timestep_ms if channel == MOTOR else _whole(SENSES[channel].paper_delay_ms, timestep_ms))
+def _paper(signal: str, age_months: float, timestep_ms: float) -> DelayEntry:
+    return DelayEntry(ms=timestep_ms if signal == MOTOR else _whole(SENSES[signal].paper_delay_ms, timestep_ms))
 
 
-def _physiological(channel: str, age_months: float, timestep_ms: float) -> DelayEntry:
-    table = MOTOR_DELAY if channel == MOTOR else SENSES[channel].physiological_delay
+def _physiological(signal: str, age_months: float, timestep_ms: float) -> DelayEntry:
+    table = MOTOR_DELAY if signal == MOTOR else SENSES[signal].physiological_delay
     if table is None:
         return DelayEntry()
     ms, legs_ms = (
@@ -72,7 +72,7 @@ PRESETS: Mapping[str, Callable[[str, float, float], DelayEntry]] = {
     "paper": _paper,
     "physiological": _physiological,
 }
-"""By name: from the channel, the age in months and the physics step in ms to the delay."""
+"""By name: from the signal, the age in months and the physics step in ms to its delay."""
 
 
 def _whole(time_ms: float, timestep_ms: float) -> float:

@@ -1,4 +1,4 @@
-"""The nerves of an infant: what it senses and what it commands, each on its way for a whole number of physics steps."""
+"""The control step of an infant: commands applied and senses sampled with their delays, in whole physics steps."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,135 +10,100 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.delays.line import DelayLine
-from mimoc.delays.spec import DelayEntry
-from mimoc.senses.binding import Sense
-from mimoc.senses.sense import FloatArray, IntArray, Observation, Reading
+from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
+from mimoc.delays.spec import MOTOR, DelayEntry
+from mimoc.senses.sense import Observation, Sample, Sense
 from mimoc.units import to_steps
-
-Mask = npt.NDArray[np.bool_]
 
 NO_DELAY = DelayEntry()
 
 
-class Afferent:
-    """The way of a sense, or of a part of it, to the observation."""
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """The time base of an infant, and the delays of its signals."""
 
-    def __init__(self, delay_steps: int, control_steps: int, part: Mask):
-        """Make a way that takes so many physics steps.
+    step_ms: float
+    """Control step."""
+    timestep_ms: float
+    """Physics step."""
+    delays: Mapping[str, DelayEntry]
+    """By sense, and under `motor` that of commands; a signal that is not named has none."""
+    legs: Sequence[str] = ()
+    """Bodies that the legs begin with, to and from which a delay can be longer."""
 
-        Args:
-            delay_steps: How long it takes.
-            control_steps: Physics steps in a control step.
-            part: Which numbers of a reading come this way.
-        """
-        self.felt_after = control_steps - delay_steps % control_steps
-        """Physics steps of a control step after which to feel: what is felt then arrives at the end of a later one."""
-        self.part = part
-        self._length = delay_steps // control_steps
-
-    def rest(self, reading: Reading) -> None:
-        """Let a reading arrive until a later one does."""
-        self.arrived = reading
-        self._line = DelayLine(self._length, reading)
-
-    def feel(self, reading: Reading) -> None:
-        """Send a reading on its way; an earlier one arrives."""
-        self.arrived = self._line.shift(reading)
-
-    @property
-    def state(self) -> list[Reading]:
-        """What has arrived, then what is on its way."""
-        return [self.arrived, *self._line.held]
-
-    @state.setter
-    def state(self, readings: list[Reading]) -> None:
-        self.arrived, *self._line.held = readings
-
-
-class Efferent:
-    """The way of commands to some actuators."""
-
-    def __init__(self, delay_steps: int, control_steps: int, part: IntArray, actuators: IntArray):
-        """Make a way that takes so many physics steps.
+    def groups(self, signal: str, in_legs: Mask | None) -> list[tuple[int, Mask | None]]:
+        """Return the delays of a signal in physics steps, each with the numbers that have it; None is all.
 
         Args:
-            delay_steps: How long it takes.
-            control_steps: Physics steps in a control step.
-            part: Which of the commands go this way.
-            actuators: Which actuators of the model these reach.
+            signal: A sense, or `motor`.
+            in_legs: Which numbers of the signal belong to the legs, shape (n,); None where none does.
+
+        Raises:
+            ValueError: If a delay is not a whole number of physics steps.
         """
-        self.driven_after = delay_steps % control_steps
-        """Physics steps of a control step after which commands arrive."""
-        self._length = delay_steps // control_steps
-        self._part, self._actuators = part, actuators
-
-    def rest(self) -> None:
-        """Leave the actuators as they are until a command arrives."""
-        self._line: DelayLine[FloatArray | None] = DelayLine(self._length, None)
-
-    def drive(self, controls: FloatArray, data: mujoco.MjData) -> None:
-        """Send commands on their way; earlier ones arrive."""
-        arrived = self._line.shift(controls)
-        if arrived is not None:
-            data.ctrl[self._actuators] = arrived[self._part]
-
-    @property
-    def state(self) -> list[FloatArray | None]:
-        """What is on its way."""
-        return self._line.held
-
-    @state.setter
-    def state(self, controls: list[FloatArray | None]) -> None:
-        self._line.held = controls
+        delay = self.delays.get(signal, NO_DELAY)
+        steps = to_steps(delay.ms, self.timestep_ms)
+        if delay.legs_ms is None or in_legs is None:
+            return [(steps, None)]
+        return [(steps, ~in_legs), (to_steps(delay.legs_ms, self.timestep_ms), in_legs)]
 
 
 @dataclass(frozen=True)
-class Stage:
-    """A part of a control step: commands arrive, physics goes on, senses feel."""
+class Segment:
+    """A part of a control step: commands are applied, physics steps are made, senses are sampled."""
 
-    efferents: tuple[Efferent, ...]
+    commands: tuple[DelayedCommands, ...]
     physics_steps: int
-    felt: tuple[tuple[Sense, tuple[Afferent, ...]], ...]
-    """What is felt then, each sense once, and the ways its reading goes."""
+    samples: tuple[tuple[Sense, tuple[DelayedSamples, ...]], ...]
+    """The senses to be sampled at the end, each once, with the delays that the sample goes into."""
 
 
-class Nerves:
-    """All ways of signals to and from an infant, and the control step that they cut into stages."""
+class Schedule:
+    """What happens when in a control step: it is cut into segments wherever a command arrives or a sense is sampled.
 
-    def __init__(self, manifest: Manifest, senses: Mapping[str, Sense], actuation: Actuation, model: mujoco.MjModel):
-        """Lay the ways of senses and commands, once."""
+    It knows neither what is sensed nor how the infant is actuated: any `Sense` and any `Actuation` will do.
+    """
+
+    def __init__(self, senses: Mapping[str, Sense], actuation: Actuation, model: mujoco.MjModel, timing: Timing):
+        """Plan the control step, once.
+
+        Args:
+            senses: Senses that are bound to the model, by name.
+            actuation: What turns an action into controls of the model.
+            model: The model.
+            timing: The time base and the delays.
+
+        Raises:
+            ValueError: If a delay or the control step is not a whole number of physics steps.
+        """
         self._model, self._senses, self._actuation = model, senses, actuation
-        period = to_steps(manifest.step_ms, manifest.timestep_ms)
-        delays, in_legs = (
-            dict(manifest.delays),
-            in_subtrees(model, [model.body(leg).id for leg in manifest.delays.legs]),
-        )
-        self._afferents = {
+        period = to_steps(timing.step_ms, timing.timestep_ms)
+        in_legs = in_subtrees(model, [model.body(leg).id for leg in timing.legs])
+        self._samples = {
             name: [
-                Afferent(steps, period, part)
-                for steps, part in _ways(delays.get(name, NO_DELAY), manifest.timestep_ms, in_legs[sense.bodies])
+                DelayedSamples(steps, period, part)
+                for steps, part in timing.groups(name, None if sense.bodies is None else in_legs[sense.bodies])
             ]
             for name, sense in senses.items()
         }
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
-        self._efferents = [
-            Efferent(steps, period, np.flatnonzero(part), actuation.actuators[part])
-            for steps, part in _ways(manifest.delays.motor, manifest.timestep_ms, in_legs[moved])
+        everything = np.ones(len(moved), bool)
+        self._commands = [
+            DelayedCommands(steps, period, np.flatnonzero(part), actuation.actuators[part])
+            for steps, found in timing.groups(MOTOR, in_legs[moved])
+            for part in [everything if found is None else found]
         ]
-        self._stages = self._cut(period)
+        self._segments = self._cut(period)
 
-    def rest(self, data: mujoco.MjData) -> Observation:
-        """Start anew: what is felt now is all that is felt until later readings arrive, and nothing is commanded."""
-        for name, afferents in self._afferents.items():
-            reading = self._senses[name](data)
-            for afferent in afferents:
-                afferent.rest(reading)
-        for efferent in self._efferents:
-            efferent.rest()
-        return self.observe()
+    def reset(self, data: mujoco.MjData) -> None:
+        """Forget all signals: the samples of now are observed until later ones arrive, and nothing is commanded."""
+        for name, delayed in self._samples.items():
+            sample = self._senses[name](data)
+            for each in delayed:
+                each.reset(sample)
+        for commands in self._commands:
+            commands.reset()
 
     def step(self, action: npt.ArrayLike, data: mujoco.MjData) -> None:
         """Go through one control step.
@@ -147,68 +112,61 @@ class Nerves:
             ValueError: If the action is not one number for each actuator.
         """
         controls = self._actuation(action)
-        for stage in self._stages:
-            for efferent in stage.efferents:
-                efferent.drive(controls, data)
-            mujoco.mj_step(self._model, data, stage.physics_steps)
-            for sense, afferents in stage.felt:
-                reading = sense(data)
-                for afferent in afferents:
-                    afferent.feel(reading)
+        for segment in self._segments:
+            for commands in segment.commands:
+                commands.send(controls, data)
+            mujoco.mj_step(self._model, data, segment.physics_steps)
+            for sense, delayed in segment.samples:
+                sample = sense(data)
+                for each in delayed:
+                    each.send(sample)
 
     def observe(self) -> Observation:
-        """Return what has arrived, as fresh arrays."""
+        """Return the samples that have arrived as an observation of new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe(_merged(self._afferents[name])))
+            observation.update(sense.observe(_merged(self._samples[name])))
         return observation
 
     @property
     def state(self) -> dict[str, Any]:
-        """What has arrived and what is on its way."""
+        """The samples that have arrived, and all signals on their way."""
         return {
-            "senses": {name: [way.state for way in ways] for name, ways in self._afferents.items()},
-            "commands": [way.state for way in self._efferents],
+            "senses": {name: [each.state for each in delayed] for name, delayed in self._samples.items()},
+            "commands": [commands.state for commands in self._commands],
         }
 
     @state.setter
     def state(self, state: Mapping[str, Any]) -> None:
-        for name, ways in self._afferents.items():
-            for way, held in zip(ways, state["senses"][name], strict=True):
-                way.state = held
-        for way, held in zip(self._efferents, state["commands"], strict=True):
-            way.state = held
+        for name, delayed in self._samples.items():
+            for each, kept in zip(delayed, state["senses"][name], strict=True):
+                each.state = kept
+        for commands, kept in zip(self._commands, state["commands"], strict=True):
+            commands.state = kept
 
-    def _cut(self, period: int) -> tuple[Stage, ...]:
-        """Return the stages of a control step: it is cut wherever a command arrives or something is felt."""
-        felt = {way.felt_after for ways in self._afferents.values() for way in ways}
-        cuts = sorted({0, period} | felt | {way.driven_after for way in self._efferents})
+    def _cut(self, period: int) -> tuple[Segment, ...]:
+        """Return the segments of a control step."""
+        sampled = {each.sampled_after for delayed in self._samples.values() for each in delayed}
+        cuts = sorted({0, period} | sampled | {commands.applied_after for commands in self._commands})
         return tuple(
-            Stage(
-                efferents=tuple(way for way in self._efferents if way.driven_after == start),
+            Segment(
+                commands=tuple(commands for commands in self._commands if commands.applied_after == start),
                 physics_steps=end - start,
-                felt=tuple(
+                samples=tuple(
                     (self._senses[name], here)
-                    for name, ways in self._afferents.items()
-                    if (here := tuple(way for way in ways if way.felt_after == end))
+                    for name, delayed in self._samples.items()
+                    if (here := tuple(each for each in delayed if each.sampled_after == end))
                 ),
             )
             for start, end in pairwise(cuts)
         )
 
 
-def _ways(delay: DelayEntry, timestep_ms: float, in_legs: Mask) -> list[tuple[int, Mask]]:
-    """Return the ways that signals take: physics steps, and which of the signals, shape (n,)."""
-    if delay.legs_ms is None:
-        return [(to_steps(delay.ms, timestep_ms), np.ones_like(in_legs))]
-    return [(to_steps(delay.ms, timestep_ms), ~in_legs), (to_steps(delay.legs_ms, timestep_ms), in_legs)]
-
-
-def _merged(ways: Sequence[Afferent]) -> Reading:
-    """Return what has arrived on all ways of a sense as one reading."""
-    if len(ways) == 1:
-        return ways[0].arrived
-    merged = ways[0].arrived.copy()
-    for way in ways[1:]:
-        merged[way.part] = way.arrived[way.part]
+def _merged(delayed: Sequence[DelayedSamples]) -> Sample:
+    """Return what has arrived of all parts of a sense as one sample."""
+    if len(delayed) == 1:
+        return delayed[0].arrived
+    merged = delayed[0].arrived.copy()
+    for each in delayed[1:]:
+        merged[each.part] = each.arrived[each.part]
     return merged

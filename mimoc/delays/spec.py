@@ -12,11 +12,11 @@ from mimoc.senses import SENSES
 
 Delay = Annotated[Milliseconds, Field(le=10_000)]
 MOTOR = "motor"
-"""The channel of commands; all others are senses."""
+"""The signal to the actuators; all others come from senses."""
 
 
-def channels() -> tuple[str, ...]:
-    """Return the names of all signals that can be delayed: the senses, then the commands."""
+def signals() -> tuple[str, ...]:
+    """Return the names of all signals that can be delayed: those of the senses, then `motor`."""
     return (*SENSES, MOTOR)
 
 
@@ -25,7 +25,7 @@ def _delay_fields() -> dict[str, FieldInfo]:
     annotation: Any = Optional[Delay]  # noqa: UP045 - A type checker knows no `|` of this.
     return {
         f"{name}_ms": FieldInfo.from_annotated_attribute(annotation, Field(default=None, description=about[name]))
-        for name in channels()
+        for name in signals()
     }
 
 
@@ -41,22 +41,22 @@ class DelaysSpec(Model):
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Return the delay of a channel, or None."""
+            """Return the delay of a signal, or None."""
 
 
 class DelayEntry(Model):
-    """How late one kind of signal is; a whole number of physics steps."""
+    """Delay of one signal, in whole physics steps."""
 
     ms: float = 0.0
     """Delay."""
     legs_ms: float | None = None
-    """Delay to or from legs and feet, where it is another."""
+    """Delay to or from legs and feet, where that differs."""
 
 
 def _entry_fields() -> dict[str, FieldInfo]:
     return {
         name: FieldInfo(annotation=DelayEntry, default=DelayEntry(), description=f"Delay of {name}.")
-        for name in channels()
+        for name in signals()
     }
 
 
@@ -65,9 +65,9 @@ class DelaysEntry(Model):
     """The delay of each signal."""
 
     legs: tuple[str, ...] = ()
-    """Bodies that the legs begin with."""
+    """The first body of each leg."""
 
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Return the delay of a channel."""
+            """Return the delay of a signal."""

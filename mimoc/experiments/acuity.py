@@ -13,8 +13,8 @@ from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
-from mimoc.senses.vision.comparison import TELLING_FOVEATION, compare_ages
-from mimoc.senses.vision.preview import glimpse
+from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
+from mimoc.senses.vision.preview import preview
 from mimoc.senses.vision.spec import VisionSpec
 
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
@@ -100,12 +100,12 @@ def _sheet(size_px: int) -> bytes:
     }
     infant = pipeline.builder(InfantSpec.model_validate(spec))(SEED, check=False)
     whole, finer = (
-        compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=TELLING_FOVEATION)
+        compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
         for times in (1, MIDDLE_TIMES)
     )
-    pictures = glimpse(infant, whole.sights, down_deg=DOWN_DEG)
-    (acuity_row,) = (sights for name, sights in zip(finer.rows, finer.sights, strict=True) if name == "acuity")
-    (larger,) = glimpse(infant, [acuity_row], down_deg=DOWN_DEG)
+    pictures = preview(infant, whole.entries, down_deg=DOWN_DEG)
+    (acuity_row,) = (entries for name, entries in zip(finer.rows, finer.entries, strict=True) if name == "acuity")
+    (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
     middles = [_middle(picture, size_px) for picture in larger]
     rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
     return encode_palette_png(draw_sheet([*pictures, middles], whole.columns, rows), COLOURS)
@@ -151,8 +151,8 @@ def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
         seed=SEED,
         side=SIDE,
         ages=", ".join(f"{age_months:g}" for age_months in PAPER_MONTHS),
-        foveation=TELLING_FOVEATION,
-        magnification=TELLING_FOVEATION / math.log1p(TELLING_FOVEATION),
+        foveation=DEFAULT_FOVEATION,
+        magnification=DEFAULT_FOVEATION / math.log1p(DEFAULT_FOVEATION),
         profile=PROFILE,
     )
     compared = COMPARED.format(

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy.typing as npt
+
 from mimoc.mjcf.tree import Camera, Sensor, Site
 from mimoc.schema.base import Model
 
@@ -20,5 +22,7 @@ class Placed:
     """Cameras by body, in place of those that the body has without the sense."""
     sensors: tuple[Sensor, ...] = ()
     """Sensors to add."""
+    arrays: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
+    """Large arrays that the runtime must know; the bundle has `points_m` of touch as `touch/points_m`."""
     origins: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     """Where its numbers come from, by key in `provenance.json`."""

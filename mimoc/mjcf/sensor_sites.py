@@ -1,4 +1,4 @@
-"""Where an infant's senses sit: the sites, cameras and MuJoCo sensors of its body."""
+"""The sites, cameras and MuJoCo sensors that every body has for its senses."""
 
 from mimoc.body import BodyTree
 from mimoc.mjcf.tree import Camera, Sensor, Site
@@ -6,13 +6,13 @@ from mimoc.units import deg_to_rad
 
 SITE_RADIUS_M = 0.01
 FINGER_SITE_RADIUS_M = 0.002
-"""Only for looking at; the second from the wrist of a five-finger hand on (MIMo)."""
+"""Only for display; the second in hands with five fingers (MIMo)."""
 
 UNSEEN = ("head", "left_eye", "right_eye")
 """Bodies that an infant's own eyes do not see."""
 
 FOVY_DEG = 60.0
-"""Vertical field of view of an eye that nothing else is asked of (MIMo)."""
+"""Vertical field of view of an eye, unless a spec gives another (MIMo)."""
 
 CENTRE_SITE = "lowerBody_center"
 VESTIBULAR_SITE = "vestibular"
@@ -42,7 +42,7 @@ TORQUE_SITES = {
     "{side}_thhub": "torque_{side}_th_hub",
     "{side}_thdistal": "torque_{side}_th_distal",
 }
-"""MIMo's names for the sites that feel the torque between a body and its parent, by body."""
+"""MIMo's names of the sites that measure the torque between a body and its parent, by body."""
 
 VESTIBULAR_SENSORS = (
     Sensor("accelerometer", "vestibular_acc", VESTIBULAR_SITE),
@@ -85,8 +85,8 @@ def sites(tree: BodyTree) -> dict[str, tuple[Site, ...]]:
         body: (Site(name, (0.0, 0.0, 0.0), FINGER_SITE_RADIUS_M if body in fine else SITE_RADIUS_M),)
         for body, name in _both_sides(TORQUE_SITES).items()
     }
-    balance = {"head": (Site(VESTIBULAR_SITE, tree.geoms["head"].pos_m, SITE_RADIUS_M), *torque["head"])}
-    return centre | torque | balance
+    vestibular = {"head": (Site(VESTIBULAR_SITE, tree.geoms["head"].pos_m, SITE_RADIUS_M), *torque["head"])}
+    return centre | torque | vestibular
 
 
 def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camera, ...]]:

@@ -16,13 +16,13 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
-from mimoc.delays.schedule import Nerves
-from mimoc.errors import KindError, UnknownNameError
+from mimoc.delays.schedule import Schedule, Timing
+from mimoc.errors import UnknownNameError
 from mimoc.render.environment import MODES, EnvRenderer, available_modes
 from mimoc.runtime.fastenings import Fastenings
-from mimoc.senses.binding import Sense, bind_senses
+from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import CustomSense
-from mimoc.senses.sense import Observation
+from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NOTHING_EARNED
@@ -177,7 +177,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             ValueError: If the action is not one number for each actuator.
         """
-        self._nerves.step(action, self.data)
+        self._schedule.step(action, self.data)
         self._steps += 1
         unstable = broke_down(self.data)
         verdict = NOTHING_EARNED if unstable else self._task.judge(self.data, action, self.effort)
@@ -201,7 +201,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return copy.deepcopy(
             {
                 "physics": physics,
-                "signals": self._nerves.state,
+                "signals": self._schedule.state,
                 "fastenings": self._fastenings.state,
                 "task": self._task.state,
                 "steps": self._steps,
@@ -233,7 +233,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)  # The solver's warm start, as it was.
-        self._nerves.state = state["signals"]
+        self._schedule.state = state["signals"]
         self.np_random.bit_generator.state = state["chance"]
         return self._observe()
 
@@ -267,14 +267,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Find everything the manifest names in the model, once, and start; senses from before are taken along."""
         self.data = mujoco.MjData(self.model)
         self._act = bind_actuation(self.manifest.actuation, self.model)
-        self._senses = self._bind_senses(former)
+        self._senses = bind_senses(self.bundle, self.model, former, self._custom_senses)
         self._fastenings = Fastenings(self.manifest.fastenings, self.model)
         self._task = (
             bind_task(self.bundle, self.model, self._fastenings)
             if self._custom_task is None
             else CustomTask(self._custom_task, self.model, self.bundle)
         )
-        self._nerves = Nerves(self.manifest, self._senses, self._act, self.model)
+        self._schedule = Schedule(self._senses, self._act, self.model, self._timing())
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
         self._start(self.manifest.pose)
@@ -285,16 +285,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         spaces = {name: space for part in (*self._senses.values(), self._task) for name, space in part.spaces.items()}
         self.observation_space = gymnasium.spaces.Dict(spaces)
 
-    def _bind_senses(self, former: Mapping[str, Sense]) -> dict[str, Sense]:
-        """Return the senses of the bundle and those that were passed as objects."""
-        senses = bind_senses(self.bundle, self.model, former)
-        if self._custom_senses:
-            senses.pop("nothing", None)
-        for name, custom in self._custom_senses.items():
-            if name in senses:
-                raise KindError(f"this infant has a sense '{name}' already; pass yours under another name")
-            senses[name] = CustomSense(name, custom, self.model, self.bundle)
-        return senses
+    def _timing(self) -> Timing:
+        """Return the time base, and the delays of the bundle's signals and of senses that were passed as objects."""
+        delays = {name: delay for name, delay in self.manifest.delays if name != "legs"}
+        custom = {name: sense.delay for name, sense in self._senses.items() if isinstance(sense, CustomSense)}
+        return Timing(self.manifest.step_ms, self.manifest.timestep_ms, delays | custom, self.manifest.delays.legs)
 
     def _change_scene(self, seed: int) -> None:
         """Put the infant into another scene."""
@@ -315,12 +310,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._fastenings.keep(self.data)
         mujoco.mj_forward(self.model, self.data)
         self._task.start(self.data, self.np_random)
-        self._nerves.rest(self.data)
+        self._schedule.reset(self.data)
         return self._observe()
 
     def _observe(self) -> Observation:
         """Return what the senses and the task give, as fresh arrays."""
-        observation = self._nerves.observe()
+        observation = self._schedule.observe()
         return {**observation, **self._task.observe()} if self._task.spaces else observation
 
     def _sense(self, name: str) -> Sense:
@@ -329,7 +324,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_nerves", "_keypoints", "_renderer"}
+BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_schedule", "_keypoints", "_renderer"}
 """What an environment cannot give to a copy of itself."""
 
 

@@ -1,4 +1,4 @@
-"""Senses: each is bound to a model once, then reads arrays."""
+"""Binding senses to a model: names are looked up once, and from then on each sense reads arrays."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -7,32 +7,51 @@ from typing import Any
 import mujoco
 
 from mimoc.bundle.io import Bundle
+from mimoc.errors import KindError
 from mimoc.kinds import function_of
 from mimoc.senses import SENSES
-from mimoc.senses.nothing import nothing
+from mimoc.senses.custom import CustomSense
+from mimoc.senses.nothing import Nothing
 from mimoc.senses.sense import Sense
+
+NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 def bind_senses(
-    bundle: Bundle, model: mujoco.MjModel, former: Mapping[str, Sense] = MappingProxyType({})
+    bundle: Bundle, model: mujoco.MjModel, former: Mapping[str, Sense] = NONE, custom: Mapping[str, Any] = NONE
 ) -> dict[str, Sense]:
     """Return the senses of an infant by name; one that has none observes nothing.
 
     Args:
         bundle: The infant.
         model: Its model.
-        former: Its senses in the scene that it was in before; they are taken along, or closed.
+        former: Its senses in the scene that it was in before; they are kept where they can be, or closed.
+        custom: Objects to sense with besides, by name; see `CustomSense`.
 
     Raises:
+        KindError: If two senses have the same name, or give the observation arrays of the same name.
         RenderingError: If it sees, and there is no OpenGL here.
     """
-    taken = {name: sense for name, sense in former.items() if sense.follow(model)}
-    for name in former.keys() - taken.keys():
+    kept = {name: sense for name, sense in former.items() if sense.follow(model)}
+    for name in former.keys() - kept.keys():
         former[name].close()
     names = [name for name, entry in bundle.manifest.senses if entry is not None]
-    return {name: taken.get(name) or bind_sense(name, bundle, model) for name in names} or {"nothing": nothing()}
+    if taken := sorted(custom.keys() & set(names)):
+        raise KindError(f"this infant has a sense '{taken[0]}' already; pass yours under another name")
+    senses: dict[str, Sense] = {name: kept.get(name) or bind_sense(name, bundle, model) for name in names}
+    senses |= {name: CustomSense(name, sense, model, bundle) for name, sense in custom.items()}
+    _refuse_same_arrays(senses)
+    return senses or {"nothing": Nothing()}
 
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:
     """Return one of the senses that an infant has; see `bind_senses`."""
     return function_of(SENSES[name].run, "bind")(getattr(bundle.manifest.senses, name), model, bundle)
+
+
+def _refuse_same_arrays(senses: Mapping[str, Sense]) -> None:
+    owners: dict[str, str] = {}
+    for name, sense in senses.items():
+        for key in sense.spaces:
+            if owners.setdefault(key, name) != name:
+                raise KindError(f"the senses '{owners[key]}' and '{name}' both observe '{key}'; rename one of the two")

@@ -1,8 +1,29 @@
-"""What every sense is."""
+"""What every sense is, and a base for those that are one vector of numbers.
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
+To write a sense of your own, subclass `Vector`: say in `__init__` what each number is and its bounds, look up what you
+need in the model once, and return the numbers in `__call__`. That is all:
+
+    class Height(Vector):
+        \"\"\"Height of the head above the floor, shape (1,), [m].\"\"\"
+
+        def __init__(self, head: int):
+            super().__init__("height", layout=("head [m]",), low=0.0, high=2.0)
+            self._head = head
+
+        def __call__(self, data):
+            return data.xpos[self._head, 2:].copy()
+
+
+    def bind(entry, model, bundle):
+        return Height(model.body(entry.head).id)
+
+A delay needs nothing in the sense itself: it is called when a sample is due, and what it returned is kept until the
+sample arrives.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,72 +32,73 @@ from gymnasium.spaces import Box
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
-Reading = npt.NDArray[Any]
+Sample = npt.NDArray[Any]
+"""What a sense returned at one physics step; its first axis is that of `Sense.bodies`."""
 Observation = dict[str, npt.NDArray[Any]]
 
 
-class Sense(Protocol):
-    """What is read off a simulation, and how an agent sees it."""
+class Sense(ABC):
+    """What is measured in a simulation, and how an agent observes it."""
+
+    spaces: Mapping[str, Box]
+    """The space of each of its arrays, by name in the observation."""
+    bodies: IntArray | None = None
+    """The body of the model in which each number of a sample is measured, shape (n,): the legs can have a longer delay.
+    None where all are in the head or trunk."""
 
     @property
-    def spaces(self) -> Mapping[str, Box]:
-        """What an agent sees of it, by name in the observation."""
-        ...
-
-    @property
+    @abstractmethod
     def layout(self) -> tuple[str, ...]:
         """What each number is, with its unit, in the order of the observation."""
-        ...
 
-    @property
-    def bodies(self) -> IntArray:
-        """The body in which each number of a reading is felt, shape (n,); for delays that are longer in the legs."""
-        ...
+    @abstractmethod
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return the sample at this physics step, as a new array; never write to *data*."""
 
-    def __call__(self, data: mujoco.MjData) -> Reading:
-        """Return the reading now, an array of its own."""
-        ...
-
-    def observe(self, reading: Reading) -> Observation:
-        """Return a reading, of now or of earlier, as fresh arrays within their spaces."""
-        ...
+    @abstractmethod
+    def observe(self, sample: Sample) -> Observation:
+        """Return what an agent sees of a sample that has arrived, as new arrays within `spaces`."""
 
     def follow(self, model: mujoco.MjModel) -> bool:
-        """Go with the infant into another scene, or return False: then a new sense must be bound there."""
-        ...
-
-    def close(self) -> None:
-        """Free what the sense holds; it is not read any more."""
-        ...
-
-
-@dataclass(frozen=True)
-class Vector:
-    """What senses have in common that are one vector of n numbers."""
-
-    name: str
-    """In the observation."""
-    low: FloatArray
-    """Least number to be observed, shape (n,)."""
-    high: FloatArray
-    """Largest number to be observed, shape (n,)."""
-    bodies: IntArray
-    """The body in which each number is felt, shape (n,)."""
-
-    @property
-    def spaces(self) -> Mapping[str, Box]:
-        """The space of the vector."""
-        return {self.name: Box(self.low.astype(np.float32), self.high.astype(np.float32), dtype=np.float32)}
-
-    def observe(self, reading: Reading) -> Observation:
-        """Return the reading within its bounds; unlike `np.clip`, in two calls that cost next to nothing."""
-        observed = np.maximum(reading, self.low)
-        np.minimum(observed, self.high, out=observed)
-        return {self.name: observed.astype(np.float32)}
-
-    def follow(self, model: mujoco.MjModel) -> bool:
-        """Return False: what costs next to nothing is bound anew."""
+        """Read another scene of the same infant from now on, or return False: then the sense is bound anew."""
         return False
 
     def close(self) -> None:
-        """Do nothing: numbers hold nothing."""
+        """Free what the sense holds, such as an OpenGL context; nothing is read from it afterwards."""
+        return
+
+
+class Vector(Sense):
+    """A sense that is one vector of n numbers; a subclass defines `__call__`, which returns them."""
+
+    def __init__(
+        self,
+        name: str,
+        layout: Sequence[str],
+        low: FloatArray | float,
+        high: FloatArray | float,
+        bodies: IntArray | None = None,
+    ):
+        """Describe the numbers.
+
+        Args:
+            name: Of the sense, and of its array in the observation.
+            layout: What each number is, with its unit, such as `head [m]`.
+            low: Least value to be observed, of all numbers or of each, shape (n,); finite.
+            high: Largest one, likewise.
+            bodies: The body in which each is measured, shape (n,); see `Sense.bodies`.
+        """
+        self.name, self.bodies, self._layout = name, bodies, tuple(layout)
+        self.low, self.high = (np.broadcast_to(bound, len(self._layout)).astype(np.float64) for bound in (low, high))
+        self.spaces = {name: Box(self.low.astype(np.float32), self.high.astype(np.float32), dtype=np.float32)}
+
+    @property
+    def layout(self) -> tuple[str, ...]:
+        """What each number is."""
+        return self._layout
+
+    def observe(self, sample: Sample) -> Observation:
+        """Return the sample within its bounds; two calls here cost less than `np.clip`."""
+        observed = np.maximum(sample, self.low)
+        np.minimum(observed, self.high, out=observed)
+        return {self.name: observed.astype(np.float32)}

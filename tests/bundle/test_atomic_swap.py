@@ -11,10 +11,7 @@ from support.bundles import ONE, TWO
 
 from mimoc.bundle import atomic_swap
 from mimoc.bundle.atomic_swap import swap_folders
-from mimoc.bundle.io import (
-    read_bundle,
-    write_bundle,
-)
+from mimoc.bundle.io import read_bundle, write_bundle
 
 
 @pytest.fixture

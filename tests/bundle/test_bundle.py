@@ -180,7 +180,7 @@ def test_a_manifest_of_another_version_is_refused_with_a_clear_error(out, manife
     (out / "assets").mkdir(parents=True)
     for name, content in {**files, LOCK: json.dumps({"files": digests(files)}).encode()}.items():
         (out / name).write_bytes(content)
-    with pytest.raises(BundleError, match="this version of mimoc reads manifests of version 1 only; build it again"):
+    with pytest.raises(BundleError, match="this version of mimoc reads manifests of version 2 only; build it again"):
         read_bundle(out)
     assert read_bundle(write_bundle(ONE, out, force=True)).files == ONE.files
 

@@ -1,4 +1,4 @@
-"""A bundle that is being written is intact or absent, whatever fails, is killed or comes between."""
+"""A bundle that is being written is whole or absent, whatever fails, is killed or comes between."""
 
 import errno
 import os
@@ -15,10 +15,7 @@ import pytest
 from support.bundles import ONE, TWO, contents
 
 from mimoc.bundle import io as bundle_io
-from mimoc.bundle.io import (
-    read_bundle,
-    write_bundle,
-)
+from mimoc.bundle.io import read_bundle, write_bundle
 from mimoc.errors import BundleError
 
 # What is interrupted leaves nothing.

@@ -6,7 +6,8 @@ import pytest
 from PIL import Image
 
 import mimoc
-from mimoc.runtime.rollout import POLICIES, random_policy
+from mimoc.kinds import PolicyKind
+from mimoc.policies import random
 
 
 @pytest.fixture(scope="module")
@@ -56,13 +57,13 @@ def test_without_pyav_an_mp4_is_one_clear_line(run, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, monkeypatch):
+def test_control_c_keeps_what_was_filmed_and_says_so(run, tmp_path, registered):
     def stopping(env):
-        act, taken = random_policy(env), iter(range(12))
+        act, taken = random.bind(env), iter(range(12))
         return lambda *seen: act(*seen) if next(taken, None) is not None else (_ for _ in ()).throw(KeyboardInterrupt)
 
-    monkeypatch.setitem(POLICIES, "random", stopping)
-    code, out, err = run("--steps 1000000000 --video film.gif --size 64")
+    with registered(PolicyKind("stopping", "stops after 12 steps", stopping)):
+        code, out, err = run("--policy stopping --steps 1000000000 --video film.gif --size 64")
     assert (code, out) == (130, "")
     assert err.startswith("stopped; film.gif shows the run up to this point\n")
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]

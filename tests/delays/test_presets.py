@@ -1,4 +1,4 @@
-"""How late signals are follows from the spec: what is given, else the preset."""
+"""The delays of an infant are those that its spec gives, else those of the preset."""
 
 import numpy as np
 import pytest
@@ -7,12 +7,13 @@ from hypothesis import strategies as st
 
 from mimoc.body import assemble, grow
 from mimoc.body.prune import prune
-from mimoc.delays.presets import AGES_MONTHS, PHYSIOLOGICAL, PRESETS, delays
-from mimoc.delays.spec import DelayEntry, DelaysEntry, DelaysSpec
+from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
+from mimoc.senses import SENSES
 
-SENSES = ("proprioception", "vestibular", "touch", "vision")
+TABLES = {name: SENSES[name].physiological_delay for name in SENSES} | {MOTOR: MOTOR_DELAY}
 TREE = grow(measure(9), assemble("mitten", False))
 
 
@@ -22,16 +23,17 @@ def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:
     return delays(InfantSpec.model_validate(spec), tree)
 
 
-def test_every_preset_of_the_language_and_every_channel_is_known():
+def test_every_preset_of_the_language_and_every_signal_is_known():
     assert tuple(PRESETS) == DelaysSpec.model_fields["preset"].annotation.__args__
-    assert tuple(PHYSIOLOGICAL) == tuple(name for name in DelaysEntry.model_fields if name != "legs")
+    assert {f"{signal}_ms" for signal in signals()} == DelaysSpec.model_fields.keys() - {"preset", "sensory_ms"}
+    assert set(signals()) == DelaysEntry.model_fields.keys() - {"legs"}
 
 
-def test_without_a_word_nothing_is_late():
+def test_there_is_no_delay_by_default():
     assert entry() == DelaysEntry(legs=("right_upper_leg", "left_upper_leg"))
 
 
-def test_what_is_more_particular_wins():
+def test_the_more_specific_key_takes_precedence():
     found = entry(preset="physiological", sensory_ms=50, vision_ms=100)
     assert [getattr(found, sense) for sense in SENSES] == [DelayEntry(ms=ms) for ms in (50, 50, 50, 100)]
     assert found.motor == entry(preset="physiological").motor
@@ -41,7 +43,7 @@ def test_no_delay_can_be_given_against_a_preset():
     assert entry(preset="paper", vision_ms=0).vision == DelayEntry(ms=0)
 
 
-def test_the_paper_is_50_ms_late_and_one_step():
+def test_the_preset_of_the_paper_is_50_ms_and_one_physics_step():
     found = entry(preset="paper")
     assert {getattr(found, sense).ms for sense in SENSES} == {50}
     assert found.motor.ms == 5
@@ -65,8 +67,8 @@ def test_physiological_delays_are_those_of_the_table(
 @given(st.floats(0, 24), st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]))
 def test_older_is_never_slower(one, other, timestep_ms):
     younger, older = (entry(age, timestep_ms, preset="physiological") for age in sorted((one, other)))
-    for channel in PHYSIOLOGICAL:
-        young, old = getattr(younger, channel), getattr(older, channel)
+    for signal in signals():
+        young, old = getattr(younger, signal), getattr(older, signal)
         assert old.ms <= young.ms
         assert (old.legs_ms or old.ms) <= (young.legs_ms or young.ms)
 
@@ -74,12 +76,12 @@ def test_older_is_never_slower(one, other, timestep_ms):
 @given(st.floats(0, 24), st.sampled_from([0.5, 1, 2, 4, 5, 7]), st.sampled_from(sorted(PRESETS)))
 def test_presets_are_whole_steps_and_within_half_a_step_of_what_they_say(age_months, timestep_ms, preset):
     found = entry(age_months, timestep_ms, preset=preset)
-    for channel, nerve in PHYSIOLOGICAL.items():
-        delay = getattr(found, channel)
-        for ms, table in ((delay.ms, nerve.ms), (delay.legs_ms or delay.ms, nerve.legs_ms or nerve.ms)):
+    for signal, table in TABLES.items():
+        delay = getattr(found, signal)
+        for ms, measured_ms in ((delay.ms, table.ms), (delay.legs_ms or delay.ms, table.legs_ms or table.ms)):
             assert ms / timestep_ms == pytest.approx(round(ms / timestep_ms))
             if preset == "physiological":
-                assert abs(ms - np.interp(age_months, AGES_MONTHS, table)) <= timestep_ms / 2 + 1e-9
+                assert abs(ms - np.interp(age_months, table.ages_months, measured_ms)) <= timestep_ms / 2 + 1e-9
 
 
 def test_an_infant_without_a_leg_has_one_leg():

@@ -1,4 +1,4 @@
-"""Signals are late by exactly as many physics steps as the manifest says, whatever a control step is."""
+"""Signals are delayed by exactly as many physics steps as the manifest says, whatever the control step is."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -93,8 +93,8 @@ def test_every_sense_is_its_own_undelayed_stream_shifted(all_senses, undelayed, 
     for index in range(PHYSICS_STEPS // period + 1):
         for key in by_step[0]:
             sense = "vision" if key.startswith("eye_") else key
-            felt_at = max(index * period - delays[sense], 0)
-            assert np.array_equal(seen[index][key], by_step[felt_at][key]), (key, index)
+            sampled_at = max(index * period - delays[sense], 0)
+            assert np.array_equal(seen[index][key], by_step[sampled_at][key]), (key, index)
 
 
 @settings(max_examples=10)
@@ -126,7 +126,7 @@ def test_servos_hold_the_pose_until_a_command_arrives(built):
 @settings(max_examples=10)
 @example(2, 3, 6)
 @given(periods, steps, steps)
-def test_legs_can_feel_later_than_the_rest(all_senses, undelayed, period, delay, legs_delay):
+def test_the_legs_can_have_a_longer_delay(all_senses, undelayed, period, delay, legs_delay):
     entry = late(delay, legs_delay)
     by_step = undelayed(period)
     with opened(all_senses, period, DelaysEntry(proprioception=entry, touch=entry, legs=LEGS)) as env:
@@ -140,7 +140,7 @@ def test_legs_can_feel_later_than_the_rest(all_senses, undelayed, period, delay,
             assert np.array_equal(seen[index][sense], np.where(is_of_leg, later, early))
 
 
-def test_legs_can_be_driven_later_than_the_rest(bundle):
+def test_commands_to_the_legs_can_have_a_longer_delay(bundle):
     with opened(bundle, 2, DelaysEntry(motor=late(1, 4), legs=LEGS)) as env:
         env.reset(seed=0)
         names = [actuator.name for actuator in env.manifest.actuation.actuators]
@@ -166,7 +166,7 @@ def test_a_wrong_action_leaves_everything_as_it_was(all_senses):
         assert np.array_equal(seen, [each["touch"] for each in observations(other, actions)[1:]])
 
 
-def test_a_spec_with_delays_is_as_late_as_it_says(built):
+def test_the_delays_of_a_spec_are_in_the_manifest(built):
     bundle = built(senses=SENSES, delays={"preset": "physiological", "vision_ms": 15})
     assert bundle.manifest.delays.vision == DelayEntry(ms=15)
     assert bundle.manifest.delays.touch == DelayEntry(ms=20, legs_ms=30)

@@ -76,6 +76,17 @@ def compiled(model: mujoco.MjModel) -> str:
     return "\n".join(lines) + "\n"
 
 
+def summary(bundle: mimoc.Bundle) -> str:
+    """Return a line for each of the large arrays of a bundle: its shape, and what its columns are like."""
+    lines = []
+    for name, array in bundle.arrays.items():
+        columns = array.reshape(-1, array.shape[-1])
+        spread = {"mean": columns.mean(axis=0), "deviation": columns.std(axis=0)}
+        ends = {"first": columns[0], "last": columns[-1]}
+        lines.append(line(f"array {name}", shape=array.shape, **spread, **ends))
+    return "".join(f"{text}\n" for text in lines)
+
+
 def line(what: str, **numbers) -> str:
     """Return a line such as `geom head size 0.07 0 0`."""
     shown = (f"{name} {' '.join(f'{number:.8g}' for number in np.ravel(value))}" for name, value in numbers.items())
@@ -95,8 +106,8 @@ def test_the_compiled_model_is_as_approved(bundle, approved):
 
 
 def test_what_the_runtime_is_told_is_as_approved(bundle, approved):
-    """A new field has a default, or the manifest's version goes up."""
-    assert bundle.files["manifest.json"].decode() == approved
+    """The manifest, then large arrays; a new field has a default, or the manifest's version goes up."""
+    assert bundle.files["manifest.json"].decode() + summary(bundle) == approved
 
 
 @pytest.mark.parametrize(

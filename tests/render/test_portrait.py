@@ -286,7 +286,7 @@ def test_the_skin_shows_in_a_picture_and_where_it_feels_something_in_another_col
 def test_the_points_that_are_pressed_are_larger_and_the_one_most_so_has_the_strongest_colour(feeling):
     markers = skin_markers(*feeling)
     bundle, model, data = feeling
-    state = run.bind(bundle.manifest.senses.touch, bundle, model).skin_state(data)
+    state = run.bind(bundle.manifest.senses.touch, model, bundle).skin_state(data)
     forces_n = np.linalg.norm(state.forces, axis=1)
     assert np.array_equal(markers.positions_m, state.positions)
     assert set(state.bodies[forces_n > 0]) <= {"left_foot", "right_foot", "left_toes", "right_toes"}

@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class TouchLoop:
-    """What each point of a skin feels, shape (n * 3,), or (n,) if that is pressure."""
+    """The force on each point of a skin, shape (n * 3,), or (n,) if that is the normal force."""
 
     model: mujoco.MjModel
     bodies: np.ndarray
@@ -20,7 +20,7 @@ class TouchLoop:
     response: str
 
     def __call__(self, data: mujoco.MjData) -> np.ndarray:
-        felt = np.zeros((len(self.bodies), 1 if self.quantity == "normal" else 3))
+        forces = np.zeros((len(self.bodies), 1 if self.quantity == "normal" else 3))
         for index in range(data.ncon):
             contact, wrench = data.contact[index], np.zeros(6)
             mujoco.mj_contactForce(self.model, data, index, wrench)
@@ -30,10 +30,10 @@ class TouchLoop:
                 if body in self.spacing_m:
                     place = contact.pos + sign * frame[0] * contact.dist / 2
                     push = wrench[0] if self.quantity == "normal" else sign * frame.T @ wrench[:3]
-                    self._push(felt, data, body, place, push)
-        return felt.ravel()
+                    self._push(forces, data, body, place, push)
+        return forces.ravel()
 
-    def _push(self, felt, data, body, place, push):
+    def _push(self, forces, data, body, place, push):
         world_from_body = data.xmat[body].reshape(3, 3)
         if self.quantity == "force_vector":
             push = world_from_body.T @ push
@@ -42,17 +42,18 @@ class TouchLoop:
         weights = np.maximum(1 - distances_m / (2 * self.spacing_m[body]), 0)
         if self.response == "nearest" or not weights.any():
             weights = np.arange(len(self.bodies)) == np.argmin(distances_m)
-        felt += np.outer(weights / weights.sum(), push)
+        forces += np.outer(weights / weights.sum(), push)
 
 
 def touch_loop(entry, bundle, model) -> TouchLoop:
-    """Return the loop that feels what *entry* says."""
-    skin = sorted((model.body(body).id, points) for body, points in entry.points_m.items())
+    """Return the loop for an entry."""
+    ids = [model.body(part.body).id for part in entry.skin]
+    assert ids == sorted(ids)
     return TouchLoop(
         model=model,
-        bodies=np.array([body for body, points in skin for _ in points]),
-        points_m=np.array([point for _, points in skin for point in points]),
-        spacing_m={model.body(body).id: entry.spacing_m[body] for body in entry.points_m},
+        bodies=np.repeat(ids, [part.points for part in entry.skin]),
+        points_m=bundle.arrays["touch/points_m"],
+        spacing_m={body: part.spacing_m for body, part in zip(ids, entry.skin, strict=True)},
         quantity=entry.quantity,
         response=entry.response,
     )

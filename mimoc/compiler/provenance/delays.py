@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mimoc.body.provenance import Entry
 from mimoc.delays.presets import given_keys
-from mimoc.delays.spec import DelaysEntry, channels
+from mimoc.delays.spec import DelaysEntry, signals
 from mimoc.schema.infant import InfantSpec
 
 PRESETS = {
@@ -12,20 +12,20 @@ PRESETS = {
     "paper": "the paper: 50 ms for senses, one physics step for motors",
     "physiological": "conduction times by age, interpolated (see mimoc/delays/presets.py), to the nearest physics step",
 }
-"""What each preset of delays goes by."""
+"""The rule of each preset."""
 
 
 def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, Entry]]:
     """Yield an entry for each delay in the manifest."""
-    for channel in channels():
-        keys = given_keys(spec.delays, channel)[:1]
+    for signal in signals():
+        keys = given_keys(spec.delays, signal)[:1]
         rule = "given by the spec" if keys else PRESETS[spec.delays.preset]
         sources = [f"spec.delays.{key}" for key in keys] or [
             "spec.delays.preset",
             "spec.age_months",
             "spec.control.timestep_ms",
         ]
-        delay = getattr(delays, channel)
+        delay = getattr(delays, signal)
         for name, ms in (("ms", delay.ms), ("legs_ms", delay.legs_ms)):
             if ms is not None:
-                yield f"delays.{channel}.{name}", {"value": ms, "unit": "ms", "rule": rule, "from": sources}
+                yield f"delays.{signal}.{name}", {"value": ms, "unit": "ms", "rule": rule, "from": sources}

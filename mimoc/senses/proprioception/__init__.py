@@ -1,4 +1,4 @@
-"""Joint angles and what else is felt of the joints."""
+"""Joint angles, velocities, torques and limits, and the state of the actuators."""
 
 from mimoc.delays.ages import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind

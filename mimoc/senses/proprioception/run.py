@@ -1,6 +1,6 @@
-"""Proprioception: where the joints are, how they move, what loads them and what drives them."""
+"""Proprioception: the angles and velocities of the joints, their torques and limits, and the state of the actuators."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -9,10 +9,10 @@ import numpy as np
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
-from mimoc.senses.sense import FloatArray, IntArray, Vector
+from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
 
 LIMIT_MARGIN_RAD = 0.035
-"""How near a joint's limit is felt (MIMo v2)."""
+"""Distance from its limit at which a joint begins to sense it (MIMo v2)."""
 
 MAX_SPEED_RAD_S = 1e3
 MAX_TORQUE_NM = 1e3
@@ -27,45 +27,43 @@ MuJoCo's gain parameters."""
 
 
 @dataclass(frozen=True)
-class Channel:
-    """One kind of number that is felt, for every joint, sensor or actuator."""
+class Component:
+    """One of the quantities that are sensed, for every joint, sensor or actuator."""
 
     read: Callable[[mujoco.MjData], FloatArray]
     high: FloatArray
-    """Largest reading, shape (n,); the least is its negative."""
+    """Largest value, shape (n,); the least is its negative."""
     layout: tuple[str, ...]
     bodies: IntArray
-    """The body in which each number is felt, shape (n,)."""
+    """The body in which each number is measured, shape (n,)."""
 
 
-@dataclass(frozen=True)
 class Proprioception(Vector):
-    """Joint angles, then the other channels in their order, shape (n,)."""
+    """Joint angles, then the other components in their order, shape (n,)."""
 
-    channels: tuple[Channel, ...]
+    def __init__(self, components: Sequence[Component]):
+        """Join some components."""
+        layout = [name for component in components for name in component.layout]
+        high = np.concatenate([component.high for component in components])
+        bodies = np.concatenate([component.bodies for component in components])
+        super().__init__("proprioception", layout, -high, high, bodies)
+        self._reads = [component.read for component in components]
 
-    @property
-    def layout(self) -> tuple[str, ...]:
-        """What each number is."""
-        return tuple(name for channel in self.channels for name in channel.layout)
-
-    def __call__(self, data: mujoco.MjData) -> FloatArray:
-        """Return all channels."""
-        return np.concatenate([channel.read(data) for channel in self.channels])
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return all components."""
+        return np.concatenate([read(data) for read in self._reads])
 
 
 def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> Proprioception:
     """Find the joints, sensors and actuators of *entry* in *model*."""
     actuation = bundle.manifest.actuation
-    channels = (_angles(entry, model), *(CHANNELS[name](entry, actuation, model) for name in entry.include))
-    high = np.concatenate([channel.high for channel in channels])
-    bodies = np.concatenate([channel.bodies for channel in channels])
-    return Proprioception("proprioception", -high, high, bodies, channels)
+    included = [COMPONENTS[name](entry, actuation, model) for name in entry.include]
+    return Proprioception([_angles(entry, model), *included])
 
 
-def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Channel:
+def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
     addresses = _addresses(model, entry.joints, "qposadr")
-    return Channel(
+    return Component(
         lambda data: data.qpos[addresses],
         np.full(len(addresses), 4 * np.pi),
         _names(entry.joints, "angle", "rad"),
@@ -73,9 +71,9 @@ def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Channel:
     )
 
 
-def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
     addresses = _addresses(model, entry.joints, "dofadr")
-    return Channel(
+    return Component(
         lambda data: data.qvel[addresses],
         np.full(len(addresses), MAX_SPEED_RAD_S),
         _names(entry.joints, "velocity", "rad/s"),
@@ -83,10 +81,10 @@ def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mu
     )
 
 
-def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
     addresses = np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name in entry.torque_sensors])
     sensors = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
-    return Channel(
+    return Component(
         lambda data: data.sensordata[addresses],
         np.full(len(addresses), MAX_TORQUE_NM),
         _names(sensors, "torque", "N m"),
@@ -94,7 +92,7 @@ def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoc
     )
 
 
-def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
     addresses = _addresses(model, entry.joints, "qposadr")
     low, high = np.array([model.joint(name).range for name in entry.joints]).T
     middle, reach = (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD
@@ -104,7 +102,7 @@ def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco
         beyond = np.abs(data.qpos[addresses] - middle) - reach
         return np.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
 
-    return Channel(
+    return Component(
         read,
         np.full(len(addresses), MAX_LIMIT),
         _names(entry.joints, "limit", "1 at the limit"),
@@ -112,7 +110,7 @@ def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco
     )
 
 
-def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Channel:
+def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
     names = tuple(actuator.name for actuator in actuation.actuators)
     ids = np.array([model.actuator(name).id for name in names])
     gears = model.actuator_gear[ids, 0].copy()
@@ -124,7 +122,7 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
         drive = data.act[activations] if by_muscles else data.ctrl[ids]
         return np.concatenate([drive, data.actuator_force[ids] * gears])
 
-    return Channel(
+    return Component(
         read,
         np.concatenate([np.ones(len(ids)), LARGEST_TORQUES[actuation.model](model, ids)]),
         _names(names, "activation" if by_muscles else "command", "1") + _names(names, "torque", "N m"),
@@ -155,13 +153,13 @@ LARGEST_TORQUES: Mapping[str, Callable[[mujoco.MjModel, IntArray], FloatArray]] 
 """The bound of each actuator's torque, by actuation model."""
 
 
-CHANNELS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Channel]] = {
+COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Component]] = {
     "velocity": _velocities,
     "torque": _torques,
     "limits": _limits,
     "actuation": _actuation,
 }
-"""What can be felt besides angles."""
+"""What can be sensed besides angles."""
 
 
 def _addresses(model: mujoco.MjModel, joints: tuple[str, ...], kind: str) -> IntArray:

@@ -12,16 +12,16 @@ class ProprioceptionSpec(Model):
     """The sense of posture; joint angles are always in it."""
 
     include: Annotated[tuple[ProprioceptiveQuantity, ...], Distinct] = ("velocity", "torque", "limits", "actuation")
-    """What is felt besides joint angles."""
+    """What is sensed besides joint angles."""
 
 
 class ProprioceptionEntry(Model):
-    """The sense of where one's limbs are and what they do."""
+    """The sense of posture."""
 
     kind: Literal["proprioception"] = "proprioception"
     """Which sense this is."""
-    include: tuple[Literal["velocity", "torque", "limits", "actuation"], ...]
-    """What is felt besides joint angles, in this order."""
+    include: tuple[ProprioceptiveQuantity, ...]
+    """What is sensed besides joint angles, in this order."""
     joints: tuple[str, ...]
     """Hinges, in the order of the observation."""
     torque_sensors: tuple[str, ...]

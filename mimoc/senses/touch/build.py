@@ -1,25 +1,27 @@
 """Touch on a body."""
 
+import numpy as np
+
 from mimoc.body import BodyTree
 from mimoc.mjcf.placed import Placed
-from mimoc.senses.touch.skin_points import grow_skin
-from mimoc.senses.touch.spec import TouchEntry, TouchSpec
+from mimoc.senses.touch.skin_points import skin_points
+from mimoc.senses.touch.spec import SkinEntry, TouchEntry, TouchSpec
 
 SPACING_RULE = "two-point discrimination there at 18 months (MIMo) / sqrt(density), grown with the body's skin"
 
 
 def build(spec: TouchSpec, body: BodyTree) -> Placed:
-    """Return the entry, with the skin points of the body; nothing stands for them in the MJCF."""
-    skin = grow_skin(body, spec.density, spec.regions)
-    entry = TouchEntry(
-        quantity=spec.quantity,
-        response=spec.response,
-        points_m={name: tuple((x, y, z) for x, y, z in points.tolist()) for name, points in skin.points_m.items()},
-        spacing_m=dict(skin.spacing_m),
+    """Return the entry, and the skin points of the body as an array; nothing stands for them in the MJCF."""
+    skin = skin_points(body, spec.density, spec.regions)
+    parts = tuple(
+        SkinEntry(body=name, points=len(points_m), spacing_m=skin.spacing_m[name])
+        for name, points_m in skin.points_m.items()
     )
     sources = ["spec.senses.touch.density", "spec.age_months"]
     origins = {
-        f"skin.{name}.spacing": {"value": spacing_m, "unit": "m", "rule": SPACING_RULE, "from": sources}
-        for name, spacing_m in skin.spacing_m.items()
+        f"skin.{part.body}.spacing": {"value": part.spacing_m, "unit": "m", "rule": SPACING_RULE, "from": sources}
+        for part in parts
     }
-    return Placed(entry, origins=origins)
+    points_m = np.concatenate([np.empty((0, 3)), *skin.points_m.values()])
+    entry = TouchEntry(quantity=spec.quantity, response=spec.response, skin=parts)
+    return Placed(entry, arrays={"points_m": points_m}, origins=origins)

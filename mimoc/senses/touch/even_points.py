@@ -1,4 +1,4 @@
-"""Points spread evenly over the surface of a geom."""
+"""Points distributed evenly over the surface of a geom."""
 
 import math
 
@@ -8,8 +8,8 @@ from mimoc.body import Geom
 from mimoc.senses.touch.surface import FloatArray
 
 
-def spread(geom: Geom, spacing_m: float) -> FloatArray:
-    """Return one point for each square of a spacing, or about, as the multiples that `place` takes, shape (n, 4).
+def even_points(geom: Geom, spacing_m: float) -> FloatArray:
+    """Return about one point for each square of a spacing, as the multiples that `place` takes, shape (n, 4).
 
     Those of a box are in the middle of equal cells, all others on rings.
     """

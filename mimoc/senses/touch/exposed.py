@@ -1,4 +1,4 @@
-"""What several geoms of one body show to the outside: points spread over it, and carried over when they grow."""
+"""Points on the exposed surface of a body of several geoms, and how they move when the geoms grow."""
 
 from collections.abc import Sequence
 from itertools import permutations
@@ -6,57 +6,58 @@ from itertools import permutations
 import numpy as np
 
 from mimoc.body import Geom
-from mimoc.senses.touch.even_points import spread
+from mimoc.senses.touch.even_points import even_points
 from mimoc.senses.touch.surface import FloatArray, depth, outward, place
 
 Layout = tuple[FloatArray, ...]
 """The points of each geom, as `place` takes them."""
 
-HAIR = 1e-4
-"""How far above its geom a point must be outside of the others, in half breadths: faces that meet do not show."""
-CROWDED = 0.6
-"""Where geoms meet, points closer to each other than this, in spacings, are one too many."""
-BURIED_M = 1e-10
-"""Depth from which on a point is inside."""
-PARALLEL = 1e-12
-"""Surfaces at less than this, in rad, have no seam to speak of."""
-STEPS = 50
+CLEARANCE = 1e-4
+"""Height above its geom, relative to the geom's half breadth, at which a point must be outside of all other geoms: so
+faces that coincide have no points."""
+MIN_DISTANCE = 0.6
+"""Least distance of points of different geoms, in spacings; one of two closer points is left out."""
+DEPTH_TOLERANCE_M = 1e-10
+"""A point deeper than this is inside a geom."""
+MIN_SLOPE = 1e-12
+"""Least angle of two surfaces in rad, so that a division by it is safe."""
+MAX_STEPS = 50
 """More than any body needs."""
 
 
 def lay_out(geoms: Sequence[Geom], spacing_m: float) -> Layout:
-    """Return points that are about a spacing apart on all that some geoms show."""
+    """Return points about a spacing apart on the surface of some geoms where no other geom covers it."""
     layout: list[FloatArray] = []
     for index, geom in enumerate(geoms):
-        multiples = spread(geom, spacing_m)
+        multiples = even_points(geom, spacing_m)
         for other in (*geoms[:index], *geoms[index + 1 :]):
-            multiples = multiples[depth(other, place(geom, (1 + HAIR) * multiples)) <= 0]
+            multiples = multiples[depth(other, place(geom, (1 + CLEARANCE) * multiples)) <= 0]
         for other, theirs in zip(geoms, layout, strict=False):
-            multiples = _without_crowd(geom, multiples, other, theirs, CROWDED * spacing_m)
+            multiples = _without_close(geom, multiples, other, theirs, MIN_DISTANCE * spacing_m)
         layout.append(multiples)
     return tuple(layout)
 
 
-def carry_over(layout: Layout, geoms: Sequence[Geom]) -> FloatArray:
+def move_with_geoms(layout: Layout, geoms: Sequence[Geom]) -> FloatArray:
     """Return the points of a layout on geoms of other sizes, shape (n, 3), in the frame of their body.
 
-    Each stays where it is on its geom. Where that is now inside another one, it moves to the nearest place outside.
+    Each stays where it is on its geom; where that is now inside another geom, it moves to the nearest place outside.
     """
     points_m = np.concatenate([place(geom, multiples) for geom, multiples in zip(geoms, layout, strict=True)])
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         before_m = points_m.copy()
         for geom in geoms:
-            buried = depth(geom, points_m) > BURIED_M
-            points_m[buried] = _to_surface(geom, points_m[buried])
+            inside = depth(geom, points_m) > DEPTH_TOLERANCE_M
+            points_m[inside] = _to_surface(geom, points_m[inside])
         for geom, other in permutations(geoms, 2):
-            stuck = (np.abs(depth(geom, points_m)) < BURIED_M) & (depth(other, points_m) > BURIED_M)
-            points_m[stuck] = _to_seam(geom, other, points_m[stuck])
+            covered = (np.abs(depth(geom, points_m)) < DEPTH_TOLERANCE_M) & (depth(other, points_m) > DEPTH_TOLERANCE_M)
+            points_m[covered] = _to_seam(geom, other, points_m[covered])
         if np.array_equal(points_m, before_m):
             break
     return points_m
 
 
-def _without_crowd(geom: Geom, multiples: FloatArray, other: Geom, theirs: FloatArray, distance_m: float) -> FloatArray:
+def _without_close(geom: Geom, multiples: FloatArray, other: Geom, theirs: FloatArray, distance_m: float) -> FloatArray:
     """Return those points of a geom that are at least a distance from those of another one."""
     points_m, others_m = place(geom, multiples), place(other, theirs)
     near = np.flatnonzero(depth(other, points_m) > -distance_m)
@@ -78,6 +79,6 @@ def _to_seam(geom: Geom, other: Geom, points_m: FloatArray) -> FloatArray:
     """
     normals, exits, deep_m = outward(geom, points_m), outward(other, points_m), depth(other, points_m)
     along = exits - (exits * normals).sum(axis=1, keepdims=True) * normals
-    slopes = np.maximum(np.linalg.norm(along, axis=1), PARALLEL)
+    slopes = np.maximum(np.linalg.norm(along, axis=1), MIN_SLOPE)
     steps_m = np.minimum(deep_m / slopes, np.sqrt(2 * min(geom.size_m[0], other.size_m[0]) * deep_m))
     return _to_surface(geom, points_m + (steps_m / slopes)[:, None] * along)

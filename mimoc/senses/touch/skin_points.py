@@ -1,4 +1,4 @@
-"""The skin: where an infant feels touch."""
+"""The skin points of a body: where it senses touch."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -12,7 +12,7 @@ from mimoc.body import Body, BodyTree, Geom, grow_reference
 from mimoc.body.strengthen import GROUPS, body_groups
 from mimoc.geometry.primitives import area
 from mimoc.schema.names import single_groups
-from mimoc.senses.touch.exposed import Layout, carry_over, lay_out
+from mimoc.senses.touch.exposed import Layout, lay_out, move_with_geoms
 from mimoc.senses.touch.surface import FloatArray
 
 SPACING_M = {
@@ -35,18 +35,17 @@ SPACING_M = {
     "thhub": 0.004,
     "thdistal": 0.002,
 }
-"""Distance of neighbours by body, of the average child of 18 months: two touches closer than that are felt as one
-(MIMo's two-point discrimination)."""
+"""Distance of neighbours by body, of the average child of 18 months: its two-point discrimination (MIMo)."""
 
 PUPIL = np.array([[1.0, 0.0, 0.0, 0.0]])
-"""The one point of an eye: its front."""
+"""The one point of an eye, at its front."""
 
 DECIMALS = 12
-"""Of coordinates in m: a point is on its surface, and a sum of other order shows no other digits."""
+"""Of coordinates in m: few enough not to depend on the order of sums, and a point is still on its surface."""
 
 
 @dataclass(frozen=True, slots=True)
-class Skin:
+class SkinPoints:
     """Points on the surface of each body."""
 
     points_m: Mapping[str, FloatArray]
@@ -62,19 +61,19 @@ class _Patch:
     layout: Layout
     spacing_m: float
     area_m2: float
-    """Of the body's geoms, with what they cover of each other."""
+    """Of the body's geoms, including where they cover each other."""
 
 
-def grow_skin(tree: BodyTree, density: float, regions: Collection[str] | None = None) -> Skin:
-    """Return the skin of a grown body.
+def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None = None) -> SkinPoints:
+    """Return the skin points of a grown body.
 
-    Its points are spread over the average child of 18 months, and move with the geoms that they are on: so all
-    infants have the same ones. As a body grows they move apart, by the root of its area, and so does what counts
-    as their spacing: one touch is felt by as many points at every age.
+    They are distributed over the average child of 18 months, and move with the geoms that they are on, so all infants
+    have the same ones. As a body grows, the distance of its points grows with the root of its area, and so does what
+    counts as their spacing: a contact is shared by the same number of points at every age.
 
     Args:
         tree: The body.
-        density: Points for each that two-point discrimination asks for.
+        density: Number of points, relative to what two-point discrimination asks for.
         regions: The groups of muscles whose parts have skin; None is all.
     """
     patches = _patches(tree.hands, density)
@@ -87,12 +86,12 @@ def grow_skin(tree: BodyTree, density: float, regions: Collection[str] | None = 
         patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
         points_m[body.name] = _points(body, patch.layout)
         spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)
-    return Skin(points_m, spacing_m)
+    return SkinPoints(points_m, spacing_m)
 
 
 @lru_cache(maxsize=8)
 def _patches(hands: str, density: float) -> Mapping[str, _Patch]:
-    """Return the skin of the middle and of the right side, by body without its side."""
+    """Return the skin of the midline and of the right side, by body without its side."""
     bodies = [body for body in grow_reference(hands).bodies if not body.name.startswith("left_")]
     return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
 
@@ -106,7 +105,7 @@ def _patch(body: Body, density: float) -> _Patch:
 
 
 def _joined(patches: Sequence[_Patch]) -> _Patch:
-    """Return the skin of parts that are of one piece, in the order of their geoms; each has its points as before."""
+    """Return the skin of parts that are joined rigidly, in the order of their geoms; each keeps its points."""
     layout = tuple(geom for patch in patches for geom in patch.layout)
     return _Patch(layout, patches[0].spacing_m, sum(patch.area_m2 for patch in patches))
 
@@ -116,15 +115,15 @@ def _area_m2(body: Body) -> float:
 
 
 def _points(body: Body, layout: Layout) -> FloatArray:
-    """Return the points of a body; those of a left one as if it were a right one in a mirror."""
+    """Return the points of a body; those of a left one mirror those of a right one."""
     left = body.name.startswith("left_")
-    points_m = carry_over(layout, [_mirrored(geom) for geom in body.geoms] if left else body.geoms)
+    points_m = move_with_geoms(layout, [_mirrored(geom) for geom in body.geoms] if left else body.geoms)
     points_m = points_m.round(DECIMALS) * (1, -1 if left else 1, 1) + 0.0  # + 0.0 turns -0.0 into 0.
     points_m.flags.writeable = False
     return points_m
 
 
 def _mirrored(geom: Geom) -> Geom:
-    """Return a geom with y turned round: so do turns about x and z."""
+    """Return a geom mirrored in y, which reverses rotations about x and z."""
     (x, y, z), (about_x, about_y, about_z) = geom.pos_m, geom.euler_deg
     return replace(geom, pos_m=(x, -y, z), euler_deg=(-about_x, about_y, -about_z))

@@ -11,18 +11,33 @@ from mimoc.schema.quantities import Real
 TouchQuantity = Literal["force_vector", "force_vector_global", "normal"]
 TouchResponse = Literal["linear", "nearest"]
 
+POINTS = "touch/points_m"
+"""Array of the bundle: the skin points of all bodies, one body after the other, shape (n, 3), in the frames of their
+bodies."""
+
 
 class TouchSpec(Model):
     """The sense of touch, all over the skin."""
 
     density: Annotated[Real, Field(ge=0.1, le=10)] = 1.0
-    """Skin points for each that an infant's two-point discrimination asks for."""
+    """Number of skin points, relative to what an infant's two-point discrimination asks for."""
     quantity: TouchQuantity = "force_vector"
-    """Force in the part's own frame, in the world's, or only the pressure."""
+    """Force in the part's own frame, in the world's, or only its normal part."""
     response: TouchResponse = "linear"
-    """Whether a contact is felt by the skin points around it, or by the nearest."""
+    """Whether the skin points around a contact share its force, or the nearest gets all of it."""
     regions: Annotated[Groups, Field(min_length=1)] | None = None
     """Groups of muscles whose parts have skin, the head's under `neck`; left out, all of the body has."""
+
+
+class SkinEntry(Model):
+    """The skin points of one body."""
+
+    body: str
+    """The body."""
+    points: Annotated[int, Field(ge=0)]
+    """How many there are."""
+    spacing_m: float
+    """Distance of neighbouring points."""
 
 
 class TouchEntry(Model):
@@ -31,10 +46,8 @@ class TouchEntry(Model):
     kind: Literal["touch"] = "touch"
     """Which sense this is."""
     quantity: TouchQuantity
-    """What each skin point feels: a force in its body's frame, in the world's, or only how hard it is pressed."""
+    """What each skin point measures: the force in its body's frame, in the world's, or only its normal part."""
     response: TouchResponse
-    """Whether the skin points around a contact feel it, or only the nearest."""
-    points_m: Annotated[dict[str, tuple[tuple[float, float, float], ...]], Field(repr=False)]
-    """The skin points by body, in its frame; the observation has them in this order, bodies in that of the model."""
-    spacing_m: dict[str, float]
-    """Distance of neighbouring skin points by body; a contact is felt within twice that."""
+    """Whether the skin points around a contact share its force, or the nearest gets all of it."""
+    skin: tuple[SkinEntry, ...]
+    """The bodies that have skin points, in the order of the model and of the array `touch/points_m`."""

@@ -1,4 +1,4 @@
-"""The surface of a geom in the frame of its body: its points, and the way to it from inside."""
+"""The surface of a geom in the frame of its body: points, depth below it, and the direction to it from inside."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from mimoc.geometry.rotations import FloatArray, matrix_from_euler
 
 
 def place(geom: Geom, multiples: FloatArray) -> FloatArray:
-    """Return points that are told as multiples of what a geom measures, shape (n, 3), in the frame of its body.
+    """Return points given as multiples of the sizes of a geom, shape (n, 3), in the frame of its body.
 
     Args:
         geom: The geom.
@@ -21,7 +21,7 @@ def place(geom: Geom, multiples: FloatArray) -> FloatArray:
 
 
 def depth(geom: Geom, points_m: FloatArray) -> FloatArray:
-    """Return how deep inside of a geom places are, shape (n,); outside it is negative, and no more than the distance.
+    """Return the depth of places inside a geom, shape (n,); outside it is negative, at most the distance.
 
     Args:
         geom: The geom.

@@ -1,12 +1,12 @@
-"""Balance: what the inner ear feels of the head's motion."""
+"""Balance: specific force and angular velocity of the head."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
-from mimoc.senses.sense import FloatArray, IntArray, Vector
+from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
 from mimoc.senses.vestibular.spec import VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4
@@ -15,16 +15,17 @@ MAX_RATE_RAD_S = 1e3
 """Bound of the observation."""
 
 
-@dataclass(frozen=True)
 class Vestibular(Vector):
     """Specific force, then angular velocity, in the frame of the head: shape (3,) each, [m/s², rad/s]."""
 
-    addresses: IntArray
-    layout: tuple[str, ...]
+    def __init__(self, layout: Sequence[str], high: FloatArray, bodies: IntArray, addresses: IntArray):
+        """Read MuJoCo's sensor data at some addresses."""
+        super().__init__("vestibular", layout, -high, high, bodies)
+        self._addresses = addresses
 
-    def __call__(self, data: mujoco.MjData) -> FloatArray:
+    def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the readings of its sensors."""
-        return data.sensordata[self.addresses]
+        return data.sensordata[self._addresses]
 
 
 def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> Vestibular:
@@ -34,10 +35,8 @@ def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> Vesti
     high = np.repeat([high for _, high, _ in sensors], 3)
     sites = [model.sensor(name).objid[0] for name, _, _ in sensors]
     return Vestibular(
-        name="vestibular",
-        low=-high,
+        layout=[f"{name}.{axis} [{unit}]" for name, _, unit in sensors for axis in "xyz"],
         high=high,
         bodies=np.repeat(model.site_bodyid[sites], 3),
         addresses=np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name, _, _ in sensors]),
-        layout=tuple(f"{name}.{axis} [{unit}]" for name, _, unit in sensors for axis in "xyz"),
     )

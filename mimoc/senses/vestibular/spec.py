@@ -14,7 +14,7 @@ class VestibularSpec(Model):
     """The sense of balance."""
 
     include: Annotated[tuple[VestibularQuantity, ...], Distinct, Field(min_length=1)] = ("accelerometer", "gyro")
-    """What the inner ear feels: specific force (its otoliths), angular velocity (its canals), or both."""
+    """What the inner ear measures: specific force (its otoliths), angular velocity (its canals), or both."""
 
 
 class VestibularEntry(Model):
@@ -23,6 +23,6 @@ class VestibularEntry(Model):
     kind: Literal["vestibular"] = "vestibular"
     """Which sense this is."""
     accelerometer: str | None = None
-    """Sensor of the head's specific force, m/s², if that is felt."""
+    """Sensor of the head's specific force, m/s², if that is measured."""
     gyro: str | None = None
-    """Sensor of the head's angular velocity, rad/s, if that is felt."""
+    """Sensor of the head's angular velocity, rad/s, if that is measured."""

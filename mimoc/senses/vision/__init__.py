@@ -1,4 +1,4 @@
-"""Sight, with a camera in each eye."""
+"""Vision, with a camera in each eye."""
 
 from mimoc.delays.ages import AGES_MONTHS
 from mimoc.kinds import AgeTable, SenseKind

@@ -1,4 +1,4 @@
-"""How fine an infant sees at an age."""
+"""Visual acuity by age: the finest grating that an infant sees."""
 
 from collections.abc import Callable, Mapping
 

@@ -1,4 +1,4 @@
-"""Visual acuity: how an eye that sees no finer than so many cycles per degree blurs a picture."""
+"""Blur by visual acuity: contrast is lost towards the finest grating that an eye resolves."""
 
 import functools
 
@@ -15,8 +15,8 @@ ROWS_AND_COLUMNS = (-3, -2)
 def blur(pictures: Pictures, gain: Pictures) -> Pictures:
     """Return pictures through an eye's contrast sensitivity, not clipped.
 
-    A cosine transform takes a picture for one that goes on beyond each border as its mirror image: nothing of the
-    right border leaks into the left one, and the mean stays what it is.
+    A cosine transform continues a picture beyond each border as its mirror image, so no border leaks into the opposite
+    one, and the mean stays the same.
 
     Args:
         pictures: Of the size that the gain is for.

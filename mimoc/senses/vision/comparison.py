@@ -1,4 +1,4 @@
-"""Sights to compare: a view as drawn, as eyes of several ages see it, and foveated as well."""
+"""Vision at several ages side by side: as drawn, blurred by acuity, and foveated."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,24 +10,24 @@ from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 SIDES = ("left", "right")
 LAST_MONTH = 36.0
-"""Of the ages that acuity is known for."""
+"""Last age with known acuity."""
 ROWS = ("acuity", "acuity and foveation")
 """What is compared, as in the paper (López et al. 2025, figure 3)."""
 AS_DRAWN = "not blurred"
 FOVY_DEG = 18.0
-"""Field of view that is drawn: with it, pictures of 256 pixels show all that acuity lets through up to 12 months, at 7
-cycles per degree (two pixels a cycle)."""
-TELLING_FOVEATION = 5.0
-"""Shown where the infant's own eyes have none."""
+"""Field of view that is drawn: with it, a picture of 256 pixels shows 7 cycles per degree (two pixels a cycle), and
+acuity is lower up to 12 months."""
+DEFAULT_FOVEATION = 5.0
+"""Foveation to show where the infant's own eyes have none."""
 SUPERSAMPLE = 2
-"""Smooths the edges of what is drawn, so that nothing but acuity blurs them."""
+"""Draws edges smoothly, without another blur than that of acuity."""
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Sights in rows and columns, and what these are."""
+    """Kinds of vision in rows and columns, with their captions."""
 
-    sights: tuple[tuple[VisionEntry, ...], ...]
+    entries: tuple[tuple[VisionEntry, ...], ...]
     rows: tuple[str, ...]
     columns: tuple[str, ...]
 
@@ -41,26 +41,26 @@ def compare_ages(
     profile: str | None = None,
     foveation: float | None = None,
 ) -> Comparison:
-    """Return the sights of one eye, with a column for each age and one for what is drawn.
+    """Return the vision of one eye, with a column for each age and one that is not blurred.
 
     Args:
-        vision: Whose profile of acuity and whose foveation it is, unless others are given.
+        vision: Gives the profile of acuity and the foveation, unless others are given.
         side: left or right.
-        ages_months: Of the eyes; the body is what it is.
+        ages_months: Ages of the eyes; the body stays the same.
         size_px: Width and height of each picture.
-        profile: Whose measurements say how fine an age sees.
+        profile: Source of acuity by age.
         foveation: Strength of the foveation.
 
     Raises:
         UnknownNameError: If there is no such side or profile.
     """
     profile = profile or vision.acuity_profile
-    foveation = vision.foveation or TELLING_FOVEATION if foveation is None else foveation
+    foveation = vision.foveation or DEFAULT_FOVEATION if foveation is None else foveation
     for kind, name, known in (("side", side, SIDES), ("profile of acuity", profile, PROFILES)):
         if name not in known:
             raise UnknownNameError(kind, name, known)
 
-    def sight(acuity_cpd: float | None, foveation: float) -> VisionEntry:
+    def entry(acuity_cpd: float | None, foveation: float) -> VisionEntry:
         return VisionEntry(
             cameras=(f"eye_{side}",),
             width_px=size_px,
@@ -74,7 +74,7 @@ def compare_ages(
 
     acuities_cpd = [acuity_at(age_months, profile) for age_months in ages_months]
     return Comparison(
-        sights=tuple(tuple(sight(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation)),
+        entries=tuple(tuple(entry(cpd, strength) for cpd in (*acuities_cpd, None)) for strength in (0, foveation)),
         rows=ROWS,
         columns=(*map(_caption, ages_months, acuities_cpd), AS_DRAWN),
     )

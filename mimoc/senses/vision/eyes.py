@@ -1,4 +1,4 @@
-"""Cameras in an infant's head."""
+"""The cameras of an infant's eyes."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -15,9 +15,9 @@ Drawn = npt.NDArray[np.uint8]
 
 LEAST_SLICES = 12
 SLICES_PER_ROOT_PX = 2.0
-"""Sides that balls and limbs are drawn with, for each root of the picture's height, but no more than the model asks
-for: the outline of a limb half as wide as the picture then stays within a third of a pixel of a round one.
-`benchmarks/vision.py` shows what that spares, and how little it changes the pictures."""
+"""Sides of drawn balls and limbs, per square root of the picture's height in pixels, at most what the model asks for:
+the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
+`benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
 STACKS_PER_SLICE = 2 / 3
 HIDDEN_GROUP = 5
 """One of the groups of geoms that MuJoCo does not draw unless asked to."""
@@ -55,8 +55,8 @@ class Eyes:
             self._renderer.draw(part)
         return self._renderer.read().reshape(self._shape)[:, ::-1]
 
-    def turn_to(self, model: mujoco.MjModel) -> None:
-        """See another model from now on, in which cameras and bodies have the same names.
+    def use_model(self, model: mujoco.MjModel) -> None:
+        """Draw another model from now on, in which cameras and bodies have the same names.
 
         Raises:
             RenderingError: If OpenGL has no room for it.

@@ -1,4 +1,4 @@
-"""Foveation: how a picture is warped so that its centre is seen finer than its rim."""
+"""Foveation: warping a picture so that its centre has a finer resolution than its rim."""
 
 import functools
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""What an infant in a pose would see, with several kinds of sight."""
+"""Preview of what an infant in a pose sees, with several kinds of vision."""
 
 from collections.abc import Collection, Sequence
 from contextlib import closing
@@ -17,28 +17,28 @@ from mimoc.senses.vision.spec import VisionEntry
 FloatArray = npt.NDArray[np.float64]
 
 OWN = ("right_hand", "left_hand", "right_foot", "left_foot")
-"""What an eye looks at where it sees no toys."""
+"""Bodies that the eye looks at if it sees no toys."""
 DOWN_DEG = 50.0
-"""How far it looks down where it sees none of these either."""
+"""How far it looks down if it sees none of these either."""
 AHEAD = 0.5
-"""Cosine of the angle from straight ahead, 60°, within which things are looked at."""
+"""Cosine of 60°, the largest angle from straight ahead at which it looks at something."""
 
 
-def glimpse(
+def preview(
     bundle: Bundle,
-    sights: Sequence[Sequence[VisionEntry]],
+    entries: Sequence[Sequence[VisionEntry]],
     pose: str | None = None,
     down_deg: float | None = None,
     fovy_deg: float | None = None,
 ) -> list[list[npt.NDArray[np.uint8]]]:
-    """Return what each of some sights makes of one and the same view, shape (height, width, 3) each.
+    """Return one and the same view through each of some kinds of vision, shape (height, width, 3) each.
 
     Args:
         bundle: The infant; it need not have a sense of vision.
-        sights: In rows; all of one eye, size and supersampling.
+        entries: Kinds of vision, in rows; all of one eye, size and supersampling.
         pose: Another than the bundle's own.
-        down_deg: How far the eye looks down from straight ahead; left out, it looks at the toy that it sees best, or
-            where it sees none at a hand or a foot.
+        down_deg: Angle of the gaze below straight ahead; without it, the eye looks at the toy that it sees best, or if
+            it sees none at a hand or a foot.
         fovy_deg: Vertical field of view, if it is not the eye's own.
 
     Raises:
@@ -46,7 +46,7 @@ def glimpse(
         RenderingError: If there is no OpenGL here.
     """
     model, data = load_posed(bundle, pose)
-    first = sights[0][0]
+    first = entries[0][0]
     (name,) = first.cameras
     _require("camera of this infant", name, [model.camera(index).name for index in range(model.ncam)])
     camera = data.camera(name)
@@ -55,7 +55,7 @@ def glimpse(
     if fovy_deg is not None:
         model.camera(name).fovy = fovy_deg
     drawn, fovy_deg = _draw(model, data, first), float(model.camera(name).fovy[0])
-    return [[perceive(drawn, filters(sight, fovy_deg))[0] for sight in row] for row in sights]
+    return [[perceive(drawn, filters(entry, fovy_deg))[0] for entry in row] for row in entries]
 
 
 def _require(kind: str, name: str, known: Collection[str]) -> None:
@@ -63,25 +63,24 @@ def _require(kind: str, name: str, known: Collection[str]) -> None:
         raise UnknownNameError(kind, name, known)
 
 
-def _draw(model: mujoco.MjModel, data: mujoco.MjData, sight: VisionEntry) -> Drawn:
-    larger = sight.supersample
-    size_px = larger * sight.width_px, larger * sight.height_px
-    with closing(Eyes(model, sight.cameras, *size_px, sight.unseen)) as eyes:
+def _draw(model: mujoco.MjModel, data: mujoco.MjData, entry: VisionEntry) -> Drawn:
+    times = entry.supersample
+    with closing(Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen)) as eyes:
         return eyes(data)
 
 
 def _gaze(
     bundle: Bundle, data: mujoco.MjData, eye_m: FloatArray, world_from_eye: FloatArray, down_deg: float | None
 ) -> FloatArray:
-    """Return where an eye looks, a vector of shape (3,) in the world."""
+    """Return the direction of gaze, a vector of shape (3,) in the world."""
     _, up, back = world_from_eye.T
     toys = {toy.body: toy.size_m for toy in bundle.manifest.toys}
     for sizes_m in () if down_deg is not None else (toys, dict.fromkeys(_own(data.model), 1.0)):
-        ways_m = {body: data.body(body).xipos - eye_m for body in sizes_m}
-        angles = {body: sizes_m[body] / float(np.linalg.norm(way_m)) for body, way_m in ways_m.items()}
-        seen = [body for body, way_m in ways_m.items() if -(way_m @ back) > AHEAD * np.linalg.norm(way_m)]
+        offsets_m = {body: data.body(body).xipos - eye_m for body in sizes_m}
+        angles = {body: sizes_m[body] / float(np.linalg.norm(offset_m)) for body, offset_m in offsets_m.items()}
+        seen = [body for body, offset_m in offsets_m.items() if -(offset_m @ back) > AHEAD * np.linalg.norm(offset_m)]
         if seen:
-            return ways_m[max(seen, key=angles.__getitem__)]
+            return offsets_m[max(seen, key=angles.__getitem__)]
     angle = np.radians(DOWN_DEG if down_deg is None else down_deg)
     return -np.cos(angle) * back - np.sin(angle) * up
 
@@ -91,7 +90,7 @@ def _own(model: mujoco.MjModel) -> list[str]:
 
 
 def _turned(world_from_eye: FloatArray, gaze: FloatArray) -> FloatArray:
-    """Return the rotation of an eye that has turned to look somewhere, nine numbers; its horizontal stays level."""
+    """Return the rotation of an eye that has turned to a gaze, nine numbers; its horizontal stays level."""
     back = -gaze / np.linalg.norm(gaze)
     across = world_from_eye[:, 0] - world_from_eye[:, 0] @ back * back
     across /= np.linalg.norm(across)

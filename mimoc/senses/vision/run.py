@@ -1,7 +1,6 @@
-"""Sight: what the eyes' cameras draw, as fine as an infant's eyes see it."""
+"""Vision: what the cameras of the eyes draw, with the acuity and foveation of the infant."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import mujoco
@@ -10,7 +9,7 @@ from gymnasium.spaces import Box
 
 from mimoc.bundle.io import Bundle
 from mimoc.render.averaging import average_down
-from mimoc.senses.sense import IntArray, Observation, Reading
+from mimoc.senses.sense import IntArray, Observation, Sample, Sense
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.eyes import Drawn, Eyes
 from mimoc.senses.vision.foveation import Pictures, foveate, source_weights
@@ -20,40 +19,38 @@ Filter = Callable[[Pictures], Pictures]
 """From pictures to pictures, shape (..., height, width, colours), 0 to 255."""
 
 
-@dataclass(frozen=True)
-class Vision:
+class Vision(Sense):
     """Pictures of both eyes, or of the one there is, shape (eyes, height, width, 3)."""
 
-    cameras: tuple[str, ...]
-    bodies: IntArray
-    """The body of each eye."""
-    eyes: Eyes
-    filters: tuple[Filter, ...]
-    """What happens to what is drawn, in this order."""
-    width_px: int
-    height_px: int
+    def __init__(self, eyes: Eyes, filters: Sequence[Filter], entry: VisionEntry, bodies: IntArray):
+        """See with some eyes.
 
-    @property
-    def spaces(self) -> Mapping[str, Box]:
-        """The space of each picture, under the name of its camera."""
-        return {name: Box(0, 255, (self.height_px, self.width_px, 3), np.uint8) for name in self.cameras}
+        Args:
+            eyes: The cameras.
+            filters: Applied in this order to what these draw.
+            entry: Names and sizes of the pictures.
+            bodies: The body of each eye, shape (eyes,).
+        """
+        self.eyes, self.filters, self.bodies, self._cameras = eyes, tuple(filters), bodies, entry.cameras
+        shape = (entry.height_px, entry.width_px, 3)
+        self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
 
     @property
     def layout(self) -> tuple[str, ...]:
-        """What the axes of each picture are, rows from the top; one entry an eye."""
-        return tuple(f"{name} row, column, red green blue [0-255]" for name in self.cameras)
+        """What the axes of each picture are, rows from the top; one entry for each eye."""
+        return tuple(f"{name} row, column, red green blue [0-255]" for name in self._cameras)
 
-    def __call__(self, data: mujoco.MjData) -> Reading:
-        """Return what is seen now."""
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return the pictures of now."""
         return perceive(self.eyes(data), self.filters)
 
-    def observe(self, reading: Reading) -> Observation:
-        """Return a picture for each eye."""
-        return {name: picture.copy() for name, picture in zip(self.cameras, reading, strict=True)}
+    def observe(self, sample: Sample) -> Observation:
+        """Return a picture for each eye, under the name of its camera."""
+        return {name: picture.copy() for name, picture in zip(self._cameras, sample, strict=True)}
 
     def follow(self, model: mujoco.MjModel) -> bool:
-        """See another scene, with the same eyes."""
-        self.eyes.turn_to(model)
+        """See another scene, with the same OpenGL context."""
+        self.eyes.use_model(model)
         return True
 
     def close(self) -> None:
@@ -67,23 +64,17 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     Raises:
         RenderingError: If there is no OpenGL here, or none that draws such large pictures.
     """
-    larger = entry.supersample
+    times = entry.supersample
     ids = [model.camera(name).id for name in entry.cameras]
-    return Vision(
-        cameras=entry.cameras,
-        bodies=model.cam_bodyid[ids].astype(np.intp),
-        eyes=Eyes(model, entry.cameras, larger * entry.width_px, larger * entry.height_px, entry.unseen),
-        filters=filters(entry, float(model.cam_fovy[ids[0]])),
-        width_px=entry.width_px,
-        height_px=entry.height_px,
-    )
+    eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen)
+    return Vision(eyes, filters(entry, float(model.cam_fovy[ids[0]])), entry, model.cam_bodyid[ids].astype(np.intp))
 
 
 def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
-    """Return what makes of what is drawn what is seen: blur at the size drawn, average down, then warp.
+    """Return the filters between drawing and observation: blur at the size drawn, average down, then warp.
 
     Args:
-        entry: What the eyes see.
+        entry: Sizes, acuity and foveation.
         fovy_deg: Vertical field of view of their cameras.
     """
     found: list[Filter] = []
@@ -99,7 +90,7 @@ def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:
 
 
 def perceive(drawn: Drawn, filters: Sequence[Filter]) -> Drawn:
-    """Return pictures after all filters, which together round but once."""
+    """Return pictures after all filters, rounded once at the end."""
     if not filters:
         return drawn.copy()
     seen = drawn.astype(np.float32)

@@ -34,7 +34,7 @@ Acuity: TypeAlias = Annotated[
 
 
 class VisionSpec(Model):
-    """The sense of sight: a camera in each eye."""
+    """Vision, with a camera in each eye."""
 
     width_px: Annotated[Pixels, Field(le=2048)] = 64
     """Width of the picture."""
@@ -59,7 +59,7 @@ class VisionSpec(Model):
 
 
 class VisionEntry(Model):
-    """The sense of sight."""
+    """Vision."""
 
     kind: Literal["vision"] = "vision"
     """Which sense this is."""

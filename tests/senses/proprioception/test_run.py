@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
-from mimoc.senses.proprioception.run import CHANNELS, LIMIT_MARGIN_RAD, bind
+from mimoc.senses.proprioception.run import COMPONENTS, LIMIT_MARGIN_RAD, bind
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 
 LOW_RAD, HIGH_RAD, GEAR_NM = -0.5, 1.2, 3.0
@@ -39,22 +39,22 @@ def bound(*include):
     """Return an arm and the sense of it."""
     model = mujoco.MjModel.from_xml_string(ARM)
     entry = ProprioceptionEntry(include=include, joints=("elbow",), torque_sensors=("load",))
-    return model, mujoco.MjData(model), bind(entry, BUNDLE, model)
+    return model, mujoco.MjData(model), bind(entry, model, BUNDLE)
 
 
-def felt(env, quantity, observation):
-    """Return what an infant feels of one quantity, by the name of what it is felt of."""
+def values_of(env, quantity, observation):
+    """Return the values of one quantity, by joint, sensor or actuator."""
     names = [name.rsplit(" [", 1)[0].rsplit(" ", 1) for name in env.layout("proprioception")]
-    readings = zip(names, observation["proprioception"], strict=True)
-    return {of: float(reading) for (of, kind), reading in readings if kind == quantity}
+    values = zip(names, observation["proprioception"], strict=True)
+    return {of: float(value) for (of, kind), value in values if kind == quantity}
 
 
-def test_what_can_be_felt_is_what_a_spec_can_include():
-    assert tuple(CHANNELS) == ORDER
+def test_what_can_be_sensed_is_what_a_spec_can_include():
+    assert tuple(COMPONENTS) == ORDER
 
 
 @pytest.mark.parametrize("include", SUBSETS, ids="-".join)
-def test_each_quantity_is_felt_if_it_is_included_and_in_its_order(include, open_env):
+def test_each_quantity_is_sensed_if_it_is_included_and_in_its_order(include, open_env):
     env = open_env(senses={"proprioception": {"include": list(include)}})
     manifest, names = env.manifest, env.layout("proprioception")
     joints, sensors = manifest.senses.proprioception.joints, manifest.senses.proprioception.torque_sensors
@@ -82,24 +82,24 @@ def test_an_infant_feels_all_its_hinges_and_actuators_and_22_torques(env):
 
 def test_angles_are_those_of_the_joints(env):
     for pose in env.manifest.poses:
-        angles = felt(env, "angle", env.reset(options={"pose": pose})[0])
+        angles = values_of(env, "angle", env.reset(options={"pose": pose})[0])
         joints = {joint: float(env.data.joint(joint).qpos[0]) for joint in angles}
         assert angles == pytest.approx(joints, abs=1e-6)
 
 
 def test_velocities_are_the_derivative_of_angles(open_env):
     env = open_env(control={"step_ms": 5, "timestep_ms": 5})
-    before = felt(env, "angle", env.reset(seed=0)[0])
+    before = values_of(env, "angle", env.reset(seed=0)[0])
     for command in np.random.default_rng(0).uniform(-1, 1, (100, 44)):
         observation = env.step(command)[0]
-        angles, velocities = felt(env, "angle", observation), felt(env, "velocity", observation)
+        angles, velocities = values_of(env, "angle", observation), values_of(env, "velocity", observation)
         slopes = {joint: (angles[joint] - before[joint]) / 0.005 for joint in angles}
         assert velocities == pytest.approx(slopes, abs=1e-3)  # Angles have seven digits.
         before = angles
 
 
 @given(st.floats(-2, 3))
-def test_a_limit_is_felt_from_2_degrees_before_it(angle_rad):
+def test_a_limit_is_sensed_from_2_degrees_before_it(angle_rad):
     """0 until the margin, 1 at the limit and rising evenly, also beyond."""
     _, data, sense = bound("limits")
     data.qpos[0] = angle_rad
@@ -145,7 +145,7 @@ def test_a_joint_that_falls_freely_carries_no_torque():
 
 
 @given(st.floats(-1, 1))
-def test_actuation_is_felt_as_command_and_torque(command):
+def test_actuation_is_sensed_as_command_and_torque(command):
     model, data, sense = bound("actuation")
     data.ctrl[0] = command
     mujoco.mj_forward(model, data)
@@ -155,7 +155,7 @@ def test_actuation_is_felt_as_command_and_torque(command):
 def test_an_infant_feels_what_it_commands(env):
     command = np.random.default_rng(0).uniform(-1, 1, 44).astype(np.float32)
     observation = env.step(command)[0]
-    commands, torques = felt(env, "command", observation), felt(env, "torque", observation)
+    commands, torques = values_of(env, "command", observation), values_of(env, "torque", observation)
     hinges = {actuator.name: env.data.joint(actuator.joint) for actuator in env.manifest.actuation.actuators}
     applied = {name: float(hinge.qfrc_actuator[0]) for name, hinge in hinges.items()}
     assert list(commands.values()) == pytest.approx(command)
@@ -165,9 +165,9 @@ def test_an_infant_feels_what_it_commands(env):
 def test_readings_of_flailing_limbs_stay_well_within_their_bounds(env):
     """So that clipping hides nothing: only a command reaches its bound."""
     high = env.observation_space["proprioception"].high
-    felt_most = np.zeros_like(high)
+    largest = np.zeros_like(high)
     for command in np.random.default_rng(0).choice([-1.0, 1.0], (200, 44)):
-        felt_most = np.maximum(felt_most, np.abs(env.step(command)[0]["proprioception"]))
+        largest = np.maximum(largest, np.abs(env.step(command)[0]["proprioception"]))
     driven = 2 * len(env.manifest.actuation.actuators)
-    assert (felt_most[:-driven] < high[:-driven] / 2).all()
-    assert (felt_most[-driven:] <= high[-driven:]).all()
+    assert (largest[:-driven] < high[:-driven] / 2).all()
+    assert (largest[-driven:] <= high[-driven:]).all()

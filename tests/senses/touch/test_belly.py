@@ -67,22 +67,22 @@ def meetings(data: mujoco.MjData) -> Iterator[tuple[set[str], np.ndarray]]:
 
 
 @pytest.mark.parametrize(("age_months", "hands"), CHILDREN)
-def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_felt(age_months, hands):
+def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_sensed(age_months, hands):
     bundle = bundle_of(age_months, hands, senses={"touch": {}})
     model = with_ball(bundle)
-    data, touch = supine(bundle, model), bind(bundle.manifest.senses.touch, bundle, model)
-    on_belly = touch.skin.names == "lower_body"
-    pressed_n, felt_n = 0.0, 0.0
+    data, touch = supine(bundle, model), bind(bundle.manifest.senses.touch, model, bundle)
+    on_belly = touch.receptors.names == "lower_body"
+    pressed_n, sensed_n = 0.0, 0.0
     for step in range(SETTLED + COUNTED):
         mujoco.mj_step(model, data)
         if step >= SETTLED:
             found = {frozenset(pair): force for pair, force in meetings(data)}
             pressed_n += np.linalg.norm(found.get(frozenset((BELLY, "ball")), np.zeros(3))) / COUNTED
-            felt_n += np.linalg.norm(touch(data).reshape(len(on_belly), -1)[on_belly].sum(axis=0)) / COUNTED
+            sensed_n += np.linalg.norm(touch(data).reshape(len(on_belly), -1)[on_belly].sum(axis=0)) / COUNTED
     height_m = data.body("ball").xpos[2] - data.geom(BELLY).xpos[2]
     assert height_m == pytest.approx(model.geom(BELLY).size[0] + BALL_RADIUS_M, abs=0.005)
     assert pressed_n == pytest.approx(BALL_MASS_KG * 9.81, rel=0.02)
-    assert felt_n == pytest.approx(pressed_n, rel=0.01)
+    assert sensed_n == pytest.approx(pressed_n, rel=0.01)
 
 
 @pytest.mark.parametrize("hands", HANDS)

@@ -1,12 +1,14 @@
 from collections.abc import Mapping
 from itertools import product
+from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 from mimoc.senses.touch.run import MAX_FORCE_N, Touch, bind
-from mimoc.senses.touch.spec import TouchEntry
+from mimoc.senses.touch.spec import POINTS, SkinEntry, TouchEntry
 
 G_M_S2 = 9.81
 WORLD = """
@@ -36,14 +38,15 @@ def skin(
     data, points_m: Mapping[str, list], spacing_m=0.01, quantity="force_vector_global", response="linear"
 ) -> Touch:
     """Return the touch of some points of some bodies."""
-    spacings_m = dict.fromkeys(points_m, spacing_m)
-    entry = TouchEntry(quantity=quantity, response=response, points_m=points_m, spacing_m=spacings_m)
-    return bind(entry, None, data.model)
+    parts = tuple(SkinEntry(body=name, points=len(points), spacing_m=spacing_m) for name, points in points_m.items())
+    entry = TouchEntry(quantity=quantity, response=response, skin=parts)
+    stand_in: Any = SimpleNamespace(arrays={POINTS: np.concatenate([np.array(points) for points in points_m.values()])})
+    return bind(entry, data.model, stand_in)
 
 
-def points(reading):
-    """Return a reading of vectors point by point."""
-    return reading.reshape(-1, 3)
+def points(sample):
+    """Return a sample of vectors point by point."""
+    return sample.reshape(-1, 3)
 
 
 def contact_forces(data):
@@ -65,7 +68,7 @@ def test_the_floor_pushes_up():
     assert force[:2] == pytest.approx([0, 0], abs=1e-9)
 
 
-def test_what_rests_feels_its_weight():
+def test_a_body_at_rest_senses_its_weight():
     data = world('<body name="box" pos="0 0 0.05"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="2"/></body>')
     corners = list(product((-0.05, 0.05), repeat=3))
     touch = skin(data, {"box": corners})
@@ -77,7 +80,7 @@ def test_what_rests_feels_its_weight():
     assert not forces[~below].any()
 
 
-def test_a_fingertip_feels_its_share_of_the_weight():
+def test_a_fingertip_senses_its_share_of_the_weight():
     """A rod that turns about one end, and rests on the floor with the other: half of its weight."""
     rod = """
     <body name="rod" pos="0 0 0.01">
@@ -91,7 +94,7 @@ def test_a_fingertip_feels_its_share_of_the_weight():
     assert points(touch(data))[:, 2] == pytest.approx([0, 0.3 * G_M_S2 / 2], rel=1e-3)
 
 
-def test_friction_is_felt_too():
+def test_friction_is_sensed_too():
     """A ball that slides along x and y is held back."""
     data = world(ball())
     touch = skin(data, {"ball": [BOTTOM]})
@@ -101,7 +104,7 @@ def test_friction_is_felt_too():
     assert force[:2] / force[2] == pytest.approx(np.array([-1, 0.5]) / np.sqrt(1.25), rel=1e-2)
 
 
-def test_without_friction_only_the_normal_is_felt():
+def test_without_friction_only_the_normal_force_is_sensed():
     """The rows of MuJoCo's forces that follow are then those of the next contact."""
     data = world(ball(geom='condim="1"'), ball("other", "1 0 0.04", geom='condim="1"'), floor='condim="1"')
     forces = points(skin(data, {"ball": [BOTTOM], "other": [BOTTOM]})(data))
@@ -110,8 +113,8 @@ def test_without_friction_only_the_normal_is_felt():
     assert forces[1, 2] > forces[0, 2] > 0
 
 
-def test_a_force_is_felt_in_the_frame_of_the_body():
-    """A ball that lies on its left side feels the floor push to its right."""
+def test_a_force_is_sensed_in_the_frame_of_the_body():
+    """A ball that lies on its left side is pushed to its right by the floor."""
     data = world(ball(euler="-90 0 0"))
     left = {"ball": [(0, 0.05, 0)]}
     force = skin(data, left, quantity="force_vector")(data)
@@ -120,19 +123,19 @@ def test_a_force_is_felt_in_the_frame_of_the_body():
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_both_feel_the_same_contact_each_on_its_own_surface(order):
+def test_both_bodies_sense_the_same_contact_each_on_its_own_surface(order):
     """A ball that is 4 mm inside another."""
     data = world(*[ball("low", "0 0 0.5"), ball("high", "0 0 0.596")][::order])
     near_the_surface = [(0, 0, sign * height) for sign in (-1, 1) for height in (0.05, 0.0485, 0.046)]
     touch = skin(data, {"low": near_the_surface, "high": near_the_surface}, response="nearest")
-    low, high = (points(touch(data))[touch.skin.names == name] for name in ("low", "high"))
+    low, high = (points(touch(data))[touch.receptors.names == name] for name in ("low", "high"))
     assert np.flatnonzero(low.any(axis=1)).tolist() == [3]
     assert np.flatnonzero(high.any(axis=1)).tolist() == [0]
     assert high[0, 2] > 0
     assert (low[3] == -high[0]).all()
 
 
-def test_the_farther_from_a_touch_the_less_is_felt_to_nothing_at_two_spacings():
+def test_a_share_falls_with_the_distance_to_nothing_at_two_spacings():
     data = world(ball())
     row = [(x, 0, -0.05) for x in (0.0, 0.01, -0.015, 0.02, 0.03)]
     forces = points(skin(data, {"ball": row}, spacing_m=0.01)(data))
@@ -140,7 +143,7 @@ def test_the_farther_from_a_touch_the_less_is_felt_to_nothing_at_two_spacings():
     assert forces.sum() == pytest.approx(data.efc_force[0])
 
 
-def test_the_nearest_point_may_feel_everything():
+def test_the_nearest_point_alone_can_respond():
     data = world(ball())
     row = [(x, 0, -0.05) for x in (0.006, -0.005, 0.01)]
     forces = points(skin(data, {"ball": row}, response="nearest")(data))
@@ -148,7 +151,7 @@ def test_the_nearest_point_may_feel_everything():
 
 
 @pytest.mark.parametrize("others", [[], [(0, 0, 0.05), (0.05, 0, 0)]])
-def test_what_is_far_from_every_point_is_felt_by_the_nearest(others):
+def test_a_contact_far_from_every_point_goes_to_the_nearest(others):
     """Also where a skin has but one."""
     data = world(ball(), ball("near", "0.2 0 0.5"))
     lonely = (0.03, 0, -0.04)
@@ -162,22 +165,22 @@ def test_two_touches_of_one_point_add_up():
     assert touch(data) == pytest.approx([data.efc_force[[0, 3]].sum()])
 
 
-def test_only_skin_feels():
-    """Not a ball without it, of which the floor feels nothing either."""
+def test_only_skin_senses():
+    """A ball without skin does not, nor does the floor."""
     data = world(ball(), ball("toy", "1 0 0.049"), ball("next", "0.91 0 0.049"))
     touch = skin(data, {"ball": [BOTTOM]})
     assert data.ncon == 4
     assert points(touch(data))[0, 2] == pytest.approx(data.efc_force[0])
 
 
-def test_what_is_only_near_is_not_felt():
+def test_what_is_only_near_is_not_sensed():
     """MuJoCo lists such contacts, but not among those that push; which they are, 3.17 sees another way."""
     gaps = [world(ball(pos="0 0 0.055"), floor=f'margin="{margin_m}" gap="0.01"') for margin_m in (0.01, 0)]
     data = next(data for data in gaps if (data.contact.efc_address == -1).any())
     assert not skin(data, {"ball": [BOTTOM]})(data).any()
 
 
-def test_cloth_is_felt():
+def test_cloth_is_sensed():
     """It has no geoms: MuJoCo counts it as geom -1, which is not the last one."""
     cloth = """<flexcomp name="cloth" type="grid" dim="2" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.005" mass="1"
                pos="0 0 0.5"><contact selfcollide="none"/></flexcomp>"""
@@ -190,19 +193,19 @@ def test_cloth_is_felt():
 
 def test_no_touch_is_all_zeros():
     data = world(ball(pos="0 0 1"))
-    reading = skin(data, {"ball": [BOTTOM, (0, 0, 0.05)]})(data)
-    assert reading.shape == (6,)
-    assert not reading.any()
+    sample = skin(data, {"ball": [BOTTOM, (0, 0, 0.05)]})(data)
+    assert sample.shape == (6,)
+    assert not sample.any()
 
 
 @pytest.mark.parametrize(("quantity", "low"), [("force_vector", -MAX_FORCE_N), ("normal", 0)])
-@pytest.mark.parametrize("felt", [1e6, -1e6])
-def test_what_is_observed_keeps_to_its_bounds(quantity, low, felt):
+@pytest.mark.parametrize("force_n", [1e6, -1e6])
+def test_what_is_observed_keeps_to_its_bounds(quantity, low, force_n):
     touch = skin(world(ball()), {"ball": [BOTTOM]}, quantity=quantity)
-    reading = np.full(touch.spaces["touch"].shape, felt)
-    observed = touch.observe(reading)["touch"]
+    sample = np.full(touch.spaces["touch"].shape, force_n)
+    observed = touch.observe(sample)["touch"]
     assert observed in touch.spaces["touch"]
-    assert (observed == np.clip(felt, low, MAX_FORCE_N)).all()
+    assert (observed == np.clip(force_n, low, MAX_FORCE_N)).all()
 
 
 def test_the_points_of_a_body_are_counted():

@@ -49,7 +49,7 @@ def infant(age_months=9, hands="mitten", pose="supine", quantity="force_vector",
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
     mujoco.mj_forward(model, data)
     entry = bundle.manifest.senses.touch.model_copy(update={"quantity": quantity, "response": response})
-    return bind(entry, bundle, model), data, touch_loop(entry, bundle, model)
+    return bind(entry, model, bundle), data, touch_loop(entry, bundle, model)
 
 
 def tangled(data, count, height_m=0) -> Iterator[mujoco.MjData]:
@@ -76,7 +76,7 @@ def moving(data, count) -> Iterator[mujoco.MjData]:
 def by_body(touch, data):
     """Return what the points of each body feel together, shape (nbody, 3), in the world."""
     total = np.zeros((data.model.nbody, 3))
-    np.add.at(total, touch.skin.bodies, touch.skin_state(data).forces)
+    np.add.at(total, touch.receptors.bodies, touch.skin_state(data).forces)
     return total
 
 
@@ -152,20 +152,9 @@ def test_an_infant_at_rest_feels_its_weight(pose):
     assert touch.skin_state(data).forces.sum(axis=0) == pytest.approx([0, 0, weight_n], abs=0.01 * weight_n)
 
 
-def test_the_quantities_are_of_one_force():
-    """In the body's frame, in the world's, and its part along the normal."""
-    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
-    for state in tangled(data, 20):
-        world_from_body = state.xmat[on_body.skin.bodies].reshape(-1, 3, 3)
-        forces, pressures = points(in_world(state)), normal(state)
-        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
-        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
-        assert ((pressures > 0) == forces.any(axis=1)).all()
-
-
 def test_pressures_add_up_to_the_normal_forces(child):
     touch, data = child
-    normal = Touch(touch.skin, touch.feeling, QUANTITIES["normal"], touch.spread)
+    normal = Touch(touch.receptors, touch.feeling, QUANTITIES["normal"], touch.spread)
     skinned = np.isin(np.arange(data.model.nbody), touch.bodies)
     for state in tangled(data, 20):
         sides = skinned[state.model.geom_bodyid[state.contact.geom]].sum(axis=1)
@@ -176,7 +165,7 @@ def test_pressures_add_up_to_the_normal_forces(child):
 def test_every_number_has_a_name_a_unit_and_a_body(child):
     touch, data = child
     for quantity in QUANTITIES.values():
-        felt = Touch(touch.skin, touch.feeling, quantity, touch.spread)
+        felt = Touch(touch.receptors, touch.feeling, quantity, touch.spread)
         layout = felt.layout
         assert len(set(layout)) == len(layout) == len(felt.bodies) == felt.spaces["touch"].shape[0] == len(felt(data))
         assert all(name.endswith(" [N]") for name in layout)
@@ -199,11 +188,11 @@ def test_the_skin_moves_with_the_body(child):
     in_body = []
     for state in tangled(data, 3):
         positions = touch.skin_state(state).positions
-        world_from_body = state.xmat[touch.skin.bodies].reshape(-1, 3, 3)
-        in_body.append(np.einsum("nji,nj->ni", world_from_body, positions - state.xpos[touch.skin.bodies]))
+        world_from_body = state.xmat[touch.receptors.bodies].reshape(-1, 3, 3)
+        in_body.append(np.einsum("nji,nj->ni", world_from_body, positions - state.xpos[touch.receptors.bodies]))
     for once, later in pairwise(in_body):
         assert_allclose(later, once, atol=1e-12)
-    assert_allclose(in_body[0], touch.skin.points_m, atol=1e-12)
+    assert_allclose(in_body[0], touch.receptors.points_m, atol=1e-12)
 
 
 def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
@@ -224,3 +213,14 @@ def test_a_denser_skin_feels_more():
 def test_every_quantity_and_response_of_the_spec_can_be_felt():
     assert QUANTITIES.keys() == set(get_args(TouchQuantity))
     assert RESPONSES.keys() == set(get_args(TouchResponse))
+
+
+def test_the_quantities_are_of_one_force():
+    """In the body's frame, in the world's, and its part along the normal."""
+    (on_body, data, _), (in_world, *_), (normal, *_) = (infant(quantity=quantity) for quantity in QUANTITIES)
+    for state in tangled(data, 20):
+        world_from_body = state.xmat[on_body.receptors.bodies].reshape(-1, 3, 3)
+        forces, pressures = points(in_world(state)), normal(state)
+        turned = np.einsum("nij,nj->ni", world_from_body, points(on_body(state)))
+        assert_allclose(turned, forces, atol=1e-12 * np.abs(forces).max())
+        assert ((pressures > 0) == forces.any(axis=1)).all()

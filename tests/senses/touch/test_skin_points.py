@@ -1,5 +1,6 @@
 """The skin covers all that a body shows, evenly, and grows with it."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -15,9 +16,9 @@ from mimoc.fits import measure
 from mimoc.mjcf.sensor_sites import cameras
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import LIMB_BODIES, MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, TRUNK_BODIES
-from mimoc.senses.touch.exposed import carry_over, lay_out
-from mimoc.senses.touch.skin_points import Skin, grow_skin
-from mimoc.senses.touch.surface import place
+from mimoc.senses.touch.exposed import lay_out, move_with_geoms
+from mimoc.senses.touch.skin_points import SkinPoints, skin_points
+from mimoc.senses.touch.surface import area_m2, place
 
 HANDS = ("mitten", "five_finger")
 SIDES = ("left", "right")
@@ -120,13 +121,13 @@ def seen(body: Body, count: int) -> np.ndarray:
     return np.concatenate(found)
 
 
-def neighbours(tree: BodyTree, skin: Skin, name: str) -> np.ndarray:
+def neighbours(tree: BodyTree, skin: SkinPoints, name: str) -> np.ndarray:
     """Return how far the nearest neighbour of each point of a body is, in spacings."""
     points_m = skin.points_m[name]
     return KDTree(points_m).query(points_m, k=2)[0][:, 1] / skin.spacing_m[name]
 
 
-def numbers(skin: Skin) -> dict[str, int]:
+def numbers(skin: SkinPoints) -> dict[str, int]:
     return {body: len(points_m) for body, points_m in skin.points_m.items()}
 
 
@@ -136,7 +137,7 @@ def numbers(skin: Skin) -> dict[str, int]:
 @given(children(), st.sampled_from((0.1, 1.0)))
 @settings(max_examples=60)
 def test_every_point_is_on_its_body_and_inside_none_of_its_geoms(tree, density):
-    skin = grow_skin(tree, density)
+    skin = skin_points(tree, density)
     for body in tree.bodies:
         assert np.abs(outside_all_m(body, skin.points_m[body.name])).max() < 1e-9, body.name
 
@@ -145,7 +146,7 @@ def test_every_point_is_on_its_body_and_inside_none_of_its_geoms(tree, density):
 @pytest.mark.parametrize("age_months", [0, 9, 18, 24])
 def test_points_are_about_a_spacing_apart_at_every_age(hands, age_months):
     tree = average(age_months, hands)
-    skin = grow_skin(tree, 1)
+    skin = skin_points(tree, 1)
     for body in tree.bodies:
         if not body.name.endswith("_eye"):
             apart = neighbours(tree, skin, body.name)
@@ -159,7 +160,7 @@ def test_points_are_about_a_spacing_apart_at_every_age(hands, age_months):
 def test_no_place_of_the_body_is_further_than_a_spacing_from_a_point(hands, age_months):
     """In squares of a spacing, the middles are .71 away."""
     tree = average(age_months, hands)
-    skin = grow_skin(tree, 1)
+    skin = skin_points(tree, 1)
     for body in tree.bodies:
         if not body.name.endswith("_eye"):
             gaps_m, _ = KDTree(skin.points_m[body.name]).query(seen(body, 4000))
@@ -171,13 +172,13 @@ def test_the_point_of_an_eye_is_on_its_pupil_where_its_camera_is(hands):
     for age_months in (0, 18):
         tree = average(age_months, hands)
         for name, (camera,) in cameras(tree, 60).items():
-            assert grow_skin(tree, 10).points_m[name] == pytest.approx(np.array([camera.pos_m]), abs=1e-12)
+            assert skin_points(tree, 10).points_m[name] == pytest.approx(np.array([camera.pos_m]), abs=1e-12)
 
 
 def test_bodies_are_in_the_order_of_the_model():
     for hands in HANDS:
         tree = average(9, hands)
-        skin = grow_skin(tree, 1)
+        skin = skin_points(tree, 1)
         assert list(skin.points_m) == list(skin.spacing_m) == [body.name for body in tree.bodies]
 
 
@@ -187,25 +188,25 @@ def test_bodies_are_in_the_order_of_the_model():
 @given(children())
 @settings(max_examples=20)
 def test_every_infant_has_the_same_points(tree):
-    assert numbers(grow_skin(tree, 1)) == numbers(grow_skin(grow_reference(tree.hands), 1))
+    assert numbers(skin_points(tree, 1)) == numbers(skin_points(grow_reference(tree.hands), 1))
 
 
 def test_the_spacing_at_18_months_is_that_of_mimo():
     for hands in HANDS:
-        for body, spacing_m in grow_skin(average(18, hands), 1).spacing_m.items():
+        for body, spacing_m in skin_points(average(18, hands), 1).spacing_m.items():
             assert body.endswith("_eye") or spacing_m == pytest.approx(SPACING_M[part(body)]), body
 
 
 @pytest.mark.parametrize(("hands", "count"), [("mitten", 5854), ("five_finger", 3588)])
 def test_the_whole_skin_has_as_many_points_as_ever(hands, count):
-    assert sum(numbers(grow_skin(average(9, hands), 1)).values()) == count
+    assert sum(numbers(skin_points(average(9, hands), 1)).values()) == count
 
 
 @pytest.mark.parametrize("hands", HANDS)
 def test_there_is_a_point_for_each_square_of_a_spacing(hands):
     """Here of single capsules and spheres, whose area is known."""
     tree = average(18, hands)
-    found = numbers(grow_skin(tree, 1))
+    found = numbers(skin_points(tree, 1))
     for body in tree.bodies:
         (geom, *others) = body.geoms
         if not others and not body.name.endswith("_eye"):
@@ -217,27 +218,27 @@ def test_there_is_a_point_for_each_square_of_a_spacing(hands):
 @pytest.mark.parametrize("density", [0.5, 2, 5, 10])
 def test_density_multiplies_the_points(density):
     for hands in HANDS:
-        usual, other = (sum(numbers(grow_skin(average(18, hands), factor)).values()) for factor in (1, density))
+        usual, other = (sum(numbers(skin_points(average(18, hands), factor)).values()) for factor in (1, density))
         assert other / usual == pytest.approx(density, rel=0.05)
 
 
 @pytest.mark.parametrize("density", [0.1, 10])
 def test_no_body_is_without_points_and_none_are_crowded_whatever_the_density(density):
     tree = average(12, "five_finger")
-    skin = grow_skin(tree, density)
+    skin = skin_points(tree, density)
     assert min(numbers(skin).values()) > 0
     for name, count in numbers(skin).items():
         assert count == 1 or neighbours(tree, skin, name).min() > 0.3, name
 
 
 def test_joints_of_the_chest_change_nothing():
-    still, moving = (grow_skin(child(chest_joint=joint), 1) for joint in (False, True))
+    still, moving = (skin_points(child(chest_joint=joint), 1) for joint in (False, True))
     for body, points_m in still.points_m.items():
         assert np.array_equal(moving.points_m[body], points_m)
 
 
 def test_absent_limbs_have_no_points_and_all_others_keep_theirs():
-    whole, pruned = grow_skin(child(), 1), grow_skin(child(remove=["left_lower_arm", "right_eye"]), 1)
+    whole, pruned = skin_points(child(), 1), skin_points(child(remove=["left_lower_arm", "right_eye"]), 1)
     gone = {"left_lower_arm", "left_hand", "left_fingers", "right_eye"}
     assert whole.points_m.keys() - pruned.points_m.keys() == gone
     for body, points_m in pruned.points_m.items():
@@ -250,7 +251,7 @@ def test_absent_limbs_have_no_points_and_all_others_keep_theirs():
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("age_months", [0, 10.3, 24])
 def test_left_mirrors_right_exactly(hands, age_months):
-    skin = grow_skin(average(age_months, hands), 1)
+    skin = skin_points(average(age_months, hands), 1)
     for body, points_m in skin.points_m.items():
         if body.startswith("left_"):
             assert np.array_equal(points_m, skin.points_m[body.replace("left", "right")] * MIRROR)
@@ -260,7 +261,7 @@ def test_left_mirrors_right_exactly(hands, age_months):
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("density", [0.7, 1, 3])
 def test_trunk_and_head_are_the_same_in_a_mirror(hands, density):
-    skin = grow_skin(average(4, hands), density)
+    skin = skin_points(average(4, hands), density)
     for body in TRUNK_BODIES:
         points_m = skin.points_m[body]
         gaps_m, images = KDTree(points_m).query(points_m * MIRROR)
@@ -270,7 +271,7 @@ def test_trunk_and_head_are_the_same_in_a_mirror(hands, density):
 
 def test_one_side_can_differ_and_the_other_does_not_notice():
     shape = {"length": 1.3, "girth": 0.8}
-    usual, left, right = (grow_skin(child(parts=parts), 1) for parts in ({}, *({f"{s}_hand": shape} for s in SIDES)))
+    usual, left, right = (skin_points(child(parts=parts), 1) for parts in ({}, *({f"{s}_hand": shape} for s in SIDES)))
     assert np.array_equal(left.points_m["right_hand"], usual.points_m["right_hand"])
     assert np.array_equal(left.points_m["left_hand"], right.points_m["right_hand"] * MIRROR)
     assert not np.allclose(left.points_m["left_hand"], usual.points_m["left_hand"], atol=1e-3)
@@ -283,7 +284,7 @@ def test_one_side_can_differ_and_the_other_does_not_notice():
 @settings(max_examples=20)
 def test_points_of_the_head_grow_with_its_radius(age_months):
     reference, tree = average(18, "mitten"), average(age_months, "mitten")
-    before, after = (grow_skin(each, 1) for each in (reference, tree))
+    before, after = (skin_points(each, 1) for each in (reference, tree))
     ratio = tree.geoms["head"].size_m[0] / reference.geoms["head"].size_m[0]
     centres_m = [np.array(each.geoms["head"].pos_m) for each in (reference, tree)]
     assert after.points_m["head"] - centres_m[1] == pytest.approx((before.points_m["head"] - centres_m[0]) * ratio)
@@ -295,7 +296,7 @@ def test_points_of_a_longer_arm_move_along_it():
     before, after = child(), child(parts={"left_upper_arm": {"length": 1.4}})
     (short,), (long,) = (tree.geoms["left_uarm1"].size_m[1:] for tree in (before, after))
     middles = [tree.geoms["left_uarm1"].pos_m[2] for tree in (before, after)]
-    old, new = (grow_skin(tree, 1).points_m["left_upper_arm"] for tree in (before, after))
+    old, new = (skin_points(tree, 1).points_m["left_upper_arm"] for tree in (before, after))
     heights = old[:, 2] - middles[0]
     expected = np.where(np.abs(heights) < short, heights * long / short, heights + np.sign(heights) * (long - short))
     assert np.array_equal(new[:, :2], old[:, :2])
@@ -306,7 +307,7 @@ def test_points_of_a_longer_arm_move_along_it():
 @settings(max_examples=20)
 def test_points_stay_where_they_are_on_their_geoms_or_move_to_the_nearest_place_outside(tree):
     """Also of bodies of several geoms; the nearest of some thousand places may be a little further than the nearest."""
-    skin, reference = grow_skin(tree, 1), {body.name: body for body in grow_reference(tree.hands).bodies}
+    skin, reference = skin_points(tree, 1), {body.name: body for body in grow_reference(tree.hands).bodies}
     for body in tree.bodies:
         if len(body.geoms) > 1 and not body.name.startswith("left_"):
             layout = lay_out(reference[body.name].geoms, SPACING_M[part(body.name)])
@@ -328,13 +329,26 @@ def test_points_between_solids_that_barely_overlap_leave_sideways(overlap_m):
     angles = np.radians(np.linspace(0.01, 15, 400))
     multiples = np.column_stack((np.cos(angles), np.sin(angles), 0 * angles, 0 * angles))
     touching = (ball("one", 0), ball("other", 0.06 - overlap_m))
-    points_m = carry_over((multiples, multiples[:0]), touching)
+    points_m = move_with_geoms((multiples, multiples[:0]), touching)
     outside = np.min([outside_m(geom, points_m) for geom in touching], axis=0)
     moved_m = np.linalg.norm(points_m - 0.03 * multiples[:, :3], axis=1)
     assert np.abs(outside).max() < 1e-9
     assert 0 < moved_m.max() < 1.5 * np.sqrt(0.03 * overlap_m)
 
 
+@pytest.mark.parametrize(
+    ("kind", "size_m", "area"),
+    [
+        ("box", (0.5, 0.5, 1.0), 10),
+        ("sphere", (1.0,), 4 * np.pi),
+        ("cylinder", (1.0, 0.5), 4 * np.pi),
+        ("capsule", (1.0, 0.5), 6 * np.pi),
+    ],
+)
+def test_the_area_of_a_geom_is_that_of_its_surface(kind, size_m, area):
+    assert area_m2(replace(ball("any", 0), type=kind, size_m=size_m)) == pytest.approx(area)
+
+
 def test_the_skin_that_is_given_out_cannot_be_written_to():
     with pytest.raises(ValueError, match="read-only"):
-        grow_skin(average(9, "mitten"), 1).points_m["head"][0] = 0
+        skin_points(average(9, "mitten"), 1).points_m["head"][0] = 0

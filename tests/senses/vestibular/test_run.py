@@ -73,15 +73,15 @@ def test_the_layout_says_acceleration_first(env):
     )
 
 
-@pytest.mark.parametrize(("include", "felt"), [("accelerometer", slice(0, 3)), ("gyro", slice(3, 6))])
-def test_each_half_can_be_felt_alone(open_env, include, felt):
+@pytest.mark.parametrize(("include", "part"), [("accelerometer", slice(0, 3)), ("gyro", slice(3, 6))])
+def test_each_half_can_be_sensed_alone(open_env, include, part):
     both, half = open_env(senses={"vestibular": {}}), open_env(senses={"vestibular": {"include": [include]}})
-    assert half.layout("vestibular") == both.layout("vestibular")[felt]
+    assert half.layout("vestibular") == both.layout("vestibular")[part]
     command = both.action_space.high
     for env in (both, half):
         env.reset(seed=0)
-    readings = [env.step(command)[0]["vestibular"] for env in (both, half)]
-    assert np.array_equal(readings[1], readings[0][felt])
+    samples = [env.step(command)[0]["vestibular"] for env in (both, half)]
+    assert np.array_equal(samples[1], samples[0][part])
 
 
 @pytest.mark.matrix
@@ -90,10 +90,10 @@ def test_an_infant_that_lies_still_feels_gravity(open_env, pose):
     env = open_env(scene={"kind": "flat", "pose": pose})
     env.reset(seed=0)
     for _ in range(500):
-        reading = env.step(np.zeros(44))[0]["vestibular"]
+        sample = env.step(np.zeros(44))[0]["vestibular"]
     head_from_world = env.data.body("head").xmat.reshape(3, 3).T
-    assert reading[:3] == pytest.approx(head_from_world @ [0, 0, GRAVITY_M_S2], abs=0.05)
-    assert reading[3:] == pytest.approx(np.zeros(3), abs=0.02)
+    assert sample[:3] == pytest.approx(head_from_world @ [0, 0, GRAVITY_M_S2], abs=0.05)
+    assert sample[3:] == pytest.approx(np.zeros(3), abs=0.02)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

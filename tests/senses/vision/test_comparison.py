@@ -4,18 +4,18 @@ from mimoc.errors import MimocError, UnknownNameError
 from mimoc.mjcf.sensor_sites import UNSEEN
 from mimoc.schema import VisionSpec
 from mimoc.senses.vision.acuity_by_age import acuity_at
-from mimoc.senses.vision.comparison import TELLING_FOVEATION, compare_ages, read_ages
+from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages, read_ages
 
 
 def test_each_age_is_shown_as_seen_and_foveated_beside_what_is_drawn():
     compared = compare_ages(VisionSpec(), "right", (1, 9), 128)
     acuities_cpd = [acuity_at(1, "tac2"), acuity_at(9, "tac2"), None]
-    assert [[sight.acuity_cpd for sight in row] for row in compared.sights] == [acuities_cpd, acuities_cpd]
-    assert [[sight.foveation for sight in row] for row in compared.sights] == [[0] * 3, [TELLING_FOVEATION] * 3]
+    assert [[entry.acuity_cpd for entry in row] for row in compared.entries] == [acuities_cpd, acuities_cpd]
+    assert [[entry.foveation for entry in row] for row in compared.entries] == [[0] * 3, [DEFAULT_FOVEATION] * 3]
     assert (len(compared.rows), len(compared.columns)) == (2, 3)
-    for sight in (sight for row in compared.sights for sight in row):
-        assert (sight.cameras, sight.width_px, sight.height_px) == (("eye_right",), 128, 128)
-        assert sight.unseen == UNSEEN
+    for entry in (entry for row in compared.entries for entry in row):
+        assert (entry.cameras, entry.width_px, entry.height_px) == (("eye_right",), 128, 128)
+        assert entry.unseen == UNSEEN
 
 
 def test_captions_say_age_and_acuity():
@@ -25,9 +25,9 @@ def test_captions_say_age_and_acuity():
 
 def test_profile_and_foveation_are_the_specs_unless_others_are_given():
     vision = VisionSpec(acuity_profile="mayer1995", foveation=2, foveation_radius="edge")
-    usual = compare_ages(vision, "left", (6,), 64).sights[1][0]
+    usual = compare_ages(vision, "left", (6,), 64).entries[1][0]
     assert (usual.acuity_cpd, usual.foveation, usual.foveation_radius) == (pytest.approx(5.65), 2, "edge")
-    other = compare_ages(vision, "left", (6,), 64, profile="mimo_v2", foveation=0).sights[1][0]
+    other = compare_ages(vision, "left", (6,), 64, profile="mimo_v2", foveation=0).entries[1][0]
     assert (other.acuity_cpd, other.foveation) == (pytest.approx(5.64), 0)
 
 

@@ -8,7 +8,7 @@ from mimoc.bundle.model import load_model
 from mimoc.compiler import pipeline
 from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.blur import blur, contrast_gain
-from mimoc.senses.vision.preview import glimpse
+from mimoc.senses.vision.preview import preview
 from mimoc.senses.vision.spec import VisionEntry
 
 PLAYROOM = Path(__file__).parents[3] / "configs" / "playroom.yaml"
@@ -28,7 +28,7 @@ BLURRED = DRAWN.model_copy(update={"acuity_cpd": 0.3})
 def test_each_sight_shows_the_same_view(bundle):
     """The infant need not have a sense of vision."""
     assert bundle.manifest.senses.vision is None
-    ((drawn, again), (blurred,)) = glimpse(bundle, [[DRAWN, DRAWN], [BLURRED]], "sitting", 50)
+    ((drawn, again), (blurred,)) = preview(bundle, [[DRAWN, DRAWN], [BLURRED]], "sitting", 50)
     assert drawn.std() > 10
     assert np.array_equal(drawn, again)
     by_hand = blur(drawn.astype(np.float32), contrast_gain(48, 48, 60.0, 0.3))
@@ -42,14 +42,14 @@ def test_it_is_what_the_environment_observes(bundle):
     env = mimoc.InfantEnv(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
     observed = env.reset(seed=0)[0]["eye_left"]
     env.close()
-    assert np.array_equal(glimpse(bundle, [[BLURRED]], down_deg=0)[0][0], observed)
+    assert np.array_equal(preview(bundle, [[BLURRED]], down_deg=0)[0][0], observed)
 
 
 def test_an_eye_that_looks_down_sees_things_higher_up(bundle):
     """The horizon rises, and is gone at last."""
     shares = []
     for down_deg in (-10, 0, 10, 20, 60):
-        ((picture,),) = glimpse(bundle, [[DRAWN]], "standing", down_deg)
+        ((picture,),) = preview(bundle, [[DRAWN]], "standing", down_deg)
         is_sky = picture[..., 2].astype(int) > picture[..., 0]
         shares.append(is_sky.mean())
     assert shares == sorted(shares, reverse=True)
@@ -58,17 +58,17 @@ def test_an_eye_that_looks_down_sees_things_higher_up(bundle):
 
 
 def test_the_pose_is_that_of_the_bundle_unless_another_is_asked_for(bundle):
-    usual, sitting, prone = (glimpse(bundle, [[DRAWN]], pose)[0][0] for pose in (None, "sitting", "prone"))
+    usual, sitting, prone = (preview(bundle, [[DRAWN]], pose)[0][0] for pose in (None, "sitting", "prone"))
     assert np.array_equal(usual, sitting)
     assert not np.array_equal(usual, prone)
 
 
 def test_unknown_poses_and_eyes_are_refused(bundle):
     with pytest.raises(UnknownNameError, match="'sit' is not a pose; did you mean 'sitting'"):
-        glimpse(bundle, [[DRAWN]], "sit")
+        preview(bundle, [[DRAWN]], "sit")
     missing = DRAWN.model_copy(update={"cameras": ("eye_middle",)})
     with pytest.raises(UnknownNameError, match="'eye_middle' is not a camera of this infant"):
-        glimpse(bundle, [[missing]])
+        preview(bundle, [[missing]])
 
 
 def share_of_colour(picture, colour):
@@ -87,15 +87,15 @@ def test_an_eye_looks_at_the_toy_that_it_sees_best():
     colour = max(model.mat_rgba[model.geom_matid[geoms], :3], key=np.ptp)
     shares = []
     for down_deg in (None, 0.0):
-        ((picture,),) = glimpse(bundle, [[DRAWN]], None, down_deg, 10.0)
+        ((picture,),) = preview(bundle, [[DRAWN]], None, down_deg, 10.0)
         shares.append(share_of_colour(picture, colour))
     assert shares[0] > 0.3
     assert shares[1] < 0.1
 
 
 def test_the_narrower_the_field_the_larger_what_is_in_its_middle(bundle):
-    wide, narrow = (glimpse(bundle, [[DRAWN]], "sitting", 40.0, fovy_deg)[0][0] for fovy_deg in (60.0, 30.0))
-    own = glimpse(bundle, [[DRAWN]], "sitting", 40.0)[0][0]
+    wide, narrow = (preview(bundle, [[DRAWN]], "sitting", 40.0, fovy_deg)[0][0] for fovy_deg in (60.0, 30.0))
+    own = preview(bundle, [[DRAWN]], "sitting", 40.0)[0][0]
     assert np.array_equal(wide, own)
     half = np.tan(np.radians(15)) / np.tan(np.radians(30)) * 24
     inner = wide[round(24 - half) : round(24 + half), round(24 - half) : round(24 + half)].astype(float)

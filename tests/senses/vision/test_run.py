@@ -40,18 +40,18 @@ def posed(bundle, angles_rad=DOWN_RAD):
 
 
 @pytest.fixture
-def open_sight():
+def open_vision():
     """Return what binds an infant's vision to its model, in a state; it is closed after the test."""
     opened = []
 
     def open_one(bundle, model, **changes):
         entry = bundle.manifest.senses.vision.model_copy(update=changes)
-        opened.append(bind(entry, bundle, model))
+        opened.append(bind(entry, model, bundle))
         return opened[-1]
 
     yield open_one
-    for sight in opened:
-        sight.close()
+    for vision in opened:
+        vision.close()
 
 
 @pytest.fixture(scope="module")
@@ -62,43 +62,43 @@ def infant() -> mimoc.Bundle:
 # What is observed.
 
 
-def test_an_agent_gets_a_picture_for_each_eye(infant, open_sight):
+def test_an_agent_gets_a_picture_for_each_eye(infant, open_vision):
     model, data = posed(infant)
-    sight = open_sight(infant, model)
-    reading = sight(data)
-    observed = sight.observe(reading)
-    assert list(observed) == list(sight.spaces) == ["eye_left", "eye_right"]
+    vision = open_vision(infant, model)
+    sample = vision(data)
+    observed = vision.observe(sample)
+    assert list(observed) == list(vision.spaces) == ["eye_left", "eye_right"]
     for name, picture in observed.items():
         assert (picture.shape, picture.dtype) == ((32, 48, 3), np.uint8)
-        assert picture in sight.spaces[name]
-        assert not np.shares_memory(picture, reading)
-    assert np.array_equal(np.stack(list(observed.values())), reading)
-    assert len(set(sight.layout)) == 2
-    assert [model.body(body).name for body in sight.bodies] == ["left_eye", "right_eye"]
+        assert picture in vision.spaces[name]
+        assert not np.shares_memory(picture, sample)
+    assert np.array_equal(np.stack(list(observed.values())), sample)
+    assert len(set(vision.layout)) == 2
+    assert [model.body(body).name for body in vision.bodies] == ["left_eye", "right_eye"]
 
 
-def test_a_reading_is_the_same_again_and_an_array_of_its_own(infant, open_sight):
+def test_a_sample_is_the_same_again_and_an_array_of_its_own(infant, open_vision):
     model, data = posed(infant)
-    sight = open_sight(infant, model)
-    first, second = sight(data), sight(data)
+    vision = open_vision(infant, model)
+    first, second = vision(data), vision(data)
     assert np.array_equal(first, second)
     first[:] = 0
     assert not np.array_equal(first, second)
 
 
-def test_bound_again_it_sees_the_same(infant, open_sight):
-    pictures = [open_sight(infant, model)(data) for model, data in (posed(infant), posed(infant))]
+def test_bound_again_it_sees_the_same(infant, open_vision):
+    pictures = [open_vision(infant, model)(data) for model, data in (posed(infant), posed(infant))]
     assert np.array_equal(*pictures)
 
 
 @pytest.mark.parametrize(("gone", "left"), [("left_eye", "eye_right"), ("right_eye", "eye_left")])
-def test_an_infant_with_one_eye_has_one_picture(gone, left, infant, open_sight):
+def test_an_infant_with_one_eye_has_one_picture(gone, left, infant, open_vision):
     """The one that this eye has in an infant with two."""
     bundle = seeing(body={"remove": [gone]})
     model, data = posed(bundle, {})
-    one = open_sight(bundle, model).observe(open_sight(bundle, model)(data))
+    one = open_vision(bundle, model).observe(open_vision(bundle, model)(data))
     model, data = posed(infant, {})
-    both = open_sight(infant, model).observe(open_sight(infant, model)(data))
+    both = open_vision(infant, model).observe(open_vision(infant, model)(data))
     assert list(one) == [left]
     assert np.abs(one[left].astype(int) - both[left]).max() <= 2, "an eye less weighs less, and sits not quite the same"
 
@@ -114,52 +114,52 @@ def test_gymnasium_is_told_of_the_pictures(infant):
 # What there is to see.
 
 
-def test_a_sitting_infant_that_looks_down_sees_its_limbs_on_the_floor(infant, open_sight):
+def test_a_sitting_infant_that_looks_down_sees_its_limbs_on_the_floor(infant, open_vision):
     model, data = posed(infant)
-    pictures = open_sight(infant, model)(data)
+    pictures = open_vision(infant, model)(data)
     model.mat_rgba[model.geom_matid[model.geom_bodyid > 0], 3] = 0
-    limbs = np.abs(pictures.astype(int) - open_sight(infant, model)(data)).max(axis=-1) > 10
+    limbs = np.abs(pictures.astype(int) - open_vision(infant, model)(data)).max(axis=-1) > 10
     for share in limbs.mean(axis=(1, 2)):
         assert 0.05 < share < 0.9
 
 
-def test_pictures_are_upright(infant, open_sight):
+def test_pictures_are_upright(infant, open_vision):
     """Looking ahead, with the bright sky above and the floor below."""
     model, data = posed(infant, {})
-    rows = open_sight(infant, model)(data).mean(axis=(0, 2))
+    rows = open_vision(infant, model)(data).mean(axis=(0, 2))
     assert rows[0].min() > rows[-1].max() + 10
     assert rows[0, 2] > rows[0, 0]
 
 
 @pytest.mark.parametrize(("side", "columns"), [("left", slice(0, 24)), ("right", slice(24, 48))])
-def test_the_left_foot_is_on_the_left_and_the_right_one_on_the_right(side, columns, infant, open_sight):
+def test_the_left_foot_is_on_the_left_and_the_right_one_on_the_right(side, columns, infant, open_vision):
     """A foot is where the picture of the eye on its side changes when it is hidden."""
     model, data = posed(infant)
-    sight = open_sight(infant, model)
-    with_foot = sight.observe(sight(data))[f"eye_{side}"].astype(int)
+    vision = open_vision(infant, model)
+    with_foot = vision.observe(vision(data))[f"eye_{side}"].astype(int)
     for name in ("foot", "toes"):
         model.geom_group[model.geom_bodyid == model.body(f"{side}_{name}").id] = 5
-    changed = np.abs(with_foot - sight.observe(sight(data))[f"eye_{side}"]).max(axis=-1) > 10
+    changed = np.abs(with_foot - vision.observe(vision(data))[f"eye_{side}"]).max(axis=-1) > 10
     assert changed[:, columns].sum() == changed.sum() > 20
 
 
-def test_both_eyes_of_a_symmetric_infant_see_mirror_images(open_sight):
+def test_both_eyes_of_a_symmetric_infant_see_mirror_images(open_vision):
     """Under a light from straight above, with nothing around."""
     bundle = seeing(kind="empty")
     model, data = posed(bundle)
     data.light_xdir[:] = 0, 0, -1
-    left, right = open_sight(bundle, model)(data).astype(int)
+    left, right = open_vision(bundle, model)(data).astype(int)
     assert left.std() > 20
     assert np.abs(left - right[:, ::-1]).mean() < 1.5
     assert np.abs(left - right).mean() > 5
 
 
 @pytest.mark.parametrize("age_months", AGES)
-def test_own_head_and_eyes_are_never_in_the_way(age_months, open_sight):
+def test_own_head_and_eyes_are_never_in_the_way(age_months, open_vision):
     """Wherever neck and eyes turn, their colour makes no difference; it would, if they were drawn."""
     bundle = seeing(age_months)
     model, _ = posed(bundle)
-    sight, naive = open_sight(bundle, model), open_sight(bundle, model, unseen=())
+    vision, naive = open_vision(bundle, model), open_vision(bundle, model, unseen=())
     own = np.isin(model.geom_bodyid, [model.body(name).id for name in ("head", "left_eye", "right_eye")])
     model.geom_matid[own] = -1
     names = [name for name in GAZE if name.startswith("head")]
@@ -170,7 +170,7 @@ def test_own_head_and_eyes_are_never_in_the_way(age_months, open_sight):
         pictures = []
         for colour in ((1, 0, 1, 1), (0, 1, 0, 1)):
             model.geom_rgba[own] = colour
-            pictures.append((sight(data), naive(data)))
+            pictures.append((vision(data), naive(data)))
         assert np.array_equal(pictures[0][0], pictures[1][0])
         in_the_way += not np.array_equal(pictures[0][1], pictures[1][1])
     assert in_the_way
@@ -194,23 +194,23 @@ def test_the_eyes_of_every_age_are_as_far_apart_as_its_head_is_wide(infants):
 # What the eyes make of it.
 
 
-def test_sharp_eyes_see_what_is_drawn_bit_by_bit(infant, open_sight):
+def test_sharp_eyes_see_what_is_drawn_bit_by_bit(infant, open_vision):
     model, data = posed(infant)
-    sight = open_sight(infant, model)
-    assert sight.filters == ()
-    assert np.array_equal(sight(data), sight.eyes(data))
+    vision = open_vision(infant, model)
+    assert vision.filters == ()
+    assert np.array_equal(vision(data), vision.eyes(data))
 
 
-def test_blur_comes_before_foveation_and_rounding_last(open_sight):
+def test_blur_comes_before_foveation_and_rounding_last(open_vision):
     bundle = seeing(2, {**PICTURE, "foveation": 5})
     entry = bundle.manifest.senses.vision
     model, data = posed(bundle)
-    sight = open_sight(bundle, model)
+    vision = open_vision(bundle, model)
     gain = contrast_gain(48, 32, 60.0, entry.acuity_cpd)
-    blurred = blur(sight.eyes(data).astype(np.float32), gain)
+    blurred = blur(vision.eyes(data).astype(np.float32), gain)
     seen = foveate(blurred, source_weights(48, 32, 5.0, "corner"))
-    assert np.array_equal(sight(data), np.rint(seen.clip(0, 255)))
-    assert not np.array_equal(sight(data), sight.eyes(data))
+    assert np.array_equal(vision(data), np.rint(seen.clip(0, 255)))
+    assert not np.array_equal(vision(data), vision.eyes(data))
 
 
 def test_pictures_are_clipped_and_rounded_not_cut_off():
@@ -221,11 +221,11 @@ def test_pictures_are_clipped_and_rounded_not_cut_off():
 
 
 @pytest.mark.parametrize("times", [2, 3, 8])
-def test_supersampling_averages_a_larger_picture(times, infant, open_sight):
+def test_supersampling_averages_a_larger_picture(times, infant, open_vision):
     """Of the same view: each pixel is the mean of those that it covers."""
     model, data = posed(infant)
-    averaged = open_sight(infant, model, supersample=times)(data)
-    larger = open_sight(infant, model, width_px=48 * times, height_px=32 * times)(data)
+    averaged = open_vision(infant, model, supersample=times)(data)
+    larger = open_vision(infant, model, width_px=48 * times, height_px=32 * times)(data)
     blocks = larger.reshape(2, 32, times, 48, times, 3).mean(axis=(2, 4))
     assert np.abs(averaged - blocks).max() <= 0.5 + 1e-3
 
@@ -246,14 +246,14 @@ def test_supersampling_blurs_by_the_degree_at_any_size():
     assert average(blur_large(coarse)) == pytest.approx(blur_small(average_down(coarse, 4)), abs=1e-3)
 
 
-def test_an_infant_that_grows_sees_finer(open_sight):
+def test_an_infant_that_grows_sees_finer(open_vision):
     """The same view: its details gain contrast with the age of the eyes."""
     details = []
     for age_months in (0, 3, 12):
         entry = seeing(age_months, {"width_px": 128, "height_px": 128}).manifest.senses.vision
         bundle = seeing(9, {"width_px": 128, "height_px": 128})
         model, data = posed(bundle)
-        seen = open_sight(bundle, model, acuity_cpd=entry.acuity_cpd)(data).astype(int)
+        seen = open_vision(bundle, model, acuity_cpd=entry.acuity_cpd)(data).astype(int)
         details.append(np.abs(np.diff(seen, axis=2)).std())
     assert details[0] < 0.8 * details[1]
     assert details[1] < details[2]

@@ -1,13 +1,10 @@
-"""Numbers of senses and delays say where they come from."""
+"""Each delay says where it comes from."""
 
 import json
 
-import pytest
-
 import mimoc
-from mimoc.compiler.provenance.senses import PRESETS, PROFILES
+from mimoc.compiler.provenance.delays import PRESETS
 from mimoc.delays import presets
-from mimoc.senses.vision import acuity_by_age
 
 
 def provenance(**keys) -> dict:
@@ -15,21 +12,8 @@ def provenance(**keys) -> dict:
     return json.loads(mimoc.build(spec).files["provenance.json"])
 
 
-def test_every_profile_and_every_preset_has_a_rule():
-    assert PROFILES.keys() == acuity_by_age.PROFILES.keys()
+def test_every_preset_has_a_rule():
     assert PRESETS.keys() == presets.PRESETS.keys()
-
-
-@pytest.mark.parametrize("profile", PROFILES)
-def test_acuity_is_led_back_to_its_profile_and_the_age(profile):
-    entry = provenance(senses={"vision": {"acuity_profile": profile}})["vision.acuity_cpd"]
-    assert entry["value"] == pytest.approx(acuity_by_age.acuity_at(9, profile))
-    assert entry["rule"] == PROFILES[profile]
-    assert "spec.age_months" in entry["from"]
-
-
-def test_acuity_that_is_given_is_led_back_to_the_spec():
-    assert provenance(senses={"vision": {"acuity": {"cpd": 4.2}}})["vision.acuity_cpd"]["rule"] == "given by the spec"
 
 
 def test_a_delay_is_led_back_to_the_key_that_says_so():

@@ -1,0 +1,70 @@
+"""Large arrays of a bundle in one NumPy archive, `arrays.npz`, which is the same to the byte on every system."""
+
+import io
+import math
+import zipfile
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.errors import BundleError
+
+ARRAYS = "arrays.npz"
+"""Path in the bundle; a bundle without arrays has no such file."""
+SUFFIX = ".npy"
+FIRST_DATE = (1980, 1, 1, 0, 0, 0)
+"""The earliest that a ZIP archive can hold: a build has no date."""
+UNIX = 3
+READABLE = 0o644 << 16
+"""System and permissions in the archive, which Python would take from where it runs."""
+NUMBERS = "biuf"
+"""Kinds of `numpy.dtype` that arrays may have: no objects, no text."""
+
+Array = npt.NDArray[Any]
+
+
+def pack_arrays(arrays: Mapping[str, Array]) -> bytes:
+    """Return an archive that `numpy.load` reads: not compressed, sorted by name."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name in sorted(arrays):
+            info = zipfile.ZipInfo(name + SUFFIX, FIRST_DATE)
+            info.create_system, info.external_attr = UNIX, READABLE
+            archive.writestr(info, _packed(arrays[name]))
+    return packed.getvalue()
+
+
+def unpack_arrays(content: bytes) -> dict[str, Array]:
+    """Return the arrays of an archive, read-only views into it; nothing larger than the archive is allocated.
+
+    Raises:
+        BundleError: If it is not an archive that `pack_arrays` writes.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            members = archive.infolist()
+            is_plain = all(member.compress_type == zipfile.ZIP_STORED for member in members)
+            if not is_plain or sum(member.file_size for member in members) > len(content):
+                raise ValueError("it is compressed")
+            return {member.filename.removesuffix(SUFFIX): _unpacked(archive.read(member)) for member in members}
+    except Exception:  # Whatever a stranger's archive makes the readers of ZIP and NPY raise.
+        raise BundleError(f"{ARRAYS} is damaged; build the bundle again") from None
+
+
+def _packed(array: Array) -> bytes:
+    file = io.BytesIO()
+    little_endian = np.asarray(array, array.dtype.newbyteorder("<"), order="C")
+    np.lib.format.write_array(file, little_endian, version=(1, 0), allow_pickle=False)
+    return file.getvalue()
+
+
+def _unpacked(content: bytes) -> Array:
+    file = io.BytesIO(content)
+    if np.lib.format.read_magic(file) != (1, 0):
+        raise ValueError("it is of another version")
+    shape, is_fortran, kind = np.lib.format.read_array_header_1_0(file)
+    if kind.kind not in NUMBERS or is_fortran or math.prod(shape) * kind.itemsize != len(content) - file.tell():
+        raise ValueError("its size is not what it says")
+    return np.frombuffer(content, kind, offset=file.tell()).reshape(shape)

@@ -1,0 +1,82 @@
+"""Signals with a delay: the samples of senses, and commands to actuators."""
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.delays.line import DelayLine
+from mimoc.senses.sense import FloatArray, IntArray, Sample
+
+Mask = npt.NDArray[np.bool_]
+
+
+class DelayedSamples:
+    """The samples of a sense, or of some of its numbers, on their way to the observation."""
+
+    def __init__(self, delay_steps: int, control_steps: int, part: Mask | None = None):
+        """Delay samples by a number of physics steps.
+
+        Args:
+            delay_steps: The delay.
+            control_steps: Physics steps in a control step.
+            part: Which numbers of a sample have this delay; None is all.
+        """
+        self.sampled_after = control_steps - delay_steps % control_steps
+        """Physics steps of a control step after which the sense is sampled, to arrive at the end of a control step."""
+        self.part = part
+        self._length = delay_steps // control_steps
+
+    def reset(self, sample: Sample) -> None:
+        """Forget all samples; this one is observed until a later one arrives."""
+        self.arrived = sample
+        self._line = DelayLine(self._length, sample)
+
+    def send(self, sample: Sample) -> None:
+        """Take a new sample; an earlier one arrives."""
+        self.arrived = self._line.shift(sample)
+
+    @property
+    def state(self) -> list[Sample]:
+        """The sample that has arrived, then those on their way."""
+        return [self.arrived, *self._line.held]
+
+    @state.setter
+    def state(self, samples: list[Sample]) -> None:
+        self.arrived, *self._line.held = samples
+
+
+class DelayedCommands:
+    """Commands on their way to some actuators."""
+
+    def __init__(self, delay_steps: int, control_steps: int, part: IntArray, actuators: IntArray):
+        """Delay commands by a number of physics steps.
+
+        Args:
+            delay_steps: The delay.
+            control_steps: Physics steps in a control step.
+            part: Indices of the commands that have this delay, shape (n,).
+            actuators: The actuators of the model that they control, shape (n,).
+        """
+        self.applied_after = delay_steps % control_steps
+        """Physics steps of a control step after which commands arrive."""
+        self._length = delay_steps // control_steps
+        self._part, self._actuators = part, actuators
+
+    def reset(self) -> None:
+        """Forget all commands; the actuators keep their controls until a new one arrives."""
+        self._line: DelayLine[FloatArray | None] = DelayLine(self._length, None)
+
+    def send(self, controls: FloatArray, data: mujoco.MjData) -> None:
+        """Take the controls of all actuators; earlier ones arrive and are applied."""
+        arrived = self._line.shift(controls)
+        if arrived is not None:
+            data.ctrl[self._actuators] = arrived[self._part]
+
+    @property
+    def state(self) -> list[FloatArray | None]:
+        """The controls on their way."""
+        return self._line.held
+
+    @state.setter
+    def state(self, controls: list[FloatArray | None]) -> None:
+        self._line.held = controls

@@ -1,0 +1,30 @@
+"""The acuity of an infant says where it comes from."""
+
+import json
+
+import pytest
+
+import mimoc
+from mimoc.senses.vision import acuity_by_age
+from mimoc.senses.vision.build import PROFILES
+
+
+def provenance(**vision) -> dict:
+    spec = {"mimoc": 1, "name": "x", "age_months": 9, "senses": {"vision": vision}}
+    return json.loads(mimoc.build(mimoc.InfantSpec.model_validate(spec)).files["provenance.json"])
+
+
+def test_every_profile_has_a_rule():
+    assert PROFILES.keys() == acuity_by_age.PROFILES.keys()
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_acuity_is_traced_to_its_profile_and_the_age(profile):
+    entry = provenance(acuity_profile=profile)["vision.acuity_cpd"]
+    assert entry["value"] == pytest.approx(acuity_by_age.acuity_at(9, profile))
+    assert entry["rule"] == PROFILES[profile]
+    assert "spec.age_months" in entry["from"]
+
+
+def test_acuity_that_is_given_is_traced_to_the_spec():
+    assert provenance(acuity={"cpd": 4.2})["vision.acuity_cpd"]["rule"] == "given by the spec"
