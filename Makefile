@@ -5,6 +5,8 @@ VENV ?= .venv
 OUT ?= out/demo
 ROOMS ?= 0:12
 TESTS ?= tests
+# Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
+TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
 # What is in $(VENV) already: what the demo needs, and what tests and training need besides.
@@ -43,11 +45,11 @@ test: $(TEST) opengl ## Lint, check types and run every test, and say how long e
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
-		"tests: $(BIN)/pytest -n 2 --dist loadgroup --durations 15"
+		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
 
 coverage: $(TEST) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
 	rm -rf out/coverage
-	$(BIN)/pytest -n 2 --dist loadgroup --cov --cov-report= $(TESTS)
+	$(BIN)/pytest $(TWO_WORKERS) --cov --cov-report= $(TESTS)
 	$(BIN)/coverage html --quiet
 	$(BIN)/coverage report
 

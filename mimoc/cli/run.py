@@ -17,6 +17,7 @@ from mimoc.policies import POLICIES
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
+    from mimoc.recording.record import Look
     from mimoc.runtime.rollout import PolicyMaker, Run
 
 EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"

@@ -66,6 +66,7 @@ def half_floor_m(scene: SceneTree) -> np.ndarray:
     return np.array(floor.size_m[:2])
 
 
+@pytest.mark.slow
 def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_every_pose():
     """Over a hundred and twenty seeds."""
     for scene, toys in zip(usual(), usual_discs(), strict=True):
@@ -85,6 +86,7 @@ def test_every_pose_has_the_toys_at_their_places():
             assert list(pose.qpos[-len(resting) :]) == resting
 
 
+@pytest.mark.slow
 def test_first_toys_are_as_far_as_the_stated_distribution_says():
     """On an endless floor, as far as the infant itself leaves it free: counted by simulation of the same density."""
     infant = grown()

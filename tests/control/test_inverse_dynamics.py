@@ -151,6 +151,7 @@ def test_joints_stop_before_the_ends_of_their_ranges(held_infant):
 
 
 @pytest.mark.parametrize(("age_months", "model"), [(3, "muscle"), (9, "torque"), (18, "muscle"), (24, "torque")])
+@pytest.mark.slow
 def test_hands_reach_while_the_eyes_align(held_infant, age_months, model):
     """Eight trials of both hands, so sixteen reachable targets: millimetres and degrees after a second."""
     errors = reach_errors(held_infant(age_months, model=model), ReachGains(), np.random.default_rng(0), 8, 2.0)

@@ -31,7 +31,7 @@ SMALL = {
 """What makes an experiment small, by name."""
 
 
-@pytest.fixture(scope="module", params=EXPERIMENTS)
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=pytest.mark.slow) for name in EXPERIMENTS])
 def made(request, tmp_path_factory):
     """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
     name, told = request.param, []

@@ -45,6 +45,7 @@ def test_bottom_and_soles_are_on_the_floor_and_nothing_else_touches(age_months, 
 
 @given(age_months=st.floats(0, 24), hands=st.sampled_from(HANDS), chest_joint=st.booleans())
 @settings(max_examples=6)
+@pytest.mark.slow
 def test_the_rail_goes_through_both_closed_hands_and_touches_neither(age_months, hands, chest_joint):
     env = opened(age_months, hands, body={"chest_joint": chest_joint})
     rail, fromto = env.model.geom("rail"), np.zeros(6)
