@@ -151,7 +151,7 @@ def _learning_panel(learners: Sequence[Learner]) -> Panel:
     for delay_ms, group in _by_delay(learners).items():
         steps, times_s = zip(*(_binned(each) for each in group), strict=True)
         middle, low, high = np.mean(times_s, axis=0), np.min(times_s, axis=0), np.max(times_s, axis=0)
-        curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, spread=(low, high)))
+        curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, band=(low, high)))
     return Panel("Control steps of training [thousands]", "Time to reach [s]", curves, "Learning")
 
 

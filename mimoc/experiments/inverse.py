@@ -113,8 +113,8 @@ def _curves(found: Mapping[str, ReachErrors], pick: Callable[[ReachErrors], Floa
     curves = []
     for name, errors in found.items():
         values = pick(errors)
-        spread = (_statistic(values, 25.0), _statistic(values, 75.0))
-        curves.append(Curve(f"{name} gains", errors.time_s, _statistic(values, None), spread=spread))
+        band = (_statistic(values, 25.0), _statistic(values, 75.0))
+        curves.append(Curve(f"{name} gains", errors.time_s, _statistic(values, None), band=band))
     return curves
 
 

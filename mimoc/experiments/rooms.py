@@ -148,7 +148,7 @@ def _table(rooms: Sequence[Inventory]) -> str:
         ("paper", f"mimoc, {len(rooms)} rooms"),
         [
             ("rooms of random size", _sizes(rooms)),
-            ("random textures", _papers(rooms)),
+            ("random textures", _textures(rooms)),
             ("infant at a random position away from the walls", _places(rooms)),
             ("random number of toys", _counts(rooms)),
             ("toys more likely within reach", _distances(rooms)),
@@ -163,8 +163,8 @@ def _sizes(rooms: Sequence[Inventory]) -> str:
     return f"{_span(depths)} by {_span(widths)} m, {_span(heights)} m high"
 
 
-def _papers(rooms: Sequence[Inventory]) -> str:
-    floors, sets = {room.floor for room in rooms}, {room.papers for room in rooms}
+def _textures(rooms: Sequence[Inventory]) -> str:
+    floors, sets = {room.floor for room in rooms}, {room.textures for room in rooms}
     return f"{len(floors)} different floors; {len(sets)} different combinations of floor, ceiling and walls"
 
 
