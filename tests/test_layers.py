@@ -46,7 +46,7 @@ LAYERS = {
     "errors": layer("errors"),
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
-    "files": layer("bundle.files bundle.swap bundle.json_text", "errors version"),
+    "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version"),
     "language": layer("schema.[!iorsw]* schema.source*", "errors units", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),
     "composition": layer("schema.composition", "language kinds", "pydantic"),

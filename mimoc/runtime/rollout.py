@@ -1,4 +1,4 @@
-"""Run an infant under a policy and summarize what happened."""
+"""Run an infant under a policy and summarise the run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,36 +17,36 @@ from mimoc.units import ms_to_s
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What happened in a run; everything but the wall time follows from bundle, policy and seed."""
+    """Summary of a run; everything but the wall time is determined by bundle, policy and seed."""
 
     steps: int
-    """Control steps taken."""
+    """Number of control steps."""
     episodes: int
-    """Episodes begun."""
+    """Number of episodes started."""
     simulated_s: float
     wall_s: float
-    """Time it took, pictures and printing not counted."""
+    """Wall time of the simulation, without rendering and printing."""
     total_reward: float
     hip_path_m: float
-    """Length of the path of the hip."""
+    """Length of the hip's path."""
     head_height_m: tuple[float, float]
-    """Lowest and highest place of the head's centre of mass, above z = 0."""
+    """Minimum and maximum height of the head's centre above z = 0."""
     joint_speed_rad_s: float
-    """Mean speed over joints and steps."""
+    """Mean absolute joint velocity, over joints and steps."""
     unstable: bool
-    """Whether an episode ended because the simulation became unstable."""
+    """Whether an episode terminated because the simulation became unstable."""
     task: str
-    """Name of the task."""
+    """Kind of the task."""
     finished: int
-    """Episodes that terminated or were truncated."""
+    """Number of completed episodes."""
     successes: int
-    """Of these, those with success at the end."""
+    """Number of successful episodes."""
     mean_return: float | None
-    """Mean over the finished episodes of the sum of rewards; None if there are none."""
+    """Mean return of the completed episodes; None if there are none."""
     time_to_success_s: float | None
-    """Mean simulated time of the successful episodes; None if there are none."""
+    """Mean simulated time to success; None if there was no success."""
     metrics: Mapping[str, float]
-    """What else the policy tells, by name with its unit; see `Policy`."""
+    """What else the policy reports, by name with its unit; see `Policy`."""
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
@@ -60,10 +60,15 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
 
 
 class Run:
-    """A run of an environment under a policy: step it as often as wanted, then ask for the summary."""
+    """A run of an environment under a policy, which is stepped and then summarised."""
 
     def __init__(self, env: InfantEnv, policy: str | PolicyMaker, seed: int):
-        """Reset *env*; *policy* is a key of `POLICIES` or makes one, *seed* that of the policy and the reset.
+        """Reset the environment.
+
+        Args:
+            env: The environment.
+            policy: Name of a policy, or a function from an environment to a policy.
+            seed: Seed of both the policy and the reset.
 
         Raises:
             UnknownNameError: If there is no such policy.
@@ -83,7 +88,7 @@ class Run:
         self.observation, _ = env.reset(seed=seed)
 
     def step(self) -> None:
-        """Take one control step; an episode that ends is followed by another."""
+        """Take one control step; start a new episode if this one ends."""
         action = self._act(self._generator, self.observation)
         start = perf_counter()
         self.observation, reward, terminated, truncated, info = self.env.step(action)
@@ -107,7 +112,7 @@ class Run:
         self._episodes += 1
 
     def summary(self) -> Summary:
-        """Return what has happened so far, at least one step."""
+        """Return the summary of the steps so far, of which there must be at least one."""
         steps = len(self._head_m)
         return Summary(
             steps=steps,

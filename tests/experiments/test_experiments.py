@@ -130,7 +130,7 @@ def test_a_file_in_the_way_is_refused(tmp_path):
             ["walking", "-o", "out"],
             f"'walking' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
         ),
-        (["growth", "-o", "file"], "file: is a file, not a folder; choose another place"),
+        (["growth", "-o", "file"], "file: is a file, not a folder; choose another folder"),
     ],
 )
 def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, tmp_path, monkeypatch):

@@ -71,7 +71,7 @@ def test_places_are_counted_from_where_the_infant_looks(room, bundle, started):
 
 
 def test_a_room_has_six_papers_and_some_pictures_and_lamps(room):
-    assert len(room.papers) == 6
+    assert len(room.textures) == 6
     assert room.floor.startswith("floor_")
     assert (2 <= room.pictures <= 4, 1 <= room.lamps <= 2) == (True, True)
 

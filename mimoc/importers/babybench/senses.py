@@ -4,9 +4,9 @@ from typing import Any
 
 from mimoc.importers.babybench.regions import (
     SINGLE_GROUPS,
+    enabled_groups,
     named,
-    note_what_is_coarser,
-    switched_on,
+    note_coarser_groups,
     switches,
 )
 from mimoc.importers.settings import Settings, plain
@@ -26,9 +26,9 @@ RESPONSES = {
     "spread_exponential": "linear",
 }
 """MIMo's response functions."""
-NO_RESPONSE = {"spread_exponential": "no counterpart; taken as spread_linear"}
+NO_RESPONSE = {"spread_exponential": "no counterpart; converted to spread_linear"}
 DENSITIES = (0.1, 10.0)
-"""As few and as many skin points as mimoc has, for each of an infant's."""
+"""Range of the density of skin points in mimoc."""
 MAX_PX = 2048
 FOVY_DEG = (1.0, 170.0)
 
@@ -46,19 +46,19 @@ def read_senses(settings: Settings) -> dict[str, Any]:
 
 
 def _switch(settings: Settings, *names: str) -> bool | None:
-    """Return whether a sense is on, by any way to say so."""
+    """Return whether a sense is on, by any of the keys for it."""
     forms = [form for name in names for form in (name, f"{name}_active", f"{name}_on", f"{name}_enabled")]
     return settings.flag(*forms, *(f"use_{name}" for name in names))
 
 
 def _proprioception(settings: Settings) -> dict[str, Any] | None:
     if _switch(settings, "proprioception", "proprio") is False:
-        settings.pass_over("proprioception_", "proprio_")
+        settings.ignore("proprioception_", "proprio_")
         return None
     felt = {name: settings.flag(f"proprio_{name}", f"proprioception_{name}") for name in PROPRIOCEPTION}
     for name, wanted in felt.items():
         if wanted is False and (key := settings.find(f"proprio_{name}")):
-            settings.note(key, "left out here; BabyBench's code takes no notice of this key and keeps it in")
+            settings.note(key, "excluded here; BabyBench's code ignores this key and includes it")
     include = [name for name, wanted in felt.items() if wanted is not False]
     return {} if len(include) == len(PROPRIOCEPTION) else {"include": include}
 
@@ -71,7 +71,7 @@ def _touch(settings: Settings) -> dict[str, Any] | None:
     on = _switch(settings, "touch")
     scale = settings.find("touch_scale")
     if on is False or (scale and settings.value(scale) in (0, 0.0) and settings.value(scale) is not False):
-        settings.pass_over("touch_")
+        settings.ignore("touch_")
         return None
     density = _density(settings)
     quantity = settings.choice("touch_function", "touch_quantity", meanings=QUANTITIES)
@@ -83,15 +83,15 @@ def _touch(settings: Settings) -> dict[str, Any] | None:
 
 
 def _density(settings: Settings) -> float | None:
-    """Return how many skin points there are for each of an infant's, where its distances are scaled."""
+    """Return the density of skin points that corresponds to a scale of their distances."""
     key = settings.find("touch_scale", "touch_scales")
     scale = settings.number(key, low=0.001, high=1000) if key else None
     if key is None or scale is None or scale == 1:
         return None
     lowest, highest = DENSITIES
     density = float(f"{min(max(scale**-2, lowest), highest):.4g}")
-    reached = "" if lowest <= scale**-2 <= highest else f", as {'few' if scale > 1 else 'many'} as mimoc has"
-    settings.note(key, f"taken as a factor on the distance between skin points: density {density:g}{reached}")
+    limit = "" if lowest <= scale**-2 <= highest else f", mimoc's {'minimum' if scale > 1 else 'maximum'}"
+    settings.note(key, f"interpreted as a factor of the distance between skin points: density {density:g}{limit}")
     return density
 
 
@@ -104,19 +104,19 @@ def _response(settings: Settings) -> str | None:
 
 
 def _skin(settings: Settings) -> list[str] | None:
-    """Return the groups with skin, None where all have it."""
+    """Return the groups with skin, None if all have skin."""
     beside = {"touch_function", "touch_quantity", "touch_scale", "touch_scales"}
     beside |= {"touch_response", "touch_response_function", "touch_active", "touch_on", "touch_enabled"}
     found = switches(settings, "touch_", beside)
-    bare = switched_on(found, default=True, merge=any)
-    note_what_is_coarser(settings, found, bare, {True: "which has skin", False: "which has none"})
+    bare = enabled_groups(found, default=True, merge=any)
+    note_coarser_groups(settings, found, bare, {True: "which has skin", False: "which has none"})
     return named(bare) if found and bare != set(SINGLE_GROUPS) else None
 
 
 def _vision(settings: Settings) -> dict[str, Any] | None:
     on = _switch(settings, "vision")
     if on is False:
-        settings.pass_over("vision_")
+        settings.ignore("vision_")
         return None
     size_px = settings.whole("vision_resolution", "vision_size", low=1, high=MAX_PX)
     width_px = settings.whole("vision_width", low=1, high=MAX_PX)

@@ -1,4 +1,4 @@
-"""BabyBench's body, scenes, clock and episodes."""
+"""BabyBench's body, scenes, control step and episode length."""
 
 from typing import Any
 
@@ -7,31 +7,31 @@ from mimoc.importers.settings import Settings, plain
 from mimoc.schema.names import single_groups
 
 PHYSICS_STEP_MS = 5
-"""MIMo's, which `frame_skip` counts."""
+"""Duration of MIMo's physics step, in which `frame_skip` counts."""
 LONGEST_STEP_MS = 1000
-"""One control step of mimoc."""
+"""Longest control step in mimoc."""
 MAX_STEPS = 10**9
 MAX_SEED = 2**53
 
 BODIES = {"hand_regard": "five_finger"}
-"""Which behaviours have MIMo's second body; the others have its first."""
+"""Behaviours with MIMo's second body; the others have the first."""
 CUBES = ("bus", "robot", "sofa", "truck")
-"""The toys of mimoc that come nearest: they stand on the floor, and have edges."""
+"""The toys of mimoc that are most similar to cubes: they stand on the floor and have edges."""
 SCENES: dict[str, dict[str, Any]] = {
     "base": {"kind": "flat"},
     "flat": {"kind": "flat"},
     "crib": {"kind": "crib", "held": ["lower_body"]},
     "cubes": {"kind": "flat", "pose": "sitting", "held": ["hip"], "toys": {"subset": list(CUBES)}},
 }
-"""What they come to, with the part that BabyBench welds to the world."""
+"""Section `scene` by BabyBench's scene, with the body that BabyBench welds to the world."""
 SCENE_LOCKS = {"cubes": ("trunk", "legs")}
-"""What a scene locks, whatever the configuration says: where BabyBench does so joint by joint, all of the group."""
+"""Groups that a scene always locks; BabyBench locks single joints of them."""
 SCENE_NOTES = {
-    "crib": "limbs start as in mimoc's 'supine', where BabyBench has all joints at 0",
-    "cubes": "the infant sits upright, with trunk and legs locked and a head that moves; BabyBench's leans back by 55 "
-    "degrees, with trunk, hips and knees locked and a head that only swivels",
+    "crib": "the initial pose is mimoc's 'supine', where BabyBench has all joints at 0",
+    "cubes": "the infant sits upright, with trunk and legs locked and a free head; BabyBench's leans back by 55 "
+    "degrees, with trunk, hips and knees locked and a head that can only turn",
 }
-"""What a scene does not have as BabyBench has it."""
+"""Differences from BabyBench's scene."""
 POSES = {
     "prone": "prone",
     "sit": "sitting",
@@ -48,7 +48,7 @@ HANDS = {
 
 
 def read_body(settings: Settings) -> dict[str, Any]:
-    """Return the section `body` of a spec: the one of the behaviour, unless another is named."""
+    """Return the section `body` of a spec: the body of the behaviour, unless another one is named."""
     behavior = settings.find("behavior", "behaviour")
     of_behavior = BODIES.get(plain(settings.value(behavior))) if behavior else None
     hands = settings.choice("mimo_version", "mimo_model", "hands", meanings=HANDS) or of_behavior
@@ -57,7 +57,7 @@ def read_body(settings: Settings) -> dict[str, Any]:
         word = plain(settings.value(other))
         hands = hands or HANDS.get(word)
         if word not in HANDS:
-            settings.note(other, f"no counterpart; of MIMo's bodies, {suggestion(word[:80], HANDS)}")
+            settings.note(other, f"no counterpart; not one of MIMo's bodies; {suggestion(word[:80], HANDS)}")
     return {"hands": hands} if hands == "five_finger" else {}
 
 
@@ -68,7 +68,7 @@ def read_scene(settings: Settings) -> dict[str, Any]:
     if key and (said := SCENE_NOTES.get(plain(settings.value(key)))):
         settings.note(key, said)
     if key and "toys" in scene:
-        settings.note(key, f"mimoc has no toy cubes; toys with edges lie there instead: {', '.join(CUBES)}")
+        settings.note(key, f"mimoc has no toy cubes; the scene has other toys instead: {', '.join(CUBES)}")
     pose = settings.choice("position", "pose", "initial_position", "init_position", meanings=POSES)
     seed = settings.whole("seed", low=0, high=MAX_SEED)
     extra = {"pose": pose, "seed": seed}
@@ -76,7 +76,7 @@ def read_scene(settings: Settings) -> dict[str, Any]:
 
 
 def scene_locks(settings: Settings) -> frozenset[str]:
-    """Return the groups of muscles that a scene locks by itself."""
+    """Return the muscle groups that a scene always locks."""
     key = settings.find("scene")
     groups = SCENE_LOCKS.get(plain(settings.value(key)), ()) if key else ()
     return frozenset(single_groups(groups))
@@ -89,6 +89,6 @@ def read_control(settings: Settings) -> dict[str, Any]:
 
 
 def read_task(settings: Settings) -> dict[str, Any]:
-    """Return the section `task` of a spec: nothing to achieve, and an end."""
+    """Return the section `task` of a spec: no goal, with a maximum number of steps."""
     steps = settings.whole("max_episode_steps", "max_steps", "episode_steps", low=1, high=MAX_STEPS)
     return {} if steps is None else {"kind": "free", "steps": steps}
