@@ -167,7 +167,7 @@ class Kinds(Mapping[str, K]):
     def __getitem__(self, name: str) -> K:
         if name not in self.own:
             return self._added[name][0]
-        record = self.own[name]
+        record: Any = self.own[name]
         return import_module(record).KIND if isinstance(record, str) else record
 
     def __iter__(self) -> Iterator[str]:
@@ -217,7 +217,8 @@ def announced(group: str) -> list[str]:
 @cache
 def installed_entry_points() -> EntryPoints:
     """Return the entry points of all installed distributions, which are looked up once."""
-    return entry_points()
+    found: Any = entry_points()  # Python 3.11's has another type, with the same `select`.
+    return found
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:

@@ -17,7 +17,7 @@ from mimoc.policies import POLICIES
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-    from mimoc.recording.record import Look
+    from mimoc.recording.record import Capture
     from mimoc.runtime.rollout import PolicyMaker, Run
 
 EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"
@@ -71,7 +71,7 @@ def run(
         print(video)
 
 
-def _run(rollout: "Run", steps: int, recorded: "AbstractContextManager[Look | None]", video: Path | None) -> None:
+def _run(rollout: "Run", steps: int, recorded: "AbstractContextManager[Capture | None]", video: Path | None) -> None:
     """Take some control steps with a progress bar, and record them if there is a video."""
     from mimoc.cli import console
 

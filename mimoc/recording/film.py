@@ -28,7 +28,6 @@ HURRY = 0.1
 GAP_PX = 4
 """Gap between the images of a frame."""
 BACKGROUND = 255
-EYES = ("eye_left", "eye_right")
 SHARP = 2
 """Factor of supersampling for the views of eyes that the infant does not observe."""
 
