@@ -1,4 +1,4 @@
-"""Which solver settings an infant needs: speed, convergence and warnings over many random-control steps.
+"""Comparison of solver settings: speed, convergence and warnings over many steps with random commands.
 
     python benchmarks/solver.py [--steps 100000] [--hands five_finger] [--actuation muscle]
 
