@@ -36,7 +36,7 @@ CANDIDATES = {
 
 @dataclass
 class Tally:
-    """What came of one candidate."""
+    """The results of one candidate."""
 
     residuals: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)

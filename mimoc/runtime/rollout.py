@@ -54,7 +54,7 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
     """Return the policy of a name, or what makes one for an environment.
 
     Raises:
-        UnknownNameError: If there is none of that name.
+        UnknownNameError: If there is no such policy.
     """
     maker = function_of(POLICIES.find(policy).run, "bind") if isinstance(policy, str) else policy
     return maker(env)
