@@ -1,4 +1,4 @@
-"""What a control step costs by actuation model and hands, beside the same physics in a bare loop.
+"""Cost of a control step by actuation model and hands, compared with the same physics in a bare loop.
 
     python benchmarks/actuation.py [--rounds 40]
 

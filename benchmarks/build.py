@@ -1,4 +1,4 @@
-"""What building costs: a spec to a bundle in memory, and `mimoc build` beside the imports it cannot do without.
+"""Cost of building: a bundle in memory, and `mimoc build` compared with the imports it needs.
 
     python benchmarks/build.py [--rounds 20]
 

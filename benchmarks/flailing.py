@@ -1,4 +1,4 @@
-"""Does any infant break down or fling a joint out, however it is made and whatever it is commanded?
+"""Stability of random infants under extreme commands: warnings and violations of joint limits.
 
     python benchmarks/flailing.py [--infants 300]
 

@@ -1,4 +1,4 @@
-"""What a call of inverse dynamics costs by actuation model and hands. Wanted: 1 ms with mittens.
+"""Cost of a call of inverse dynamics by actuation model and hands. Target: 1 ms with mittens.
 
     python benchmarks/inverse.py [--rounds 40]
 

@@ -1,4 +1,4 @@
-"""How much better than a random policy an infant reaches that has learned to, over some seeds.
+"""Learning to reach: performance of trained policies compared with a random policy, over several seeds.
 
     python benchmarks/learning.py [-o docs/learning] [--steps 200000] [--seeds 3] [--episodes 200]
 

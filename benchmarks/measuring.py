@@ -1,4 +1,4 @@
-"""Medians of CPU time: alternating, so that whatever else the machine does meets all candidates alike."""
+"""Medians of CPU time, measured alternately so that other load on the machine affects all candidates equally."""
 
 import os
 import statistics

@@ -1,4 +1,4 @@
-"""What an infant holds in memory, and whether that grows: resident size over many control steps.
+"""Memory use: resident size over many control steps.
 
     python benchmarks/memory.py [--steps 100000]    (ten minutes)
 

@@ -1,4 +1,4 @@
-"""What opening costs: from the folder of a bundle to the first observation, each time in a fresh process.
+"""Cost of opening: from a bundle folder to the first observation, each time in a new process.
 
     python benchmarks/open.py [--rounds 15]
 

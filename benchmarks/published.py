@@ -1,4 +1,4 @@
-"""How much faster mimoc's five-finger body steps than the published one with its own solver settings.
+"""Speed of mimoc's five-finger body compared with the published one with its own solver settings.
 
     python benchmarks/published.py [--rounds 15]
 

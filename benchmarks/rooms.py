@@ -1,4 +1,4 @@
-"""What rooms and toys cost: to build, to change at a reset, to keep and to step.
+"""Cost of rooms and toys: building, changing at a reset, memory and stepping.
 
     python benchmarks/rooms.py [--rounds 15]
 

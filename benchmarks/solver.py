@@ -1,4 +1,4 @@
-"""Which solver settings an infant needs: speed, convergence and warnings over many random-control steps.
+"""Comparison of solver settings: speed, convergence and warnings over many steps with random commands.
 
     python benchmarks/solver.py [--steps 100000] [--hands five_finger] [--actuation muscle]
 
@@ -36,7 +36,7 @@ CANDIDATES = {
 
 @dataclass
 class Tally:
-    """What came of one candidate."""
+    """The results of one candidate."""
 
     residuals: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""What a control step costs: two physics steps of 5 ms, felt, beside the same physics in a bare loop.
+"""Cost of a control step: two physics steps of 5 ms with observations, compared with a bare loop.
 
     python benchmarks/step.py [--rounds 100]
 

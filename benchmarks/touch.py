@@ -1,4 +1,4 @@
-"""What touch costs: alone beside a plain loop over contacts, and in a control step beside the same physics bare.
+"""Cost of touch: alone, compared with a plain loop over contacts, and in a control step, compared with bare physics.
 
     python benchmarks/touch.py [--rounds 40]
 

@@ -1,4 +1,4 @@
-"""What it costs to see: both eyes, as fine as the infant's age sees and foveated, beside the usual way to do that.
+"""Cost of vision: both eyes with acuity and foveation, compared with MuJoCo's default rendering.
 
     python benchmarks/vision.py [--rounds 20]
 

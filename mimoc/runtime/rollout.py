@@ -53,7 +53,7 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
     """Return a policy for an environment, by its name or from what makes one.
 
     Raises:
-        UnknownNameError: If there is none of that name.
+        UnknownNameError: If there is no such policy.
     """
     maker = function_of(POLICIES.find(policy).run, "bind") if isinstance(policy, str) else policy
     return maker(env)
