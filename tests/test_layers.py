@@ -35,7 +35,7 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
     return Layer(tuple(modules.split()), frozenset(below.split()), frozenset(libraries.split()))
 
 
-BASE = "version errors units streams files"
+BASE = "version errors units streams geometry files"
 LANGUAGE = f"{BASE} language kinds composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
 RUNNING = f"{LANGUAGE} bundle drawing run runtime control"
@@ -46,7 +46,8 @@ LAYERS = {
     "errors": layer("errors"),
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
-    "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version"),
+    "geometry": layer("geometry geometry.* rounding mujoco_layout", "errors"),
+    "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version geometry"),
     "language": layer("schema.[!iorsw]* schema.source*", "errors units", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),
     "composition": layer("schema.composition", "language kinds", "pydantic"),
@@ -60,7 +61,7 @@ LAYERS = {
     "build": layer(
         "", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh PIL coacd fast_simplification platformdirs scipy"
     ),
-    "compiler": layer("compiler compiler.*", BUILDING, "mujoco"),
+    "compiler": layer("compiler compiler.*", BUILDING, "mujoco scipy"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
     "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
@@ -96,7 +97,7 @@ RUN_MODULES = {
     "vision.preview",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
-    "delays": "line schedule",
+    "delays": "line schedule signals",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""
 
@@ -264,7 +265,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.schema.base", "from mimoc.schema.infant import InfantSpec", "language may not import schema"),
         ("mimoc.schema.infant", "import mimoc", "schema may not import mimoc"),
         ("mimoc.fits.tables", "import yaml", "yaml belongs to language"),
-        ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, spec, schema, bundle"),
+        ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, composition, spec, schema, bundle"),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
         ("mimoc.body.grow", "import numpy, torch", "torch belongs to training"),
         ("mimoc.stray", "import math", "the module is in no layer"),

@@ -132,10 +132,8 @@ def test_a_missing_matplotlib_names_the_extra(tmp_path, monkeypatch):
 
 
 def test_pyplot_and_its_global_state_are_left_alone(tmp_path):
-    code = (
-        "import sys; from mimoc.render.plots.growth import plot_growth; "
-        "plot_growth({}, sys.argv[1]); print(*sys.modules)"
-    )
+    draw = "from mimoc.render.plots.growth import plot_growth; plot_growth({}, sys.argv[1])"
+    code = f"import sys; {draw}; print(*sys.modules)"
     modules = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "growth.png")], capture_output=True, text=True, check=True
     ).stdout.split()
