@@ -1,6 +1,6 @@
 """An infant placed in the world of its spec, with toys around it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,13 +115,17 @@ def furnish(
         locks=lock(locked_joints(spec, tree, setup), tree, start.qpos),
         welds=weld(holds(spec, tree, setup), tree, start.qpos),
     )
+    return FurnishedScene(_in_world(scene, world, starts.values()), toys, task_objects, built.origins)
+
+
+def _in_world(scene: SceneTree, world: World, poses: Iterable[Keyframe]) -> SceneTree:
+    """Return an infant in a world: its poses and the objects at rest, and contacts with barriers."""
     resting = tuple(number for each in world.objects for number in (*each.pos_m, *each.quat))
-    furnished = replace(
+    return replace(
         scene,
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
-        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in starts.values()),
+        keyframes=tuple(replace(pose, qpos=(*pose.qpos, *resting)) for pose in poses),
     )
-    return FurnishedScene(furnished, toys, task_objects, built.origins)
 
 
 def _with_task(world: World, setup: TaskSetup) -> World:
