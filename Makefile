@@ -1,13 +1,15 @@
-# Everything that is done with mimoc's source; `make help` lists it. Each goal sets itself up in .venv.
+# Development tasks; `make help` lists them. Each goal installs what it needs into .venv.
 
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out/demo
 ROOMS ?= 0:12
 TESTS ?= tests
+# Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
+TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
-# What is in $(VENV) already: what the demo needs, and what tests and training need besides.
+# Markers of what is installed in $(VENV): the packages for the demo, and those for tests and training.
 DEMO := $(VENV)/.demo
 TEST := $(VENV)/.test
 INFANT := $(OUT)/nine_months
@@ -18,10 +20,10 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 .DEFAULT_GOAL := help
 .PHONY: help demo test coverage golden matrix bench container apptainer opengl clean
 
-help: ## Say what there is to make.
+help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-demo: $(DEMO) opengl ## Build, validate, check, run and draw an infant of nine months, and let it reach.
+demo: $(DEMO) opengl ## Build, validate, check, run and render an infant of nine months, and let it reach.
 	$(BIN)/mimoc build configs/nine_months.yaml -o $(INFANT) --force
 	$(BIN)/mimoc validate --against who --plot $(OUT)/growth.png
 	$(BIN)/mimoc check $(INFANT)
@@ -33,9 +35,9 @@ demo: $(DEMO) opengl ## Build, validate, check, run and draw an infant of nine m
 	$(BIN)/mimoc see $(OUT)/playroom -o $(OUT)/seen.png
 	@echo
 	@echo "the infant   $(INFANT)/scene.xml   ($(BIN)/python -m mujoco.viewer --mjcf=$(INFANT)/scene.xml)"
-	@echo "its picture  $(OUT)/nine_months.png"
+	@echo "its image    $(OUT)/nine_months.png"
 	@echo "rooms        $(OUT)/rooms.png"
-	@echo "what it sees $(OUT)/seen.png   (in one of them, through eyes of 1 to 12 months)"
+	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
 test: $(TEST) opengl ## Lint, check types and run every test, and say how long each part took.
@@ -43,60 +45,60 @@ test: $(TEST) opengl ## Lint, check types and run every test, and say how long e
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
-		"tests: $(BIN)/pytest -n 2 --dist loadgroup --durations 15"
+		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
 
 coverage: $(TEST) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
 	rm -rf out/coverage
-	$(BIN)/pytest -n 2 --dist loadgroup --cov --cov-report= $(TESTS)
+	$(BIN)/pytest $(TWO_WORKERS) --cov --cov-report= $(TESTS)
 	$(BIN)/coverage html --quiet
 	$(BIN)/coverage report
 
-golden: $(TEST) ## Renew the golden files; read the difference before you commit it.
+golden: $(TEST) ## Update the golden files; review the diff before committing it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
 
-matrix: ## Try several MuJoCos and Pythons, each pair in an environment of its own under .matrix (7 GB, half an hour).
+matrix: ## Test several versions of MuJoCo and Python, each pair in its own environment in .matrix (7 GB, half an hour).
 	@$(PYTHON) .ci/matrix.py
 
-bench: $(TEST) ## Measure speed and the solver (minutes).
+bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
 
-container: apptainer $(TEST) ## Build dist/mimoc.sif, a container with all that mimoc needs, and test it.
+container: apptainer $(TEST) ## Build and test the container dist/mimoc.sif.
 	rm -f dist/mimoc-*.whl
 	$(BIN)/python -m build --wheel --no-isolation --outdir dist .
 	$(APPTAINER) build --force dist/mimoc.sif containers/mimoc.def
 
 apptainer:
-	@[ -n "$(APPTAINER)" ] || { echo "make container needs Apptainer or Singularity, and there is none; install one" \
-		"(https://apptainer.org/docs/admin/main/installation.html), or name it with: make container APPTAINER=..."; exit 1; }
+	@[ -n "$(APPTAINER)" ] || { echo "make container needs Apptainer or Singularity; install one of them" \
+		"(https://apptainer.org/docs/admin/main/installation.html), or give its path: make container APPTAINER=..."; exit 1; }
 
-clean: ## Remove what was built here: .venv, .matrix, out, caches.
+clean: ## Remove everything that was built: .venv, .matrix, out, caches.
 	rm -rf $(VENV) .matrix out dist build .pytest_cache .ruff_cache .hypothesis
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(DEMO): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
-		{ echo "mimoc needs Python 3.11 or later; name one with: make PYTHON=/path/to/python3.12"; exit 1; }
-	@echo "Installing mimoc and what it needs into $(VENV): some 500 MB (MuJoCo, SciPy, Matplotlib), in a minute or two."
+		{ echo "mimoc needs Python 3.11 or later; choose one with: make PYTHON=/path/to/python3.12"; exit 1; }
+	@echo "Installing mimoc and its dependencies into $(VENV): about 500 MB (MuJoCo, SciPy, Matplotlib), a minute or two."
 	@$(PYTHON) -m venv $(VENV) || { echo "python's venv is missing (Debian: apt-get install python3-venv)"; exit 1; }
 	$(BIN)/pip install --editable '.[report]'
 	@touch $@
 
 $(TEST): $(DEMO)
-	@echo "Installing what tests and training need into $(VENV): PyTorch, pytest, ruff, pyright and more. With a PyTorch"
-	@echo "without CUDA, where that is to be had, some 1 GB in a few minutes; with CUDA some 6 GB, in ten minutes."
-	@$(torch_without_cuda) || echo "There is no PyTorch without CUDA to be had now: taking PyTorch as it comes."
+	@echo "Installing the packages for tests and training into $(VENV): PyTorch, pytest, ruff, pyright and more. A CPU build"
+	@echo "of PyTorch needs about 1 GB and a few minutes; if none is available, a CUDA build needs about 6 GB and ten minutes."
+	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
 	$(BIN)/pip install --editable '.[report,toys,train,test,dev]'
 	@touch $@
 
-# uv knows the index of builds without CUDA. It gives up after some ten seconds without an answer. On a Mac there is no CUDA.
+# uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.
 torch_without_cuda = [ "$$(uname)" != Linux ] || { $(BIN)/pip install uv && \
 	UV_HTTP_CONNECT_TIMEOUT=4 UV_HTTP_TIMEOUT=8 UV_HTTP_RETRIES=1 \
 	$(BIN)/uv pip install --python $(BIN)/python --torch-backend cpu --no-deps 'torch<3'; }
 
-# Pictures need OpenGL without a screen. It is tried rather than looked up: a library may be there and not work.
+# Rendering needs OpenGL without a display. It is tested, as a library may be installed and still not work.
 opengl: $(DEMO)
 	@$(draw) || { $(install_opengl) && $(draw); } || \
-		echo "No OpenGL: pictures will fail. Install EGL or OSMesa (Debian: $(OPENGL_PACKAGES))."
+		echo "OpenGL is not available: rendering will fail. Install EGL or OSMesa (Debian: $(OPENGL_PACKAGES))."
 
 OPENGL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libosmesa6
 draw = $(BIN)/python -c 'from mimoc.render.opengl import open_context; open_context(8, 8).free()' 2>/dev/null

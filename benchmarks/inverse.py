@@ -56,7 +56,9 @@ def infant(hands: str, model: str) -> mimoc.InfantEnv:
 
 def controller(env: mimoc.InfantEnv) -> mimoc.InverseDynamics:
     hands = [mimoc.Reach(f"{side}_hand", env.data.body(f"{side}_hand").xipos + 0.03) for side in ("right", "left")]
-    return mimoc.InverseDynamics(env, [hands, [mimoc.LookAt(eye, hands[0].target) for eye in EYES]])
+    return mimoc.InverseDynamics(
+        env.model, env.data, env.manifest, [hands, [mimoc.LookAt(eye, hands[0].target) for eye in EYES]]
+    )
 
 
 def rest(env: mimoc.InfantEnv) -> np.ndarray:

@@ -22,30 +22,30 @@ from mimoc.training import Curve, Episode
 CONFIG = "configs/reach.yaml"
 RUNS = Path("runs/learning")
 FIRST_BALL = 1000
-"""Seed of the first ball: no training has begun with it."""
+"""Seed of the first ball, which is not the seed of any training run."""
 
 ABOUT = """\
 The average child of 18 months, held upright, learns with PPO to touch a ball with its right hand (`{config}`),
-for {steps:,} control steps of 10 ms with each of {seeds} seeds. Afterwards it, and one under a random policy, reach for
+for {steps:,} control steps of 10 ms with each of {seeds} seeds. The trained policies and a random policy then reach for
 the same {episodes} balls.
 
 ![Learning curves: mean and range of the seeds](learning.png)
 
 {table}
 
-A training took {minutes:.1f} minutes on one core, on average. `learning.csv` has the curves, a row for every 4,096
-steps; the first look a little too good, for episodes that a checkpoint cuts off count nowhere."""
+Training took {minutes:.1f} minutes on one core, on average. `learning.csv` has the curves, one row for every 4,096
+steps; the first rows are slightly too good, as episodes that a checkpoint interrupts are not counted."""
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """How well an infant reaches."""
+    """The performance of a policy."""
 
     name: str
     episodes: list[Episode]
 
     def row(self) -> tuple[str, ...]:
-        """Return what the table says of it."""
+        """Return its row of the table."""
         times_s = [each.duration_s for each in self.episodes if each.success]
         return (
             self.name,
@@ -57,7 +57,7 @@ class Result:
 
 
 def main() -> None:
-    """Train, compare, and write a page with the curves."""
+    """Train, compare, and write a report with the learning curves."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--out", default="docs/learning")
     parser.add_argument("--steps", type=int, default=200_000)
@@ -89,7 +89,7 @@ def evaluated(bundle: mimoc.Bundle, policy, episodes: int) -> list[Episode]:
         return mimoc.evaluate(env, policy, episodes, seed=FIRST_BALL)
 
 
-def write(given: argparse.Namespace, curves: Sequence[Curve], chance: Result, table: str) -> None:
+def write(given: argparse.Namespace, curves: Sequence[Curve], random: Result, table: str) -> None:
     notebook = open_notebook("learning", given.out, quick=False)
     rows = [
         (seed, row.steps, row.episodes, row.success_rate, row.time_to_success_s, row.episode_return)
@@ -98,14 +98,14 @@ def write(given: argparse.Namespace, curves: Sequence[Curve], chance: Result, ta
     ]
     headings = ("seed", "steps", "episodes", "success_rate", "time_to_success_s", "episode_return")
     notebook.write_table("learning.csv", headings, rows)
-    by_chance = {
-        "time_to_success_s": fmean(each.duration_s for each in chance.episodes if each.success),
-        "success_rate": fmean(each.success for each in chance.episodes),
-        "episode_return": fmean(each.total_reward for each in chance.episodes),
-        "episode_steps": fmean(each.steps for each in chance.episodes),
+    baseline = {
+        "time_to_success_s": fmean(each.duration_s for each in random.episodes if each.success),
+        "success_rate": fmean(each.success for each in random.episodes),
+        "episode_return": fmean(each.total_reward for each in random.episodes),
+        "episode_steps": fmean(each.steps for each in random.episodes),
     }
     columns = [curve.columns() for curve in curves]
-    notebook.write_picture("learning.png", curves_png({"PPO": columns}, by_chance))
+    notebook.write_picture("learning.png", curves_png({"PPO": columns}, baseline))
     about = ABOUT.format(
         config=CONFIG,
         steps=given.steps,
@@ -115,7 +115,7 @@ def write(given: argparse.Namespace, curves: Sequence[Curve], chance: Result, ta
         minutes=fmean(curve.rows[-1].wall_s for curve in curves) / 60,
     )
     made = f"    python benchmarks/learning.py --steps {given.steps} --seeds {given.seeds} --episodes {given.episodes}"
-    notebook.write_picture("learning.md", f"# Learning to reach\n\n{about}\n\n## How it was made\n\n{made}\n".encode())
+    notebook.write_picture("learning.md", f"# Learning to reach\n\n{about}\n\n## Reproduction\n\n{made}\n".encode())
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from measuring import cpu_medians_s
 from PIL import Image
 
 import mimoc
-from mimoc.compiler import pipeline
+from mimoc.compiler import building, model_check, pipeline
 
 CONTROL_STEPS = 100
 SCENES = 4
@@ -48,7 +48,7 @@ def main() -> None:
     row("the same, of an infant that sees [ms]", 1e3 * timed(partial(rescene, seeing), rounds), 50)
     blind.close()
     seeing.close()
-    builder = pipeline.builder(spec({"kind": "room", "toys": {"count": [10, 10]}}))
+    builder = building.builder(spec({"kind": "room", "toys": {"count": [10, 10]}}))
     sizes = [weigh(builder(seed)) for seed in range(rounds)]
     row("bundle with ten toys, largest [MB]", max(size for size, _ in sizes), 5)
     row("its textures decoded, largest [MB]", max(decoded for _, decoded in sizes), 16)
@@ -88,7 +88,7 @@ def weigh(bundle: mimoc.Bundle) -> tuple[float, float]:
 def compare_steps(pose: str, rounds: int) -> None:
     """Print the time of a control step in each world, over that on an empty floor."""
     models = {
-        (name, seed): pipeline.compile_model(pipeline.build(spec({**world, "pose": pose, "seed": seed})).files)
+        (name, seed): model_check.compile_model(pipeline.build(spec({**world, "pose": pose, "seed": seed})).files)
         for (name, world), seed in itertools.product(WORLDS.items(), range(SCENES))
     }
     commands = np.random.default_rng(0).uniform(-1, 1, (CONTROL_STEPS, models["flat", 0].nu))

@@ -8,7 +8,8 @@ from mimoc.version import __version__
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle, read_bundle, write_bundle
-    from mimoc.compiler.pipeline import build, load_spec
+    from mimoc.compiler.loading import load_spec
+    from mimoc.compiler.pipeline import build
     from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
     from mimoc.environments import make
     from mimoc.errors import MimocError
@@ -36,7 +37,7 @@ _HOMES = {
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "load_policy": "mimoc.training",
-    "load_spec": "mimoc.compiler.pipeline",
+    "load_spec": "mimoc.compiler.loading",
     "make": "mimoc.environments",
     "read_bundle": "mimoc.bundle.io",
     "record": "mimoc.recording",

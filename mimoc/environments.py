@@ -40,9 +40,9 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
     is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
     if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
         return runtime.make(source, **options)
-    from mimoc.compiler import pipeline  # The compiler, which bundles do without.
+    from mimoc.compiler import loading
 
-    spec = source if isinstance(source, InfantSpec) else pipeline.load_spec(source)
+    spec = source if isinstance(source, InfantSpec) else loading.load_spec(source)
     return runtime.make(**_compiled(spec), **options)
 
 
@@ -91,9 +91,9 @@ def _given(**choices: Any) -> dict[str, Any]:
 
 def _compiled(spec: InfantSpec) -> dict[str, Any]:
     """Return what an environment is made of: the bundle of a spec, and what makes it in another scene."""
-    from mimoc.compiler import pipeline
+    from mimoc.compiler import building
 
-    builder = pipeline.builder(spec)
+    builder = building.builder(spec)
     scenes = partial(builder, check=False)
     return {"bundle": scenes(builder.spec.scene.seed), "next_bundle": scenes}
 

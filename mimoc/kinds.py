@@ -65,7 +65,7 @@ class ActuationKind:
     about: str
     """One sentence for help."""
     build: Code
-    """`build(spec, body, timestep_s) -> Drive`: the actuators in the MJCF, and the joints as they leave them."""
+    """`build(spec, body, timestep_s) -> ActuationSetup`: the actuators, and what they leave of springs and dampers."""
     run: Code
     """`bind(entry, model) -> Actuation`: from an action to controls."""
     spec: "type[Model] | None" = None
@@ -103,11 +103,15 @@ class SceneKind:
     about: str
     """One sentence for help."""
     build: Code
-    """`build(spec, surroundings) -> Setting`: the world before toys are put there."""
+    """`build(spec, occupant, wallpapers) -> BuiltScene`: the world before toys are put there."""
     spec: "type[Model] | None" = None
     """What else a user can ask of it, as a section of `scene` under its name."""
     has_floor: bool = True
     """Whether toys can lie there."""
+    needs_footprint: bool = True
+    """Whether building it takes the floor that the infant covers in its poses."""
+    varies: bool = True
+    """Whether the seed changes more of it than its toys."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -144,6 +144,7 @@ def test_what_nothing_asks_for_is_not_there(container):
         assert "No module named" in container.run(f"python -c 'import {library}'").stderr
 
 
+@pytest.mark.slow
 def test_it_passes_its_own_test(container):
     """Builds, validates, runs with sight, draws; and leaves nothing behind."""
     before = set(container.root.iterdir())

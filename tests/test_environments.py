@@ -194,5 +194,5 @@ def test_a_state_brings_its_scene_along(env):
 
 def test_a_bundle_refuses_the_state_of_another_scene():
     one, other = (mimoc.make(mimoc.build(spec(seed))) for seed in (1, 2))
-    with pytest.raises(ValueError, match="a state of scene 1; here is scene 2"):
+    with pytest.raises(ValueError, match="state has scene_seed 1, but this environment has 2"):
         other.unwrapped.set_state(one.unwrapped.get_state())

@@ -44,9 +44,9 @@ KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "pol
 LAYERS = {
     "version": layer("version"),
     "errors": layer("errors"),
-    "units": layer("units"),
+    "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
-    "files": layer("bundle.files bundle.swap bundle.json_text", "errors version"),
+    "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version"),
     "language": layer("schema.[!iorsw]* schema.source*", "errors units", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),
     "composition": layer("schema.composition", "language kinds", "pydantic"),
@@ -63,7 +63,7 @@ LAYERS = {
     "compiler": layer("compiler compiler.*", BUILDING, "mujoco"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
-    "run": layer("", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
+    "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
     "runtime": layer("runtime runtime.*", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
     "control": layer("control control.*", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies.*", RUNNING, ""),
@@ -94,7 +94,7 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 RUN_MODULES = {
     "senses": "binding custom sense nothing touch.contacts touch.receptors vision.eyes vision.blur vision.foveation "
     "vision.preview",
-    "tasks": "binding custom task gaze catch.ball_size",
+    "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "line schedule",
 }
@@ -251,7 +251,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.senses.touch.run", "from ...body import tree", "run may not import body"),
         ("mimoc.senses.touch.run", "from mimoc.senses.touch import build", "run may not import build"),
         ("mimoc.tasks.reach.run", "from mimoc.runtime.env import InfantEnv", "run may not import runtime"),
-        ("mimoc.tasks.reach.build", "from mimoc.tasks.reach.run import Reach", "build may not import run"),
+        ("mimoc.tasks.reach.build", "from mimoc.tasks.reach.run import ReachTask", "build may not import run"),
         ("mimoc.senses.touch.build", "from mimoc.control import Reach", "build may not import control"),
         ("mimoc.senses.touch.spec", "from mimoc.body import BodyTree", "spec may not import body"),
         ("mimoc.senses.touch", "from mimoc.senses.touch import build", "spec may not import build"),

@@ -139,6 +139,7 @@ def reader(tmp_path, monkeypatch) -> Reader:
     return found
 
 
+@pytest.mark.slow
 def test_every_block_works_as_it_is_printed_one_after_the_other(reader):
     followed = []
     for block in blocks():

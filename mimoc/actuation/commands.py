@@ -1,4 +1,4 @@
-"""Commands: an action as controls, and what the actuators that follow them have in common."""
+"""Commands: an action as controls of MuJoCo's actuators."""
 
 from dataclasses import dataclass
 
@@ -27,10 +27,12 @@ class Commands:
         """Return the control of each actuator, shape (n,), an array of its own.
 
         Raises:
-            ValueError: If the action is not one number for each actuator.
+            ValueError: If the action has another shape, or a NaN.
         """
-        if np.shape(action) != self.low.shape or np.isnan(action).any():
-            raise ValueError(f"an action is {len(self.low)} numbers, one for each actuator, and none of them NaN")
+        if np.shape(action) != self.low.shape:
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {np.shape(action)}")
+        if np.isnan(action).any():
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got NaN")
         return np.array(action, dtype=np.float64)
 
 

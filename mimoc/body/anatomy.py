@@ -1,7 +1,7 @@
 """The reference body but for hands and feet: its parts and joints, and MIMo's figures for them at 18 months.
 
 Names with `{side}` stand for a right and a left part; figures are those of the right side (the left is
-its mirror image in y). Sizes and positions are not here: they follow from measurements (`geometry`).
+its mirror image in y). Sizes and positions are not here: they follow from measurements (`segments`, `extremities`).
 Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 """
 

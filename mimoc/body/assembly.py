@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
 
-from mimoc.body import anatomy, five_finger, mitten, strength
+from mimoc.body import anatomy, five_finger, mitten, motors
 from mimoc.body.figures import GeomFigures, MotorFigures, Part
 
 RIGHT_THEN_LEFT = ("right", "left")
@@ -64,16 +64,16 @@ def _parts(five: bool, chest_joint: bool) -> Iterator[tuple[str, Part]]:
 
 
 def _motors(five: bool, chest_joint: bool) -> Iterator[tuple[str, MotorFigures]]:
-    chest = strength.CHEST_MOTORS if chest_joint else ()
+    chest = motors.CHEST_MOTORS if chest_joint else ()
     hand = five_finger.HAND_MOTORS if five else mitten.HAND_MOTORS
-    yield from (("", motor) for motor in (*strength.TRUNK_MOTORS, *chest, *strength.HEAD_MOTORS))
+    yield from (("", motor) for motor in (*motors.TRUNK_MOTORS, *chest, *motors.HEAD_MOTORS))
     for side in ("left", "right"):
-        yield from ((side, motor) for motor in strength.EYE_MOTORS)
+        yield from ((side, motor) for motor in motors.EYE_MOTORS)
     for side in RIGHT_THEN_LEFT:
-        yield from ((side, motor) for motor in (*strength.ARM_MOTORS, *hand))
+        yield from ((side, motor) for motor in (*motors.ARM_MOTORS, *hand))
     for side in RIGHT_THEN_LEFT:
         toes = five_finger.TOE_MOTORS[side] if five else mitten.TOE_MOTORS
-        yield from ((side, motor) for motor in (*strength.LEG_MOTORS, *toes))
+        yield from ((side, motor) for motor in (*motors.LEG_MOTORS, *toes))
 
 
 def _with_masses(part: Part, masses_kg: Mapping[str, float]) -> Part:

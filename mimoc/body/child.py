@@ -1,11 +1,11 @@
-"""The one child that a spec asks for: the average of its age, made an individual, with single parts changed."""
+"""The child that a spec describes: the average of its age, made an individual, with single parts changed."""
 
 from mimoc.body.assembly import Anatomy
+from mimoc.body.damping import scale_damping
 from mimoc.body.grow import grow
 from mimoc.body.individual import individualise
 from mimoc.body.prune import prune
-from mimoc.body.steady import steady
-from mimoc.body.strengthen import strengthen
+from mimoc.body.strength import scale_strength
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measured, Measurements, measure
 from mimoc.schema.infant import InfantSpec
@@ -31,14 +31,14 @@ def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
 
 
 def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -> BodyTree:
-    """Return the body of a spec's child: parts scaled, strong as asked for and steady, absent limbs left out.
+    """Return the body of a spec's child: parts, strength and damping scaled, absent limbs left out.
 
     Raises:
         GeometryError: If no body has these measurements.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
     grown = grow(measurements, anatomy, scales)
-    return prune(steady(strengthen(grown, anatomy, spec.actuation), anatomy), spec.body.remove)
+    return prune(scale_damping(scale_strength(grown, anatomy, spec.actuation), anatomy), spec.body.remove)
 
 
 def _given(key: str, value_cm: float) -> Measured:

@@ -13,8 +13,8 @@ from functools import cache
 from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.figures import GeomFigures
-from mimoc.body.geometry import Layout, lay_out
 from mimoc.body.proportions import proportions
+from mimoc.body.segments import Dimensions, body_dimensions
 from mimoc.fits import measure
 from mimoc.geometry.primitives import volume
 
@@ -45,12 +45,12 @@ def is_of_fingers(figures: GeomFigures, hands: str) -> bool:
 def reference_volumes(hands: str) -> Mapping[str, float]:
     """Return the volume of each geom of the average child of 18 months, in m³, by its name with `{side}`."""
     average = measure(REFERENCE_AGE_MONTHS)
-    return volumes(assemble(hands, False), lay_out(proportions(average, average), hands))
+    return volumes(assemble(hands, False), body_dimensions(proportions(average, average), hands))
 
 
-def volumes(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
+def volumes(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
     """Return the volume of each geom by its name with `{side}`, in m³."""
-    return {name: volume(figures.type, layout.solids[name].size_m) for name, figures in anatomy.geoms.items()}
+    return {name: volume(figures.type, dimensions.shapes[name].size_m) for name, figures in anatomy.geoms.items()}
 
 
 FIVE_FINGER_HAND: Mapping[str, Size] = {

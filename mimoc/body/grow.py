@@ -8,9 +8,9 @@ from mimoc.body.anatomy import FRICTIONLESS, REFERENCE_AGE_MONTHS, TENDONS
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.density import density, reference_volumes, volumes
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
-from mimoc.body.geometry import Layout, lay_out
 from mimoc.body.proportions import proportions
 from mimoc.body.scaling import check_limbs, check_trunk, scale_part
+from mimoc.body.segments import Dimensions, body_dimensions
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import volume
@@ -35,12 +35,12 @@ def grow(
     Raises:
         GeometryError: If no body has these measurements.
     """
-    layouts = {side: _lay_out_side(measurements, anatomy, scales, side) for side in SIDES}
-    growth = {side: _growth(anatomy, layout) for side, layout in layouts.items()}
+    by_side = {side: _side_dimensions(measurements, anatomy, scales, side) for side in SIDES}
+    growth = {side: _growth(anatomy, dimensions) for side, dimensions in by_side.items()}
     return BodyTree(
         age_months=measurements.age_months,
         hands=anatomy.hands,
-        bodies=tuple(_body(part, side, layouts[side], anatomy.hands) for side, part in anatomy.parts),
+        bodies=tuple(_body(part, side, by_side[side], anatomy.hands) for side, part in anatomy.parts),
         motors=tuple(_motor(figures, side, growth[side][figures.mover]) for side, figures in anatomy.motors),
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=anatomy.excluded,
@@ -54,25 +54,27 @@ def grow_reference(hands: str) -> BodyTree:
     return grow(measure(REFERENCE_AGE_MONTHS), assemble(hands, False))
 
 
-def _lay_out_side(measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str) -> Layout:
-    """Return the layout of one side's measurements; of the middle's, where *side* is empty."""
+def _side_dimensions(
+    measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str
+) -> Dimensions:
+    """Return the dimensions of one side's measurements; of the middle's, where *side* is empty."""
     base = {name: measured.value_m for name, measured in measurements.base.items()}
-    layout = lay_out(proportions(measurements.of_side(side), base), anatomy.hands)
+    dimensions = body_dimensions(proportions(measurements.of_side(side), base), anatomy.hands)
     parts = [part for here, part in anatomy.parts if here in (side, "")]
     for part in parts:
         if part.name.format(side=side) in scales:
-            layout = scale_part(layout, part.name, parts, *scales[part.name.format(side=side)])
+            dimensions = scale_part(dimensions, part.name, parts, *scales[part.name.format(side=side)])
     if side:
-        check_limbs(layout)
+        check_limbs(dimensions)
     else:
-        check_trunk(layout)
-    return layout
+        check_trunk(dimensions)
+    return dimensions
 
 
-def _growth(anatomy: Anatomy, layout: Layout) -> dict[str, float]:
+def _growth(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
     """Return the volume of each geom relative to the average child of 18 months, by its name with `{side}`."""
     reference = reference_volumes(anatomy.hands)
-    return {name: volume_m3 / reference[name] for name, volume_m3 in volumes(anatomy, layout).items()}
+    return {name: volume_m3 / reference[name] for name, volume_m3 in volumes(anatomy, dimensions).items()}
 
 
 def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
@@ -87,21 +89,21 @@ def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
     )
 
 
-def _body(part: Part, side: str, layout: Layout, hands: str) -> Body:
+def _body(part: Part, side: str, dimensions: Dimensions, hands: str) -> Body:
     left = side == "left"
     return Body(
         name=part.name.format(side=side),
         parent=part.parent and part.parent.format(side=side),
-        pos_m=_mirror(layout.origins[part.name], left),
+        pos_m=_mirror(dimensions.origins[part.name], left),
         euler_deg=_mirror_turn(part.euler_deg, left),
-        joints=tuple(_joint(figures, side, layout.anchors) for figures in part.joints),
-        geoms=tuple(_geom(figures, side, layout, hands) for figures in part.geoms),
+        joints=tuple(_joint(figures, side, dimensions.anchors) for figures in part.joints),
+        geoms=tuple(_geom(figures, side, dimensions, hands) for figures in part.geoms),
     )
 
 
-def _geom(figures: GeomFigures, side: str, layout: Layout, hands: str) -> Geom:
+def _geom(figures: GeomFigures, side: str, dimensions: Dimensions, hands: str) -> Geom:
     left = side == "left"
-    solid = layout.solids[figures.name]
+    solid = dimensions.shapes[figures.name]
     return Geom(
         name=figures.name.format(side=side),
         type=figures.type,

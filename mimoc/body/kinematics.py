@@ -21,7 +21,7 @@ class Posed:
     geoms: tuple[Geom, ...]
     centres: FloatArray
     """Shape (n, 3), [m]."""
-    turns: FloatArray
+    rotations: FloatArray
     """Hip from geom, shape (n, 3, 3)."""
 
     @property
@@ -43,11 +43,11 @@ class Posed:
 
     def only(self, kept: Sequence[int]) -> "Posed":
         """Return some of the geoms, by their index."""
-        return Posed(tuple(self.geoms[index] for index in kept), self.centres[kept], self.turns[kept])
+        return Posed(tuple(self.geoms[index] for index in kept), self.centres[kept], self.rotations[kept])
 
     def reaches(self, direction: FloatArray) -> FloatArray:
         """Return how far each geom reaches from the hip along a unit vector of the hip frame, shape (n,), [m]."""
-        local = np.einsum("nij,i->nj", self.turns, direction)
+        local = np.einsum("nij,i->nj", self.rotations, direction)
         return self.centres @ direction + self.extents.along(local)
 
     def extent(self, direction: FloatArray) -> float:

@@ -61,13 +61,13 @@ POSES: Mapping[str, Pose] = {
     ),
     "standing": Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30}),
 }
-"""What is natural at an infant's age, well inside the range of every joint; lumbar joints keep their couplings."""
+"""Natural poses for infants, well inside the range of every joint; lumbar joints keep their couplings."""
 
 CONTACT_DEPTH_M = 1e-4
 """How deep a resting body presses into the ground, so that the first physics step already carries it."""
 
 _STEP_DEG = 0.5
-"""How finely a body's roll is followed down to where it comes to rest."""
+"""Step in which a rolling body is followed down to its resting pitch."""
 _PRECISION_RAD = 1e-9
 
 
@@ -89,11 +89,11 @@ def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
 def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
     """Return a pose at rest on the ground as qpos: place and quaternion of the hip, then the hinges.
 
-    As stiff as a statue, the body rolls about y to where its centre of mass is lowest: there it rests.
+    The body, rigid, rolls about y to the next minimum of the height of its centre of mass, and rests there.
 
     Args:
         tree: The body.
-        wanted: The pose; of its turn, the rest is the one downhill from it.
+        wanted: The pose; the minimum is the one downhill from its pitch.
     """
     angles = pose_angles(tree, wanted)
     posed = pose(tree, angles)
@@ -108,7 +108,7 @@ def pitched(pitch_rad: float) -> Quaternion:
 
 
 def _resting_pitch(posed: Posed, start_rad: float) -> float:
-    """Return the pitch at which a body that starts at *start_rad* comes to rest: downhill, then the minimum there."""
+    """Return the pitch at which a body that starts at *start_rad* comes to rest: the next minimum downhill."""
     centre, solid = posed.centre_of_mass, posed.solid
 
     def height(pitch: float) -> float:

@@ -1,4 +1,4 @@
-"""Limbs that an infant does not have: they go with everything on them."""
+"""Removal of limbs, with everything attached to them."""
 
 from collections.abc import Collection
 from dataclasses import replace

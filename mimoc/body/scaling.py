@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterable, Mapping
 
+from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, Part
-from mimoc.body.layout import Layout, Solid
-from mimoc.body.tree import Vec3
 from mimoc.errors import GeometryError
+from mimoc.geometry.rotations import Vec3
 
 LYING_PARTS = ("{side}_foot", "{side}_toes", "{side}_big_toe")
 """Parts whose length runs along x; that of all others runs along z."""
@@ -21,14 +21,14 @@ LIMBS = (
 """The solid of each long segment, and the part at whose joint it ends."""
 
 
-def check_limbs(layout: Layout) -> None:
-    """Pass a layout whose limbs are longer than wide.
+def check_limbs(dimensions: Dimensions) -> None:
+    """Pass a dimensions whose limbs are longer than wide.
 
     Raises:
         GeometryError: If one is not.
     """
     for geom, end in LIMBS:
-        length_m, thickness_m = math.dist(layout.origins[end], (0, 0, 0)), 2 * layout.solids[geom].size_m[0]
+        length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
         if thickness_m >= length_m:
             raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
 
@@ -38,15 +38,15 @@ DEEPEST = 0.5
 push each other apart with a force that no joint withstands."""
 
 
-def check_trunk(layout: Layout) -> None:
-    """Pass a layout whose belly and pelvis, which meet two joints apart, do not stand in one another.
+def check_trunk(dimensions: Dimensions) -> None:
+    """Pass a dimensions whose belly and pelvis, which meet two joints apart, do not stand in one another.
 
     Raises:
         GeometryError: If they do.
     """
-    pelvis, belly = layout.solids["lb"], layout.solids["ub1"]
+    pelvis, belly = dimensions.shapes["lb"], dimensions.shapes["ub1"]
     on_belly = [
-        sum(axis) for axis in zip(*(layout.origins[body] for body in ("lower_body", "upper_body")), strict=True)
+        sum(axis) for axis in zip(*(dimensions.origins[body] for body in ("lower_body", "upper_body")), strict=True)
     ]
     x, _, z = (a + b - c for a, b, c in zip(on_belly, belly.pos_m, pelvis.pos_m, strict=True))
     depth_m = pelvis.size_m[0] + belly.size_m[0] - math.hypot(x, z)
@@ -56,11 +56,11 @@ def check_trunk(layout: Layout) -> None:
         )
 
 
-def scale_part(layout: Layout, name: str, parts: Iterable[Part], length: float, girth: float) -> Layout:
-    """Return a layout in which one part is scaled.
+def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length: float, girth: float) -> Dimensions:
+    """Return a dimensions in which one part is scaled.
 
     Args:
-        layout: Of one side.
+        dimensions: Of one side.
         name: The part, by its name with `{side}`.
         parts: All parts of that side, to find what is attached.
         length: Factor along the part.
@@ -69,15 +69,15 @@ def scale_part(layout: Layout, name: str, parts: Iterable[Part], length: float, 
     scale = (length, girth, girth) if name in LYING_PARTS else (girth, girth, length)
     children = [part.name for part in parts if part.parent == name]
     (part,) = (part for part in parts if part.name == name)
-    joints = [joint.name for joint in part.joints if joint.name in layout.anchors]
-    return layout | Layout(
-        origins={child: _scaled(layout.origins[child], scale) for child in children},
-        solids={geom.name: _scale_solid(layout.solids[geom.name], geom, scale) for geom in part.geoms},
-        anchors={joint: _scaled(layout.anchors[joint], scale) for joint in joints},
+    joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
+    return dimensions | Dimensions(
+        origins={child: _scaled(dimensions.origins[child], scale) for child in children},
+        shapes={geom.name: _scale_solid(dimensions.shapes[geom.name], geom, scale) for geom in part.geoms},
+        anchors={joint: _scaled(dimensions.anchors[joint], scale) for joint in joints},
     )
 
 
-def _scale_solid(solid: Solid, geom: GeomFigures, scale: Vec3) -> Solid:
+def _scale_solid(solid: Shape, geom: GeomFigures, scale: Vec3) -> Shape:
     x, y, z = _in_geom_frame(geom.euler_deg, scale)
     if geom.type == "sphere":
         size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
@@ -86,7 +86,7 @@ def _scale_solid(solid: Solid, geom: GeomFigures, scale: Vec3) -> Solid:
     else:
         radius_m, half_m = solid.size_m
         size_m = (radius_m * math.sqrt(x * y), half_m * z)
-    return Solid(size_m, _scaled(solid.pos_m, scale))
+    return Shape(size_m, _scaled(solid.pos_m, scale))
 
 
 def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:

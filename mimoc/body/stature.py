@@ -1,4 +1,4 @@
-"""What a tape and a scale would say of a body: the numbers that growth standards are about."""
+"""Length, weight, head and arm circumference of a body: the measures of growth standards."""
 
 import math
 from typing import TypedDict

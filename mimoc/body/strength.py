@@ -1,50 +1,69 @@
-"""Strength: what moves each joint but those of fingers and toes, how strongly, and with which part that grows.
+"""Strength that a spec asks for: factors by muscle group, and the strength of another age."""
 
-Figures are MIMo's (Mattern et al. 2024). `{side}` stands for a right and a left one.
-"""
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import prod
 
-from mimoc.body.figures import MotorFigures
+from mimoc.actuation.spec import ActuationSpec
+from mimoc.body.assembly import Anatomy
+from mimoc.body.grow import grow
+from mimoc.body.tree import BodyTree
+from mimoc.fits import measure
+from mimoc.schema.names import PAIRED_GROUPS, SIDES
 
-TRUNK_MOTORS = (
-    MotorFigures("act:hip_bend", "robot:hip_bend1", 10.58, (-1, 0.765), 0.8574, "cb"),
-    MotorFigures("act:hip_twist", "robot:hip_rot1", 3.63, (-1, 1), 1.699, "cb"),
-    MotorFigures("act:hip_lean", "robot:hip_lean1", 7.25, (-1, 1), 1.278, "cb"),
-)
-CHEST_MOTORS = (
-    MotorFigures("act:chest_twist", "robot:chest_rot", 0.36, (-1, 1), 1.699, "ub3"),
-    MotorFigures("act:chest_lean", "robot:chest_lean", 0.72, (-1, 1), 1.278, "ub3"),
-)
-HEAD_MOTORS = (
-    MotorFigures("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), 0.6665, "head"),
-    MotorFigures("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), 0.9338, "head"),
-    MotorFigures("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), 1.068, "head"),
-)
-EYE_MOTORS = (
-    MotorFigures("act:{side}_eye_horizontal", "robot:{side}_eye_horizontal", 0.0054, (-1, 1), 5.11, "{side}_eye1"),
-    MotorFigures("act:{side}_eye_vertical", "robot:{side}_eye_vertical", 0.0054, (-1, 1), 6.179, "{side}_eye1"),
-    MotorFigures("act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), 25.03, "{side}_eye1"),
-)
-ARM_MOTORS = (
-    MotorFigures(
-        "act:{side}_shoulder_horizontal", "robot:{side}_shoulder_horizontal", 1.8, (-1, 1), 1.811, "{side}_uarm1"
-    ),
-    MotorFigures(
-        "act:{side}_shoulder_abduction", "robot:{side}_shoulder_ad_ab", 4, (-0.6875, 1), 0.8793, "{side}_uarm1"
-    ),
-    MotorFigures(
-        "act:{side}_shoulder_internal", "robot:{side}_shoulder_rotation", 2.5, (-1, 0.64), 1.498, "{side}_uarm1"
-    ),
-    MotorFigures("act:{side}_elbow", "robot:{side}_elbow", 3.6, (-1, 0.83), 1.566, "{side}_larm"),
-    MotorFigures("act:{side}_wrist_rotation", "robot:{side}_hand1", 0.7, (-1, 1), 1.513, "{side}_hand1"),
-    MotorFigures("act:{side}_wrist_flexion", "robot:{side}_hand2", 1.24, (-1, 0.57), 1.455, "{side}_hand1"),
-    MotorFigures("act:{side}_wrist_ulnar", "robot:{side}_hand3", 0.95, (-0.87, 1), 2.254, "{side}_hand1"),
-)
-LEG_MOTORS = (
-    MotorFigures("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
-    MotorFigures("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), 1.488, "{side}_upper_leg1"),
-    MotorFigures("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), 1.86, "{side}_upper_leg1"),
-    MotorFigures("act:{side}_knee", "robot:{side}_knee", 10, (-0.65, 1), 1.45, "{side}_lower_leg1"),
-    MotorFigures("act:{side}_foot_flexion", "robot:{side}_foot1", 3.78, (-1, 0.5), 1.43, "{side}_foot2"),
-    MotorFigures("act:{side}_foot_inversion", "robot:{side}_foot2", 1.16, (-0.91, 1), 1.988, "{side}_foot2"),
-    MotorFigures("act:{side}_foot_rotation", "robot:{side}_foot3", 1.2, (-1, 1), 2.688, "{side}_foot2"),
-)
+_SIDED_GROUPS = {"upper_arm": "arm", "hand": "hand", "upper_leg": "leg"}
+GROUPS = {
+    "lower_body": "trunk",
+    "head": "neck",
+    **{f"{side}_eye": "eyes" for side in SIDES},
+    **{f"{side}_{body}": f"{side}_{group}" for side in SIDES for body, group in _SIDED_GROUPS.items()},
+}
+"""Muscle group by the first body that it moves; it includes all bodies below, up to where the next group begins."""
+
+STRENGTH_KEY = "spec.actuation.strength"
+AGE_KEY = "spec.actuation.strength_age_months"
+
+
+def scale_strength(tree: BodyTree, anatomy: Anatomy, spec: ActuationSpec) -> BodyTree:
+    """Return a body with the gears that a spec asks for.
+
+    Args:
+        tree: The body, with the strength of its growth.
+        anatomy: Of that body.
+        spec: The factors, and the age that strength is taken from.
+    """
+    groups = muscle_groups(tree)
+    ages = {} if spec.strength_age_months is None else _age_factors(tree, anatomy, spec.strength_age_months)
+    motors = []
+    for motor in tree.motors:
+        factors = (*_of_group(groups[motor.joint], spec.strength), *ages.get(motor.name, ()))
+        gear_nm = motor.gear_nm * prod(factor for _, factor in factors)
+        motors.append(replace(motor, gear_nm=gear_nm, factors=factors))
+    return replace(tree, motors=tuple(motors))
+
+
+def muscle_groups(tree: BodyTree) -> Mapping[str, str]:
+    """Return the muscle group that moves each joint."""
+    of_body = body_groups(tree)
+    return {joint.name: of_body[body.name] for body in tree.bodies for joint in body.joints}
+
+
+def body_groups(tree: BodyTree) -> Mapping[str, str]:
+    """Return the muscle group that moves each body."""
+    found: dict[str | None, str] = {}
+    for body in tree.bodies:
+        found[body.name] = GROUPS.get(body.name) or found.get(body.parent, "trunk")
+    return {body.name: found[body.name] for body in tree.bodies}
+
+
+def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Yield key and factor of a group, if it has one: its own, or else that of its pair."""
+    pairs = [pair for pair, sides in PAIRED_GROUPS.items() if group in sides]
+    named = [name for name in (group, *pairs) if name in strength]
+    yield from ((f"{STRENGTH_KEY}.{name}", strength[name]) for name in named[:1])
+
+
+def _age_factors(tree: BodyTree, anatomy: Anatomy, age_months: float) -> Mapping[str, tuple[tuple[str, float]]]:
+    """Return how much stronger the average child of another age is, by motor, with the key that says so."""
+    now, then = (grow(measure(age), anatomy).motors for age in (tree.age_months, age_months))
+    return {here.name: ((AGE_KEY, there.gear_nm / here.gear_nm),) for here, there in zip(now, then, strict=True)}

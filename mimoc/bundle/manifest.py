@@ -81,7 +81,49 @@ class WeldEntry(Model):
     """The body."""
 
 
-class FasteningsEntry(Model):
+class LimbEntry(Model):
+    """An arm or a leg, as far as the infant has it."""
+
+    side: Literal["left", "right"]
+    """Side of the body."""
+    root: str
+    """Its first body, which hangs on the trunk."""
+    end: str | None
+    """The hand or the foot; None if it is missing."""
+
+
+class EyeEntry(Model):
+    """An eye."""
+
+    side: Literal["left", "right"]
+    """Side of the body."""
+    body: str
+    """Its body."""
+    camera: str
+    """Its camera."""
+
+
+class AnatomyEntry(Model):
+    """The parts of the body that the runtime and controllers use, by their names in the model.
+
+    Parts that the infant does not have are left out.
+    """
+
+    head: str | None = None
+    """Body of the head."""
+    trunk: tuple[str, ...] = ()
+    """Bodies that limbs hang on, from the first to the last, which the shoulders are on."""
+    arms: tuple[LimbEntry, ...] = ()
+    """The arms, the right one first."""
+    legs: tuple[LimbEntry, ...] = ()
+    """The legs, the right one first."""
+    eyes: tuple[EyeEntry, ...] = ()
+    """The eyes, the left one first."""
+    groups: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    """The hinges that each group of muscles moves, such as those of `left_arm`."""
+
+
+class ConstraintsEntry(Model):
     """Joints and bodies that are held in place by equality constraints."""
 
     locks: tuple[LockEntry, ...] = ()
@@ -116,11 +158,13 @@ class Manifest(Model):
     """All keyframes."""
     actuation: ActuationEntry
     """Actuation model and actuators."""
+    anatomy: AnatomyEntry = AnatomyEntry()
+    """Which parts of the model are which parts of the body."""
     senses: SensesEntry
     """The senses."""
     delays: DelaysEntry = DelaysEntry()
     """Sensory and motor delays."""
-    fastenings: FasteningsEntry = FasteningsEntry()
+    constraints: ConstraintsEntry = ConstraintsEntry()
     """Locked joints and welded bodies."""
     task: TaskEntry = FreeEntry()
     """The task."""

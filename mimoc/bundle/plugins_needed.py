@@ -1,6 +1,6 @@
 """Which plug-ins a bundle needs: a manifest names kinds, and never the code that runs them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from mimoc.actuation import ACTUATIONS
@@ -11,13 +11,8 @@ from mimoc.tasks import TASKS
 
 RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
 """The kinds of things that a bundle runs, by the section that a manifest names them in."""
-
-
-def needed_plugins(senses: Iterable[str], task: str, actuation: str) -> dict[str, str]:
-    """Return the distribution of each kind in use that is not mimoc's own, by section and name: `senses.sound`."""
-    used = [*(("senses", sense) for sense in senses), ("tasks", task), ("actuation", actuation)]
-    found = {f"{section}.{name}": RUNNING[section].distribution(name) for section, name in used}
-    return {key: distribution for key, distribution in found.items() if distribution != "mimoc"}
+BUILDING = ("scenes", "toys")
+"""Those that it is only built from."""
 
 
 def check_plugins(manifest: Any) -> None:
@@ -36,6 +31,8 @@ def check_plugins(manifest: Any) -> None:
 
 def _problem(key: str, distribution: str) -> str | None:
     section, _, name = key.partition(".")
+    if section in BUILDING:
+        return None
     if section not in RUNNING or not name.isidentifier() or not distribution.isprintable():
         return f"its plug-in {key!r} is named in a way that mimoc never writes; build it again"
     table, source = RUNNING[section], f"the plug-in '{distribution}'" if distribution else "a script"

@@ -12,6 +12,6 @@ def pose_of(manifest: Manifest, pose: str | None) -> str:
     """
     if pose is None or pose in manifest.poses:
         return pose or manifest.pose
-    kept = manifest.fastenings.locks or manifest.fastenings.welds
+    kept = manifest.constraints.locks or manifest.constraints.welds
     what = "pose for an infant with held bodies or locked joints" if kept else "pose"
     raise UnknownNameError(what, str(pose), manifest.poses)

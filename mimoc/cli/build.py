@@ -18,19 +18,20 @@ def build(
     seed: Annotated[
         int | None, typer.Option("--seed", min=0, help="Random seed of the scene; default: the spec's.")
     ] = None,
-    convention: Annotated[
+    target: Annotated[
         str | None, typer.Option("--for", help="Write a model for other code to load: mimo (MIMo's code).")
     ] = None,
 ) -> None:
     """Compile SPEC into a bundle: MuJoCo XML, textures, manifest, and the provenance of every number."""
     from mimoc.bundle.io import write_bundle
     from mimoc.cli import console
-    from mimoc.compiler import pipeline
+    from mimoc.compiler.building import builder
+    from mimoc.compiler.provenance.child import who_percentiles
 
     infant = load_spec(spec)
     with console.status("building"):
-        built = pipeline.builder(infant, convention)(infant.scene.seed if seed is None else seed)
+        built = builder(infant, target)(infant.scene.seed if seed is None else seed)
     written = write_bundle(built, out, force=force)
-    console.print_child(built.manifest, pipeline.who_percentiles(built.manifest.child))
+    console.print_child(built.manifest, who_percentiles(built.manifest.child))
     console.print_toys(built.manifest)
     print(f"{written}: open {written / built.manifest.scene} with MuJoCo, or try: mimoc run {written}")

@@ -139,6 +139,13 @@ def _z_text(z: float) -> Text:
     return Text(f"{z:+.2f}{'*' if abs(z) > 1 else ' '}", style="yellow" if abs(z) > 1 else "")
 
 
+METRICS = {
+    "hand_error_m": "distance from hand to target after 1.5 s, median [m]",
+    "fell_after_s": "too weak or too unsteady to sit unsupported: fell over after [s]",
+}
+"""What some metrics of policies are, by name."""
+
+
 def print_run(summary: Summary) -> None:
     """Print the summary of a run and its speed."""
     table = Table(title=f"{summary.steps} control steps, {summary.simulated_s:g} s simulated", title_justify="left")
@@ -155,12 +162,8 @@ def print_run(summary: Summary) -> None:
         "mean joint speed [rad/s]": f"{summary.joint_speed_rad_s:.6f}",
         "stable": "no: the simulation became unstable" if summary.unstable else "yes",
     }
-    if summary.hand_error_m is not None:
-        rows["distance from hand to target after 1.5 s, median [m]"] = f"{summary.hand_error_m:.6f}"
-    if summary.fell_after_s is not None:
-        rows["stays seated"] = (
-            f"no: it fell over after {summary.fell_after_s:.2f} s, too weak or too unsteady to sit unsupported"
-        )
+    for name, value in summary.metrics.items():
+        rows[METRICS.get(name, name.replace("_", " "))] = f"{value:.6g}"
     for what, value in rows.items():
         table.add_row(what, value)
     console = _console()

@@ -20,11 +20,11 @@ def load_spec(path: Path) -> "InfantSpec":
         SpecError: If the spec is invalid.
     """
     from mimoc import schema
-    from mimoc.compiler import pipeline
+    from mimoc.compiler import loading
     from mimoc.schema import source
 
     if path != STDIN:
-        return pipeline.load_spec(path)
+        return loading.load_spec(path)
     if sys.stdin.isatty():
         print("reading a spec from the terminal; end it with Ctrl-D", file=sys.stderr)
     return schema.read_spec(source.read_stream(sys.stdin.buffer, "<stdin>"))
@@ -40,11 +40,11 @@ def load_infant(path: Path) -> "Bundle":
     """
     from mimoc.bundle.io import read_bundle
     from mimoc.cli import console
-    from mimoc.compiler import pipeline
+    from mimoc.compiler import loading, pipeline
 
-    if path.is_file() and path.suffix.lower() not in pipeline.SPEC_SUFFIXES:
+    if path.is_file() and path.suffix.lower() not in loading.SPEC_SUFFIXES:
         raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
-    if path.is_dir() or (path != STDIN and path.suffix.lower() not in pipeline.SPEC_SUFFIXES):
+    if path.is_dir() or (path != STDIN and path.suffix.lower() not in loading.SPEC_SUFFIXES):
         return read_bundle(path)
     spec = load_spec(path)
     with console.status("building"):

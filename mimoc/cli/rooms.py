@@ -34,20 +34,20 @@ def rooms(
 ) -> None:
     """Render the scenes of several seeds in one image."""
     from mimoc.cli import console
-    from mimoc.compiler import pipeline
+    from mimoc.compiler import building
     from mimoc.render.overview import overview
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.picture_grid import draw_grid
+    from mimoc.render.picture_grid import captioned_grid
 
     check_picture_name(file)
     wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), []
     _check_seed_matters(infant)
-    builder = pipeline.builder(infant)
+    builder = building.builder(infant)
     with console.progress("drawing") as show:
         for number, seed in enumerate(wanted, start=1):
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
             show(number, len(wanted))
-    print(write_picture(file, draw_grid(pictures, [f"seed {seed}" for seed in wanted])))
+    print(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted])))
 
 
 def _check_seed_matters(spec: "InfantSpec") -> None:
@@ -56,13 +56,15 @@ def _check_seed_matters(spec: "InfantSpec") -> None:
     Raises:
         SpecError: If nothing in the scene depends on the seed.
     """
+    from mimoc.scenes import SCENES
     from mimoc.schema.infant import as_written
 
     kind = spec.scene.kind
-    if kind == "room":
+    if SCENES[kind].varies:
         return
     if spec.scene.toys is None:
-        message = f"'{kind}' without toys is the same for every seed; write 'kind: room', or add toys"
+        others = " or ".join(f"'kind: {each.name}'" for each in SCENES.values() if each.varies)
+        message = f"'{kind}' without toys is the same for every seed; write {others}, or add toys"
         raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
     print(f"note: in a '{kind}' scene only the toys depend on the seed", file=sys.stderr)
 

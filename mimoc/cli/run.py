@@ -15,7 +15,10 @@ from mimoc.kinds import announced
 from mimoc.policies import POLICIES
 
 if TYPE_CHECKING:
-    from mimoc.runtime.rollout import PolicyMaker
+    from contextlib import AbstractContextManager
+
+    from mimoc.recording.record import Look
+    from mimoc.runtime.rollout import PolicyMaker, Run
 
 EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"
 
@@ -62,15 +65,22 @@ def run(
     with closing(InfantEnv(load_infant(infant), render_mode="human" if window else None)) as env:
         rollout = Run(env, _read_policy(policy), seed)
         recorded = recording.filming(rollout, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
-        with _interruptible(video), console.progress("running") as show, recorded as capture:
-            for step in range(steps):
-                rollout.step()
-                if capture:
-                    capture()
-                show(step + 1, steps)
+        _run(rollout, steps, recorded, video)
     console.print_run(rollout.summary())
     if video:
         print(video)
+
+
+def _run(rollout: "Run", steps: int, recorded: "AbstractContextManager[Look | None]", video: Path | None) -> None:
+    """Take some control steps with a progress bar, and record them if there is a video."""
+    from mimoc.cli import console
+
+    with _interruptible(video), console.progress("running") as show, recorded as capture:
+        for step in range(steps):
+            rollout.step()
+            if capture:
+                capture()
+            show(step + 1, steps)
 
 
 @contextmanager

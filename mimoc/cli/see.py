@@ -41,7 +41,7 @@ def see(
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
     from mimoc import schema
     from mimoc.render.picture_files import check_picture_name, write_picture
-    from mimoc.render.picture_grid import draw_sheet
+    from mimoc.render.picture_grid import tile_pictures
     from mimoc.senses.vision.comparison import compare_ages, read_ages
     from mimoc.senses.vision.preview import preview
 
@@ -50,4 +50,4 @@ def see(
     vision = resolved_spec(bundle).senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
     pictures = preview(bundle, compared.entries, pose, down, fovy)
-    print(write_picture(file, draw_sheet(pictures, compared.columns, compared.rows)))
+    print(write_picture(file, tile_pictures(pictures, compared.columns, compared.rows)))

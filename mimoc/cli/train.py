@@ -12,6 +12,24 @@ from mimoc.cli.infants import load_infant
 
 EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
 
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Set a hyperparameter, as in gamma=0.99; repeatable."),
+]
+Processes = Annotated[
+    bool | None,
+    typer.Option(
+        "--processes/--one-process",
+        help="Run each environment in a process of its own, or all in one; default: whichever is faster.",
+    ),
+]
+OwnTask = Annotated[
+    str | None,
+    typer.Option(
+        "--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."
+    ),
+]
+
 
 def train(
     infant: InfantPath,
@@ -26,25 +44,9 @@ def train(
         int,
         typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints: the most that a kill can lose."),
     ] = 20_480,
-    assignments: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="Set a hyperparameter, as in gamma=0.99; repeatable."),
-    ] = None,
-    processes: Annotated[
-        bool | None,
-        typer.Option(
-            "--processes/--one-process",
-            help="Run each environment in a process of its own, or all in one; default: whichever is faster.",
-        ),
-    ] = None,
-    task: Annotated[
-        str | None,
-        typer.Option(
-            "--task",
-            metavar="MODULE:CLASS",
-            help="Take rewards from a class of your own, in a module of this folder.",
-        ),
-    ] = None,
+    assignments: Assignments = None,
+    processes: Processes = None,
+    task: OwnTask = None,
     force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
         False
     ),

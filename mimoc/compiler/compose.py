@@ -1,17 +1,19 @@
-"""An infant with its senses, motors and clothes, before it is put into its world."""
+"""An infant with its senses, actuators and looks, before it is placed in its world."""
 
 from collections.abc import Mapping
 
-from mimoc.actuation.drives import Drive
+from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.poses import standing_height
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
 from mimoc.mjcf import sensor_sites
+from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.keyframes import keyframes
 from mimoc.mjcf.keypoints import keypoint_sites
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import Node, PrintedGeom, PrintedJoint, PrintedTendon, SceneTree, Solver, World
+from mimoc.mjcf.scene import SceneTree, Solver
+from mimoc.mjcf.world import World
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
@@ -25,53 +27,69 @@ def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
     return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
 
 
-def compose(spec: InfantSpec, tree: BodyTree, drive: Drive, senses: Mapping[str, Placed]) -> SceneTree:
+def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> SceneTree:
     """Return the scene of a spec around a grown body, its poses at the origin of a world without anything.
 
     Args:
         spec: The spec.
         tree: The body.
-        drive: What moves it.
+        actuation: What moves it.
         senses: Its senses.
     """
-    sites, points = sensor_sites.sites(tree), keypoint_sites(tree)
-    cameras = dict(sensor_sites.cameras(tree))
-    for placed in senses.values():
-        cameras |= placed.cameras
-        sites = {body: (*sites.get(body, ()), *placed.sites.get(body, ())) for body in {**sites, **placed.sites}}
-
-    def node(body: Body) -> Node:
-        is_root = body.parent is None
-        return Node(
-            name=body.name,
-            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
-            euler_rad=_radians(body.euler_deg),
-            free_joints=(FREE_JOINT,) if is_root else (),
-            joints=tuple(_joint(drive.joints[joint.name]) for joint in body.joints),
-            geoms=(*map(_geom, body.geoms), *_features(body)),
-            sites=(*sites.get(body.name, ()), *points.get(body.name, ())),
-            cameras=cameras.get(body.name, ()),
-            children=tuple(node(child) for child in tree.bodies if child.parent == body.name),
-        )
-
+    parts = _parts(tree, actuation, senses)
     return SceneTree(
         name=spec.name,
-        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=drive.integrator),
-        roots=tuple(node(body) for body in tree.bodies if body.parent is None),
+        solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
+        roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress(spec.body.expression),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         frictionless=tree.frictionless,
         excluded=tree.excluded,
-        actuator_defaults=drive.defaults,
-        actuators=drive.actuators,
+        actuator_defaults=actuation.defaults,
+        actuators=actuation.actuators,
         sensors=(
             *sensor_sites.VESTIBULAR_SENSORS,
             *sensor_sites.torque_sensors(tree),
             *(sensor for placed in senses.values() for sensor in placed.sensors),
         ),
         world=World(),
-        keyframes=tuple(drive.keyframe(keyframe) for keyframe in keyframes(tree)),
+        keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree)),
     )
+
+
+def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> dict[str, Node]:
+    """Return all parts by name, each with those that it carries."""
+    sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
+    for placed in senses.values():
+        cameras |= placed.cameras
+    nodes: dict[str, Node] = {}
+    for body in reversed(tree.bodies):
+        is_root = body.parent is None
+        nodes[body.name] = Node(
+            name=body.name,
+            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
+            euler_rad=_radians(body.euler_deg),
+            free_joints=(FREE_JOINT,) if is_root else (),
+            joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
+            geoms=(*map(_geom, body.geoms), *_features(body)),
+            sites=sites.get(body.name, ()),
+            cameras=cameras.get(body.name, ()),
+            children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
+        )
+    return nodes
+
+
+def _sites(tree: BodyTree, senses: Mapping[str, Placed]) -> dict[str, tuple[Site, ...]]:
+    """Return the sites of each body: of sensors, of senses, then keypoints."""
+    of_sensors, keypoints = sensor_sites.sites(tree), keypoint_sites(tree)
+    return {
+        body.name: (
+            *of_sensors.get(body.name, ()),
+            *(site for placed in senses.values() for site in placed.sites.get(body.name, ())),
+            *keypoints.get(body.name, ()),
+        )
+        for body in tree.bodies
+    }
 
 
 def _joint(joint: Joint) -> PrintedJoint:
@@ -107,7 +125,7 @@ def _geom(geom: Geom) -> PrintedGeom:
 
 
 def _features(body: Body) -> tuple[PrintedGeom, ...]:
-    """Return what the head shows and physics does not know: nose, ears, lids."""
+    """Return the geoms of the head that are only seen: nose, ears, lids."""
     if body.name != "head":
         return ()
     (head,) = body.geoms

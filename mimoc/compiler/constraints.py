@@ -6,11 +6,11 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world
-from mimoc.body.strengthen import muscle_groups
+from mimoc.body.strength import muscle_groups
 from mimoc.errors import UnplayableError
 from mimoc.geometry.rotations import quaternion_from_matrix
+from mimoc.mjcf.constraints import Lock, Weld
 from mimoc.mjcf.mimo.lookups import lock_name
-from mimoc.mjcf.tree import Lock, Weld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.tasks.setup import Hold, TaskSetup
@@ -21,13 +21,13 @@ FIRM, LOOSE = 1.0, 0.0
 """`torquescale` of a part that keeps how it is turned, and of one that turns about a point."""
 
 
-def locked_joints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> tuple[str, ...]:
+def locked_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[str, ...]:
     """Return the hinges that are locked, by the spec or for its task, in the order of the body."""
-    groups, by_task = single_groups(spec.actuation.locked), set(stage.locked)
+    groups, by_task = single_groups(spec.actuation.locked), set(setup.locked)
     return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups or joint in by_task)
 
 
-def commanded_joints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> Collection[str]:
+def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Collection[str]:
     """Return the hinges that take commands: of the spec's regions, those of its task that are not locked.
 
     Raises:
@@ -35,21 +35,25 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> Coll
     """
     regions = spec.actuation.regions
     groups = None if regions is None else single_groups(regions)
-    locked = set(locked_joints(spec, tree, stage))
+    locked = set(locked_joints(spec, tree, setup))
     found = {
         joint
         for joint, group in muscle_groups(tree).items()
         if (groups is None or group in groups)
-        and (stage.commanded is None or joint in stage.commanded)
+        and (setup.commanded is None or joint in setup.commanded)
         and joint not in locked
     }
-    if stage.commanded is not None and found.isdisjoint(motor.joint for motor in tree.motors):
+    if setup.commanded is not None and found.isdisjoint(motor.joint for motor in tree.motors):
         key = "locked" if regions is None else "regions"
-        raise UnplayableError(f"'{stage.goal.kind}' moves none of what takes commands", ("actuation", key))
+        raise UnplayableError(
+            f"none of this infant's commanded actuators moves a joint of task '{setup.entry.kind}'; "
+            + ("name other groups" if regions is not None else "lock fewer groups"),
+            ("actuation", key),
+        )
     return found
 
 
-def holds(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> tuple[Hold, ...]:
+def holds(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[Hold, ...]:
     """Return the parts that are held, for the task or by the spec, each once.
 
     Raises:
@@ -60,8 +64,8 @@ def holds(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> tuple[Hold, ...
     for home, name in homes.items():
         if home not in here:
             raise UnplayableError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
-    by_task = {hold.body for hold in stage.holds}
-    return (*stage.holds, *(Hold(home) for home in homes if home not in by_task))
+    by_task = {hold.body for hold in setup.holds}
+    return (*setup.holds, *(Hold(home) for home in homes if home not in by_task))
 
 
 def hold_name(body: str) -> str:

@@ -1,28 +1,44 @@
 """What the runtime must know of a scene."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
+from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
 from mimoc.body.stature import stature
-from mimoc.bundle.manifest import ChildEntry, FaceEntry, FasteningsEntry, LockEntry, Manifest, ToyEntry, WeldEntry
-from mimoc.bundle.plugins_needed import needed_plugins
+from mimoc.bundle.manifest import (
+    ChildEntry,
+    ConstraintsEntry,
+    FaceEntry,
+    LockEntry,
+    Manifest,
+    ToyEntry,
+    WeldEntry,
+)
+from mimoc.compiler.anatomy import describe_anatomy
 from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locked_joints
 from mimoc.compiler.furnish import start_pose
 from mimoc.delays.presets import delays
+from mimoc.kinds import Kinds
 from mimoc.looks.appearance import face_material
 from mimoc.looks.expressions import FACES
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX
 from mimoc.mjcf.mimo.lookups import lock_name
+from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
+from mimoc.scenes import SCENES
 from mimoc.schema.infant import InfantSpec
+from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesEntry
+from mimoc.tasks import TASKS
 from mimoc.tasks.setup import NO_TASK, TaskSetup
+from mimoc.toys import TOY_SOURCES
 
 
 def describe(
-    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], stage: TaskSetup = NO_TASK
+    spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
 ) -> Manifest:
     """Return the manifest of a scene."""
     return Manifest(
@@ -32,33 +48,58 @@ def describe(
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,
-        pose=start_pose(spec, stage),
+        pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=_actuation(spec, tree, scene, stage),
+        actuation=_actuation(spec, tree, scene, setup),
+        anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
-        fastenings=_fastenings(spec, tree, stage),
-        task=stage.goal,
-        plugins=needed_plugins(senses, stage.goal.kind, spec.actuation.model),
+        constraints=_constraints(spec, tree, setup),
+        task=setup.entry,
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )
 
 
-def describe_toys(scene: SceneTree) -> tuple[ToyEntry, ...]:
-    """Return what the manifest says of the toys in a scene."""
+def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
+    """Return what the manifest says of toys."""
     return tuple(
         ToyEntry(
-            body=prop.name,
-            joint=prop.joint,
-            object=prop.object,
-            category=prop.category,
-            source=prop.source,
-            size_m=prop.size_m,
-            mass_kg=prop.mass_kg,
+            body=toy.name,
+            joint=toy.joint,
+            object=toy.object,
+            category=toy.category,
+            source=toy.source,
+            size_m=toy.size_m,
+            mass_kg=toy.mass_kg,
         )
-        for prop in scene.world.toys
+        for toy in toys
     )
+
+
+def used_plugins(spec: InfantSpec) -> dict[str, str]:
+    """Return which kinds of a spec are not mimoc's own, such as `senses.sound`, and the distribution of each.
+
+    The distribution is empty for a kind that a script registered.
+    """
+    return {
+        f"{group}.{name}": kinds.distribution(name)
+        for group, kinds, name in _used_kinds(spec)
+        if kinds.distribution(name) != "mimoc"
+    }
+
+
+def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
+    """Yield the group, the table and the name of each kind that a spec uses."""
+    for name in SENSES:
+        if getattr(spec.senses, name) is not None:
+            yield "senses", SENSES, name
+    yield "actuation", ACTUATIONS, spec.actuation.model
+    if spec.task:
+        yield "tasks", TASKS, spec.task.kind
+    yield "scenes", SCENES, spec.scene.kind
+    if spec.scene.toys:
+        yield "toys", TOY_SOURCES, spec.scene.toys.source
 
 
 def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
@@ -73,15 +114,15 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _fastenings(spec: InfantSpec, tree: BodyTree, stage: TaskSetup) -> FasteningsEntry:
-    return FasteningsEntry(
-        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, stage)),
-        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, stage)),
+def _constraints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> ConstraintsEntry:
+    return ConstraintsEntry(
+        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, setup)),
+        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, setup)),
     )
 
 
-def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, stage: TaskSetup) -> ActuationEntry:
-    commanded = commanded_joints(spec, tree, stage)
+def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, setup: TaskSetup) -> ActuationEntry:
+    commanded = commanded_joints(spec, tree, setup)
     actuators = tuple(
         ActuatorEntry(
             name=actuator.name,

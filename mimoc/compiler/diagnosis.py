@@ -1,4 +1,4 @@
-"""Which line of a spec made a child that there is none of, and what to write there instead."""
+"""Which line of a spec makes a child impossible, and what to write there instead."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -24,7 +24,7 @@ Possible = Callable[[InfantSpec], bool]
 
 
 @dataclass(frozen=True, slots=True)
-class Culprit:
+class Suspect:
     """One number of a spec that may have made its child impossible."""
 
     path: KeyPath
@@ -37,7 +37,7 @@ class Culprit:
         """How far it is from neutral, up or down."""
         return abs(math.log(self.value / self.neutral))
 
-    def put(self, spec: InfantSpec, value: float) -> InfantSpec:
+    def replaced(self, spec: InfantSpec, value: float) -> InfantSpec:
         """Return the spec with another value in this place, unchecked."""
         section, name, *key = map(str, self.path[1:])
         table = getattr(spec.body, section)
@@ -55,7 +55,7 @@ class Culprit:
         return f"give more than {bound} cm" if digits == 1 else f"give a {self.path[-1]} above {bound}"
 
 
-def blame(error: GeometryError | IndividualError, spec: InfantSpec, written: Source) -> Problem:
+def diagnose(error: GeometryError | IndividualError, spec: InfantSpec, written: Source) -> Problem:
     """Return the problem at the key of the spec that an error of the body comes from.
 
     That is the number without which there would be such a child: of several, the one that is farthest
@@ -88,33 +88,33 @@ def _plain(spec: InfantSpec) -> InfantSpec:
 
 
 def _likeliest(spec: InfantSpec, average_m: dict[str, float], is_possible: Possible) -> tuple[KeyPath, str]:
-    """Return the key that is to blame, and what to write there."""
-    culprits = sorted(_culprits(spec, average_m), key=lambda culprit: (-culprit.deviation, culprit.path))
+    """Return the key that most likely causes the error, and what to write there."""
+    suspects = sorted(_suspects(spec, average_m), key=lambda suspect: (-suspect.deviation, suspect.path))
     for farther in (1.0, FARTHEST):
-        for culprit in culprits:
-            good = culprit.neutral * (farther if culprit.value >= culprit.neutral else 1 / farther)
-            if is_possible(culprit.put(spec, good)):
-                return culprit.path, culprit.advise(_limit(spec, culprit, good, is_possible))
-    if culprits:
-        return culprits[0].path, "give one that fits the rest of the body"
+        for suspect in suspects:
+            good = suspect.neutral * (farther if suspect.value >= suspect.neutral else 1 / farther)
+            if is_possible(suspect.replaced(spec, good)):
+                return suspect.path, suspect.advise(_limit(spec, suspect, good, is_possible))
+    if suspects:
+        return suspects[0].path, "give one that fits the rest of the body"
     return ("body", "individual") if spec.body.individual else ("age_months",), "give one nearer to the average"
 
 
-def _culprits(spec: InfantSpec, average_m: dict[str, float]) -> Iterator[Culprit]:
+def _suspects(spec: InfantSpec, average_m: dict[str, float]) -> Iterator[Suspect]:
     for name, part in spec.body.parts.items():
-        yield from (Culprit(("body", "parts", name, key), factor, 1.0) for key, factor in part)
+        yield from (Suspect(("body", "parts", name, key), factor, 1.0) for key, factor in part)
     for key, value_cm in spec.body.measurements.items():
-        yield Culprit(("body", "measurements", key), value_cm, m_to_cm(average_m[unsided(key)]))
+        yield Suspect(("body", "measurements", key), value_cm, m_to_cm(average_m[unsided(key)]))
 
 
-def _limit(spec: InfantSpec, culprit: Culprit, good: float, is_possible: Possible) -> float:
+def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Possible) -> float:
     """Return the value nearest to what was written with which there is such a child."""
 
     def value(share: float) -> float:
-        return good + share * (culprit.value - good)
+        return good + share * (suspect.value - good)
 
     def sign(share: float) -> float:
-        return -1.0 if is_possible(culprit.put(spec, value(share))) else 1.0
+        return -1.0 if is_possible(suspect.replaced(spec, value(share))) else 1.0
 
     change = root_scalar(sign, bracket=(0.0, 1.0), method="bisect", xtol=PRECISION).root
     return value(change - PRECISION)

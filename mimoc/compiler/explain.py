@@ -51,7 +51,7 @@ def find(bundle: Bundle, text: str) -> dict[str, str]:
     pattern = part if set(part) & set("*?") else f"*{part.replace('[', '[[]')}*"
     found = {key: _value(entries[key]) for key in sorted(entries) if fnmatchcase(key.lower(), pattern)}
     if not found or not part:
-        raise MimocError(f"'{text}' is no number of this bundle, nor a part of one's name; {_advice(part, entries)}")
+        raise MimocError(f"no number of this bundle has '{text}' in its name; {_advice(part, entries)}")
     return found
 
 

@@ -1,42 +1,49 @@
-"""What a scene is made of besides its spec: toys and wallpapers, mimoc's own and the user's."""
+"""The toys and wallpapers that scenes are drawn from: mimoc's own and the user's, read once for all seeds."""
 
-from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-from mimoc.compiler.furnish import Supplies
 from mimoc.errors import SpecError, TextureError, ToyError, UnknownToysError
 from mimoc.kinds import function_of
 from mimoc.looks.own_textures import read_textures
-from mimoc.looks.wallpaper import CEILINGS, FLOORS, WALLS, Wallpaper
-from mimoc.scenes.setting import Decor
-from mimoc.scenes.spec import SceneSpec
+from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.source import Source
-from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
+from mimoc.toys.builtin.build import BUILTIN_TOYS
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.spec import ToysSpec
 
 
-def gather(spec: InfantSpec, written: Source) -> Supplies:
-    """Return what a spec's scene is made of.
+@dataclass(frozen=True, slots=True)
+class SceneAssets:
+    """What scenes are drawn from."""
+
+    wallpapers: Wallpapers = OWN_WALLPAPERS
+    """For floors, ceilings and walls."""
+    toybox: Toybox = BUILTIN_TOYS
+    """The toys to choose from."""
+
+
+def load_scene_assets(spec: InfantSpec, written: Source) -> SceneAssets:
+    """Return what the scenes of a spec are drawn from.
 
     Args:
-        spec: What is wanted.
-        written: Where it was written: paths are seen from there, and problems point there.
+        spec: The spec.
+        written: Where it was written: paths are relative to its folder, and problems point into it.
 
     Raises:
-        SpecError: If a toy or a picture that it names is not there, or is none.
+        SpecError: If a toy or a picture that it names is missing or cannot be read.
     """
     folder = written.folder
-    decor = Decor(
+    wallpapers = Wallpapers(
         floors=(*FLOORS.values(), *_own("floor", spec, written, folder)),
         ceilings=(*CEILINGS.values(), *_own("ceiling", spec, written, folder)),
         walls=(*WALLS.values(), *_own("wall", spec, written, folder)),
     )
     if spec.scene.toys is None:
-        return Supplies(decor)
-    return Supplies(decor, _toybox(spec.scene.toys, written))
+        return SceneAssets(wallpapers)
+    return SceneAssets(wallpapers, _toybox(spec.scene.toys, written))
 
 
 def _toybox(toys: ToysSpec, written: Source) -> Toybox:
@@ -59,16 +66,3 @@ def _own(kind: str, spec: InfantSpec, written: Source, folder: Path) -> tuple[Wa
     except TextureError as error:
         problems = str(error).splitlines()
         raise SpecError(written.problem(("scene", "textures", kind), problem) for problem in problems) from None
-
-
-def notes(spec: InfantSpec, toybox: Toybox, convention: str | None = None) -> tuple[str, ...]:
-    """Return what the user of a bundle should know of how it was built."""
-    built_for = (
-        () if convention is None else (f"built for {convention}: parts, joints and commands are as its code wants",)
-    )
-    return (*built_for, *_task_notes(spec), *(toybox.notes if spec.scene.toys else ()))
-
-
-def _task_notes(spec: InfantSpec) -> Iterator[str]:
-    if spec.task and TASKS[spec.task.kind].poses == () and spec.scene.pose != SceneSpec().pose:
-        yield f"'{spec.task.kind}' starts from a pose of its own; 'scene.pose: {spec.scene.pose}' has no effect"

@@ -11,12 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc import body, fits
-from mimoc.actuation.drives import build_drive
+from mimoc.actuation.setup import build_actuation
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.compose import compose
-from mimoc.compiler.furnish import Supplies, furnish
-from mimoc.compiler.pipeline import compile_model
+from mimoc.compiler.furnish import furnish
+from mimoc.compiler.model_check import compile_model
+from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import Kind, extents
 from mimoc.mjcf import printing
@@ -33,7 +34,7 @@ Progress = Callable[[int, int], None]
 """Told how many infants are measured, and how many there are."""
 
 ROOT = "hip"
-"""The body that the whole infant hangs on."""
+"""The root body of the infant."""
 BODY_GROUP = 0
 """The geom group of flesh and bone; others only show."""
 
@@ -165,8 +166,8 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
-    drive = build_drive(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
-    infant = furnish(compose(plain, tree, drive, {}), plain, tree, Supplies())
+    actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+    infant = furnish(compose(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
     return compile_model(printing.render_scene(infant))
 
 

@@ -1,10 +1,10 @@
-"""Control: what an infant does on purpose."""
+"""Control of an infant by inverse dynamics, on a model and its data."""
 
 from mimoc.control.gains import Gains
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.objectives import Align, LookAt, Reach
 from mimoc.control.posture import Posture
-from mimoc.control.reaching import GAIN_SETS, ReachErrors, ReachGains, Reaching, reach_errors
+from mimoc.control.reaching import GAIN_SETS, ReachController, ReachGains
 
 __all__ = [
     "GAIN_SETS",
@@ -14,8 +14,6 @@ __all__ = [
     "LookAt",
     "Posture",
     "Reach",
-    "ReachErrors",
+    "ReachController",
     "ReachGains",
-    "Reaching",
-    "reach_errors",
 ]

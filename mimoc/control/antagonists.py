@@ -4,10 +4,9 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.binding import Actuation
+from mimoc.mujoco_layout import TIME_CONSTANT
 from mimoc.senses.sense import FloatArray, IntArray
 
-TIME_CONSTANT = 0
-"""Where that of a muscle's activation stands among MuJoCo's dynamic parameters."""
 LEAST_NM = 1e-12
 """A muscle that pulls no harder than this, for it shortens too fast, does not pull."""
 

@@ -1,19 +1,19 @@
 """Limbs: what hangs on the trunk, from the first body to the last."""
 
+from collections.abc import Collection
+
 import mujoco
 
-TRUNK = ("hip", "lower_body", "upper_body", "chest")
-"""The bodies that limbs hang on, from the first to the last; MIMo's names."""
+from mimoc.bundle.manifest import AnatomyEntry
 
 
-def chest_of(model: mujoco.MjModel) -> int:
-    """Return the last body of the trunk that a model has: a rigid chest can be of one piece with the upper body."""
-    return max(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in TRUNK)
+def trunk_of(anatomy: AnatomyEntry, model: mujoco.MjModel) -> tuple[int, ...]:
+    """Return the bodies of the trunk, from the first to the last."""
+    return tuple(model.body(name).id for name in anatomy.trunk)
 
 
-def limb_of(model: mujoco.MjModel, body: int) -> int:
+def limb_of(body: int, trunk: Collection[int], model: mujoco.MjModel) -> int:
     """Return the body next to the trunk that a body hangs on, or is; 0, the world, for what is not of a limb."""
-    trunk = {mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in TRUNK}
     while body not in trunk and body:
         parent = int(model.body_parentid[body])
         if parent in trunk:

@@ -5,8 +5,9 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
+from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.control.limbs import limb_of
+from mimoc.control.limbs import limb_of, trunk_of
 from mimoc.senses.sense import FloatArray, IntArray
 
 _EQUALITY = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
@@ -27,18 +28,19 @@ class Supports:
     ends of joints, which hold in one direction only.
     """
 
-    def __init__(self, model: mujoco.MjModel, root: int, effectors: Iterable[int], loose: Iterable[int] = ()):
+    def __init__(self, model: mujoco.MjModel, manifest: Manifest, effectors: Iterable[int], loose: Iterable[int] = ()):
         """Find out which bodies can bear the infant.
 
         Args:
             model: The infant and its world.
-            root: The infant's body that moves freely.
-            effectors: The bodies that tasks are about.
+            manifest: Of the infant, to tell its trunk from its limbs.
+            effectors: The bodies that objectives are about.
             loose: Bodies that, with what hangs on them, bear nothing though they touch the ground.
         """
         self._model, self._couplings = model, _couplings(model)
-        bearing = model.body_rootid == root
-        busy = {limb_of(model, effector) for effector in effectors} - {0}
+        bearing = model.body_rootid == model.body(manifest.root_body).id
+        trunk = trunk_of(manifest.anatomy, model)
+        busy = {limb_of(effector, trunk, model) for effector in effectors} - {0}
         bearing &= ~in_subtrees(model, [*busy, *loose])
         still = model.body_weldid == 0
         self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.

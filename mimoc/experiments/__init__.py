@@ -1,4 +1,4 @@
-"""The paper's experiments, repeated: each leaves tables, pictures and a page that compares."""
+"""The paper's experiments, reproduced: each writes tables, figures and a report that compares the results."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -16,25 +16,25 @@ EXPERIMENTS: Mapping[str, str] = {
     "inverse": "mimoc.experiments.inverse",
     "rooms": "mimoc.experiments.rooms",
 }
-"""The module of each, whose `run` takes a notebook and returns the page. It is imported when first needed."""
+"""Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
 
 
 def run_experiment(name: str, folder: str | Path, *, quick: bool = False, progress: Progress | None = None) -> Path:
-    """Run one of the paper's experiments; return the page that it leaves, `NAME.md` in the folder.
+    """Run one of the paper's experiments; return the path of its report, `NAME.md` in the folder.
 
-    Files of the same name that are there are replaced, each when its successor is whole.
+    Existing files of the same names are replaced, each of them atomically.
 
     Args:
         name: A key of `EXPERIMENTS`.
-        folder: For tables, pictures and page; it is made if need be.
-        quick: Whether to run a smaller one, in seconds or a few minutes.
-        progress: Told how much is done, and of how much.
+        folder: Folder for tables, figures and report; it is created if necessary.
+        quick: Whether to run a smaller version, which takes seconds or a few minutes.
+        progress: Called with the number of steps done and their total.
 
     Raises:
         UnknownNameError: If there is no such experiment.
         OutputError: If the folder cannot be written.
         MissingExtraError: If matplotlib is not installed.
-        RenderingError: If it draws scenes, and there is no OpenGL here.
+        RenderingError: If the experiment renders scenes and OpenGL is not available.
     """
     if name not in EXPERIMENTS:
         raise UnknownNameError("known experiment", name, EXPERIMENTS)

@@ -1,14 +1,14 @@
-"""Acuity and foveation: one scene through the eyes of several ages (López et al. 2025, figure 3)."""
+"""Acuity and foveation: one scene as seen at several ages (López et al. 2025, figure 3)."""
 
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
 from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.looks.drawing import encode_palette_png
-from mimoc.render.picture_grid import Picture, draw_sheet
+from mimoc.render.picture_grid import Picture, tile_pictures
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.schema.infant import InfantSpec
@@ -20,54 +20,55 @@ from mimoc.senses.vision.spec import VisionSpec
 PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
 PROFILE = VisionSpec().acuity_profile
 SEED = 4
-"""Of the room that is looked at."""
+"""Seed of the room."""
 SIDE = "left"
-"""Of the eye."""
+"""Side of the eye."""
 DOWN_DEG = 35.0
-"""How far the eye looks down, to where toys lie."""
+"""Downward gaze, towards the toys."""
 SIZE_PX, QUICK_SIZE_PX = 176, 64
-"""Of each picture."""
+"""Size of each view."""
 MIDDLE_TIMES = 4
-"""How many times larger the middle of the view is shown below."""
+"""Magnification of the middle of the view in the last row."""
 COLOURS = 256
-"""Of the sheet, which is a third as large then."""
+"""Number of colours of the figure, which makes its file a third as large."""
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
 ABOUT = """\
-A child of ten months sits in a room, drawn from seed {seed}, and looks at toys on the floor with its {side} eye.
-The same view is shown with the acuity of {ages} months and, on the right, as it is drawn; foveated as well, by
-s = {foveation:g}, so that the centre is {magnification:.1f} times as large and the middles of the edges are cut off;
-and, in the last row, with the acuity again, drawn larger and cut out of the middle.
+A child of ten months sits in the room of seed {seed} and looks at toys on the floor with its {side} eye. The first
+row shows this view with the acuity of {ages} months and, on the right, without blur. The second row shows the same
+views with foveation of strength s = {foveation:g}, which magnifies the centre {magnification:.1f} times and cuts off
+the middles of the edges. The last row shows the middle of the view with the same acuities, rendered larger.
 
-![One scene through eyes of several ages](acuity.png)
+![One scene seen with the acuity of several ages](acuity.png)
 
-Contrast sensitivity is CSF(f) = max(0, 1 - f / a) (the paper's equation 2) for f cycles per degree and the acuity a
-of the age, the finest grating that is seen at all. `profiles.csv` has a for every half month, by all three
-profiles; the pictures go by `{profile}`, the default.
+Contrast sensitivity is CSF(f) = max(0, 1 - f / a) (equation 2 of the paper) at f cycles per degree, where the acuity
+a is the finest grating that is visible at that age. `profiles.csv` lists a for every half month and all three
+profiles; the figure uses `{profile}`, the default.
 
 ![Contrast sensitivity, and acuity by age](csf.png)
 
-`gratings.csv` has what is left of the contrast of gratings after the filter that the infant's eyes see through,
-8-bit pictures in and 8-bit pictures out, next to the law. They are the dots in the figure, the law is the lines."""
+`gratings.csv` lists the contrast of gratings that remains after the filter of the infant's eyes, from 8-bit images to
+8-bit images (dots in the figure), and the contrast predicted by the law (lines)."""
 
 COMPARED = """\
-## Next to the paper
+## Comparison with the paper
 
-The paper shows what is drawn and the first two rows, and states the same law. Its acuities come from Neijzen et al.
-2025; `mimo_v2` are those in its code, and `tac2` is fitted to the two studies that Neijzen et al. pool.
+The paper shows the unblurred view and the first two rows, and states the same law. It takes acuities from Neijzen et
+al. 2025; `mimo_v2` has the values in its code, and `tac2` is fitted to the two studies that Neijzen et al. pool.
 
 {table}
 
-Over {count} gratings, from coarse ones to some too fine to be seen, the contrast that is left differs from the law
-by at most {error:.4f} of the full contrast.
+Over {count} gratings, ranging from coarse ones to some that are too fine to be visible, the remaining contrast differs
+from the law by at most {error:.4f} of the full contrast.
 
-A picture of H pixels over {fovy:g} degrees shows an acuity of a only if H is at least 2 a x {fovy:g}: with {size}
-pixels that is up to {shown:.1f} cycles per degree, so from four months on the first two rows look alike, and only
-the last one, up to {shown_middle:.1f}, still tells ages apart."""
+An image of H pixels with a field of view of {fovy:g} degrees can show an acuity of a only if H is at least
+2 a x {fovy:g}. {size} pixels show up to {shown:.1f} cycles per degree, so that from four months on the views in the
+first two rows look alike; the last row shows up to {shown_middle:.1f} cycles per degree and still distinguishes the
+ages."""
 
 
 def run(notebook: Notebook) -> Path:
-    """Look at one scene through the eyes of several ages, measure gratings, and return the page."""
+    """Render one scene as seen at several ages, measure gratings, and return the path of the report."""
     measured, parts = [], len(PAPER_MONTHS) + 1
     for done, age_months in enumerate(PAPER_MONTHS, start=1):
         measured += transfers(age_months, acuity_at(age_months, PROFILE))
@@ -91,14 +92,14 @@ def run(notebook: Notebook) -> Path:
 
 
 def _sheet(size_px: int) -> bytes:
-    """Return the PNG of what an eye makes of one view, in rows by what is done and columns by age."""
+    """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
     spec = {
         "mimoc": 1,
         "name": "onlooker",
         "age_months": 10,
         "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
     }
-    infant = pipeline.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    infant = building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
     whole, finer = (
         compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
         for times in (1, MIDDLE_TIMES)
@@ -108,17 +109,17 @@ def _sheet(size_px: int) -> bytes:
     (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
     middles = [_middle(picture, size_px) for picture in larger]
     rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
-    return encode_palette_png(draw_sheet([*pictures, middles], whole.columns, rows), COLOURS)
+    return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
 
 
 def _middle(picture: Picture, size_px: int) -> Picture:
-    """Return the middle of a square picture, shape (size, size, 3)."""
+    """Return the middle of a square image, shape (size, size, 3)."""
     start = (len(picture) - size_px) // 2
     return picture[start : start + size_px, start : start + size_px]
 
 
 def _middle_deg() -> float:
-    """Return how wide the middle is, as the eye sees it."""
+    """Return the field of view of the middle, in [deg]."""
     return 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
 
 
@@ -135,7 +136,7 @@ def _csf_panel(measured: Sequence[Transfer]) -> Panel:
         curves.append(Curve(label, (0, acuity_cpd), (1, 0)))
         frequencies_cpd = [each.frequency_cpd for each in found]
         curves.append(Curve(label, frequencies_cpd, [each.measured for each in found], marker="o", joined=False))
-    return Panel("Spatial frequency [cycles/degree]", "Contrast left", curves, "Contrast sensitivity")
+    return Panel("Spatial frequency [cycles/degree]", "Remaining contrast", curves, "Contrast sensitivity")
 
 
 def _profile_panel() -> Panel:

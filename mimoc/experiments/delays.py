@@ -1,4 +1,4 @@
-"""How late senses change how fast, and how smoothly, an infant learns to reach (López et al. 2025, figure 4)."""
+"""Effects of sensory delays on learning to reach and on smoothness (López et al. 2025, figure 4)."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
@@ -22,20 +22,20 @@ DELAYS_MS: Sequence[float] = (0, 50, 200)
 MOTOR_MS = 5.0
 AGE_MONTHS = 18
 STEPS, QUICK_STEPS = 500_000, 40_960
-"""Control steps of each training: the paper's, and what takes minutes."""
+"""Control steps of each training run: the paper's, and a number that takes minutes."""
 SEEDS, QUICK_SEEDS = (1, 2, 3), (1, 2)
 EPISODES = 50
-"""Reaches of each trained infant; all of them reach for the same balls."""
+"""Number of reaches of each trained infant; all of them reach for the same balls."""
 SHOWN = 4
-"""Balls whose reaches are drawn, by the infants of the first seed."""
+"""Number of balls whose hand paths are plotted, for the infants of the first seed."""
 FIRST_BALL = 1000
-"""Seed of the first ball: no training has begun with it."""
+"""Seed of the first ball, which is not the seed of any training run."""
 BINS = 25
-"""Means that a drawn learning curve is made of."""
+"""Number of bins of a plotted learning curve."""
 
 
 def run(notebook: Notebook) -> Path:
-    """Train infants with each delay, or go on where a run was interrupted, compare them, and return the page."""
+    """Train infants with each delay (or resume interrupted runs), compare them, and return the path of the report."""
     steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
     learners = list(_learners(notebook, steps, seeds))
     _write_tables(notebook, learners)
@@ -52,22 +52,22 @@ def run(notebook: Notebook) -> Path:
             episodes=EPISODES,
             shown=SHOWN,
         ),
-        seeds=f"Trainings have the seeds {', '.join(map(str, seeds))}, balls those from {FIRST_BALL} on.",
+        seeds=f"Seeds: {', '.join(map(str, seeds))} for training, {FIRST_BALL} and up for the balls.",
         libraries=["gymnasium", "stable-baselines3", "torch", "matplotlib"],
     )
 
 
 def _learners(notebook: Notebook, steps: int, seeds: Sequence[int]) -> Iterator[Learner]:
-    """Yield each infant, trained; each training has a folder of its own, where it can be gone on with."""
+    """Yield each trained infant; each training run has a folder of its own, in which it can be resumed."""
     wanted = [(delay_ms, seed) for seed in seeds for delay_ms in DELAYS_MS]
     for number, (delay_ms, seed) in enumerate(wanted):
         bundle = reaching(delay_ms)
         folder = notebook.folder / f"delay_{delay_ms:g}ms_seed_{seed}"
 
-        def tell(done: int, total: int, before: int = number * steps) -> None:
+        def report(done: int, total: int, before: int = number * steps) -> None:
             notebook.progress(before + min(done, steps), len(wanted) * steps)
 
-        training = train(bundle, folder, steps=steps, seed=seed, progress=tell)
+        training = train(bundle, folder, steps=steps, seed=seed, progress=report)
         with closing(InfantEnv(bundle)) as env:
             follow = _effector(bundle)
             reaches = evaluate(env, load_policy(training.policy), EPISODES, seed=FIRST_BALL, follow=follow)
@@ -76,7 +76,7 @@ def _learners(notebook: Notebook, steps: int, seeds: Sequence[int]) -> Iterator[
 
 
 def reaching(delay_ms: float) -> Bundle:
-    """Return the bundle of an infant that reaches, all its senses late."""
+    """Return the bundle of an infant with the task `reach` and the given delay of all its senses."""
     spec = {
         "mimoc": 1,
         "name": "reaching",
@@ -151,12 +151,12 @@ def _learning_panel(learners: Sequence[Learner]) -> Panel:
     for delay_ms, group in _by_delay(learners).items():
         steps, times_s = zip(*(_binned(each) for each in group), strict=True)
         middle, low, high = np.mean(times_s, axis=0), np.min(times_s, axis=0), np.max(times_s, axis=0)
-        curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, spread=(low, high)))
+        curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, band=(low, high)))
     return Panel("Control steps of training [thousands]", "Time to reach [s]", curves, "Learning")
 
 
 def _binned(learner: Learner) -> tuple[np.ndarray, np.ndarray]:
-    """Return the steps and the mean time to reach of so many equal parts of a training, shape (n,) each."""
+    """Return the mean steps and the mean time to reach of each bin of a training run, shape (n,) each."""
     steps, times_s = learner.training.curve.column("steps"), np.array(learner.time_s)
     parts = np.array_split(np.arange(len(steps)), min(BINS, len(steps)))
     return (
@@ -180,7 +180,7 @@ def _path_panel(learners: Sequence[Learner]) -> Panel:
             assert reach.path_m is not None
             ahead, _, up = 100 * (reach.path_m - shoulder).T
             curves.append(Curve(_label(each.delay_ms), ahead, up))
-    return Panel("Before the shoulder [cm]", "Above the shoulder [cm]", curves, "Hand paths", equal=True)
+    return Panel("In front of the shoulder [cm]", "Above the shoulder [cm]", curves, "Hand paths", equal=True)
 
 
 def _smoothness_panel(learners: Sequence[Learner]) -> Panel:
@@ -188,4 +188,4 @@ def _smoothness_panel(learners: Sequence[Learner]) -> Panel:
     for delay_ms, group in _by_delay(learners).items():
         lengths = [each.arc_length() for each in group]
         curves.append(Curve(_label(delay_ms), [delay_ms] * len(lengths), lengths, marker="o", joined=False))
-    return Panel("Sensory delay [ms]", "Spectral arc length (smoother upwards)", curves, "Smoothness")
+    return Panel("Sensory delay [ms]", "Spectral arc length (higher is smoother)", curves, "Smoothness")

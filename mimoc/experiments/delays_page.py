@@ -1,4 +1,4 @@
-"""What the page on delays says."""
+"""The report on delays."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -9,82 +9,82 @@ from mimoc.experiments.notebook import markdown_table
 from mimoc.units import ms_to_s
 
 Groups = Mapping[float, Sequence[Learner]]
-"""Infants by the delay of their senses in ms."""
+"""Trained infants by sensory delay in ms."""
 
 ABOUT = """\
-The average child of {age} months is held upright and learns with PPO to touch a ball with its right hand (the
-task `reach`), without delay, {delays} later than things are; commands take {motor:g} ms. Each learns for {steps:,}
-control steps of 10 ms, anew with each of {seeds} seeds. Then each reaches for the same {episodes} balls.
+The average child of {age} months is held upright and learns with PPO to touch a ball with its right hand (the task
+`reach`), with sensory delays of {delays} and a motor delay of {motor:g} ms. Each infant is trained for {steps:,}
+control steps of 10 ms, with each of {seeds} seeds, and then reaches for the same {episodes} balls.
 
-![Time to reach by training, hand paths, and smoothness by delay](delays.png)
+![Time to reach during training, hand paths, and smoothness by delay](delays.png)
 
-Left: the time of a reach while learning (an episode without one counts with its full length), mean and range of the
-seeds. Middle: where the hand goes from the side, the shoulder at the origin, for the first {shown} balls. Right: how
-smooth these movements are by spectral arc length (Balasubramanian et al. 2015), the median of each infant; the table
-has log dimensionless jerk (Hogan & Sternad 2009) too.
+Left: time to reach during training (unsuccessful episodes count with their full length), mean and range over the
+seeds. Middle: side view of the hand paths to the first {shown} balls, with the shoulder at the origin. Right:
+smoothness of the movements by spectral arc length (Balasubramanian et al. 2015), the median of each infant; the table
+also has log dimensionless jerk (Hogan & Sternad 2009).
 
-`learning.csv` has the learning curves, `reaches.csv` every reach afterwards, `paths.csv` those that are drawn."""
+`learning.csv` has the learning curves, `reaches.csv` all reaches after training, and `paths.csv` the plotted paths."""
 
 COMPARED = """\
-## Next to the paper
+## Comparison with the paper
 
-In the paper infants learn slower the later their senses are, and then move less smoothly; figures are not given.
-Measured here, over the last fifth of the training and over the reaches afterwards; mean of the seeds, with the least
-and the largest:
+In the paper, infants with longer sensory delays learn more slowly and afterwards move less smoothly; it gives no
+numbers. Our measurements over the last fifth of the training and over the reaches after training, as the mean over
+seeds with minimum and maximum:
 
 {table}
 
 {verdict}"""
 
 STROKE = """\
-Trained infants touch the ball after {reach_ms:.0f} ms on average: the arm is strong, the reward asks for haste, and
-what is felt at the start tells where the ball is. That is sooner than what is felt with the longest delay arrives, so
-most reaches are one stroke that nothing corrects, and measures of smoothness have little to tell apart."""
+Trained infants touch the ball after {reach_ms:.0f} ms on average: the arm is strong, the reward favours speed, and the
+first observation determines the position of the ball. This is less than the longest delay, so that most reaches are
+ballistic, without feedback, and differ little in smoothness."""
 
 
 def sections(groups: Groups, **numbers: float) -> tuple[str, str]:
-    """Return what was done, and what came of it.
+    """Return the sections of the report: method and results.
 
     Args:
-        groups: The infants, by delay in ms, the shortest first.
-        numbers: Of the experiment, as the text names them.
+        groups: The infants by delay in ms, the shortest first.
+        numbers: Numbers of the experiment, by their names in the text.
     """
-    later = [f"{delay_ms:g} ms" for delay_ms in groups if delay_ms]
-    about = ABOUT.format(delays="and with senses that are " + " and ".join(later), **numbers)
+    *others, longest = (f"{delay_ms:g} ms" for delay_ms in groups)
+    about = ABOUT.format(delays=f"{', '.join(others)} and {longest}", **numbers)
     return about, COMPARED.format(table=_table(groups), verdict=_verdict(groups))
 
 
 def _table(groups: Groups) -> str:
     headings = (
         "sensory delay",
-        "time to reach, learning [s]",
+        "time to reach, end of training [s]",
         "balls touched",
-        "time to reach, after [s]",
+        "time to reach, after training [s]",
         "spectral arc length",
         "log dimensionless jerk",
-        "way / straight",
+        "path length / distance",
     )
     rows = [
         (
             f"{delay_ms:g} ms",
-            _spread([each.last_time_s() for each in group]),
-            _spread([each.success_rate() for each in group]),
-            _spread([each.reach_time_s() for each in group]),
-            _spread([each.arc_length() for each in group]),
-            _spread([each.jerk() for each in group]),
-            _spread([each.detour() for each in group]),
+            _mean_and_range([each.last_time_s() for each in group]),
+            _mean_and_range([each.success_rate() for each in group]),
+            _mean_and_range([each.reach_time_s() for each in group]),
+            _mean_and_range([each.arc_length() for each in group]),
+            _mean_and_range([each.jerk() for each in group]),
+            _mean_and_range([each.detour() for each in group]),
         )
         for delay_ms, group in groups.items()
     ]
     return markdown_table(headings, rows)
 
 
-def _spread(values: Sequence[float]) -> str:
+def _mean_and_range(values: Sequence[float]) -> str:
     return f"{fmean(values):.3f} ({min(values):.3f} to {max(values):.3f})"
 
 
 def _verdict(groups: Groups) -> str:
-    """Return whether the order is the paper's, in words."""
+    """Return as text whether the results have the same order as the paper's."""
     measures = {
         "learning is slower": [fmean(each.last_time_s() for each in group) for group in groups.values()],
         "trained infants take longer": [fmean(each.reach_time_s() for each in group) for group in groups.values()],
@@ -96,11 +96,11 @@ def _verdict(groups: Groups) -> str:
         ],
     }
     found = "\n".join(
-        f"- {what}: {'yes' if _rises(values) else 'not throughout'};" for what, values in measures.items()
+        f"- {what}: {'yes' if _rises(values) else 'not in every case'};" for what, values in measures.items()
     )
     reach_s = fmean(each.reach_time_s() for group in groups.values() for each in group)
     stroke = STROKE.format(reach_ms=1000 * reach_s) if reach_s < ms_to_s(max(groups)) else ""
-    return f"With every longer delay\n\n{found.removesuffix(';')}.\n\n{stroke}"
+    return f"With increasing delay,\n\n{found.removesuffix(';')}.\n\n{stroke}"
 
 
 def _rises(values: Sequence[float]) -> bool:

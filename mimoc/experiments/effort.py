@@ -1,4 +1,4 @@
-"""An infant that lies on its back and moves one joint with all its strength."""
+"""Maximum-effort movements of single joints by an infant lying on its back."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.body.poses import Pose, resting_state
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.units import ms_to_s
@@ -18,11 +18,11 @@ FloatArray = npt.NDArray[np.float64]
 Model = Literal["torque", "muscle"]
 
 STEP_MS = 5.0
-"""Of control and of physics, as in the paper."""
+"""Duration of both control and physics steps, as in the paper."""
 STEPS = 500
 SETTLING_STEPS = 400
 FLAT = Pose(pitch_deg=-90, angles_deg={})
-"""On the back, every joint at zero."""
+"""Lying on the back, all joints at zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +31,10 @@ class Behaviour:
 
     name: str
     actuator: str
-    """One of MIMo's."""
+    """Name of the actuator in MIMo."""
     joint: str
     direction: int
-    """1 towards positive angles of the joint, -1 towards negative ones."""
+    """1 towards positive joint angles, -1 towards negative ones."""
 
 
 BEHAVIOURS = (
@@ -45,35 +45,35 @@ BEHAVIOURS = (
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How a joint went; angles are counted from the joint's zero, in the direction of the behaviour."""
+    """The trajectory of a joint; angles are measured from the joint's zero, positive in the behaviour's direction."""
 
     behaviour: Behaviour
     age_months: float
     strength_age_months: float
     length_cm: float
-    """Of the infant, crown to sole."""
+    """Length of the infant from crown to sole."""
     angle_deg: FloatArray
-    """At the start and after each control step, shape (n + 1,)."""
+    """Angles at the start and after each control step, shape (n + 1,)."""
     end_deg: float
-    """The end of the joint's range, where a soft stop begins."""
+    """Limit of the joint range, which is soft."""
 
     @property
     def time_s(self) -> FloatArray:
-        """When each angle was reached, shape (n + 1,)."""
+        """Times of the angles, shape (n + 1,)."""
         return np.arange(len(self.angle_deg), dtype=np.float64) * ms_to_s(STEP_MS)
 
     @property
     def peak_deg(self) -> float:
-        """The largest angle; a joint that arrives fast goes a little beyond the end of its range."""
+        """The largest angle; a fast joint exceeds its soft limit slightly."""
         return float(self.angle_deg.max())
 
     @property
     def peak_in_range_deg(self) -> float:
-        """The largest angle, no further than the range goes."""
+        """The largest angle, clipped to the joint range."""
         return min(self.peak_deg, self.end_deg)
 
     def time_to_s(self, angle_deg: float) -> float | None:
-        """Return when an angle was first reached, between two steps too; None if it never was."""
+        """Return the time at which an angle was first reached, interpolated between steps; None if it never was."""
         reached = np.flatnonzero(self.angle_deg >= angle_deg)
         if not reached.size:
             return None
@@ -82,17 +82,17 @@ class Effort:
 
 
 def efforts(age_months: float, model: Model = "torque", strength_age_months: float | None = None) -> Iterator[Effort]:
-    """Yield each behaviour of the average child of an age, all from the same rest.
+    """Yield the trajectory of each behaviour of the average child, all from the same resting state.
 
     Args:
-        age_months: Of the body.
-        model: What moves it.
-        strength_age_months: Whose strength it has, if not that of its own age.
+        age_months: Age of the body.
+        model: Actuation model.
+        strength_age_months: Age that determines the strength, if it differs from that of the body.
     """
     actuation = {"model": model, "strength_age_months": strength_age_months}
     control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
     spec = {"mimoc": 1, "name": "lying", "age_months": age_months, "actuation": actuation, "control": control}
-    builder = pipeline.builder(InfantSpec.model_validate(spec))
+    builder = building.builder(InfantSpec.model_validate(spec))
     with closing(InfantEnv(builder(0, check=False))) as env:
         env.reset()
         env.data.qpos[:] = resting_state(builder.tree, FLAT)
@@ -107,7 +107,7 @@ def efforts(age_months: float, model: Model = "torque", strength_age_months: flo
 
 def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) -> Effort:
     joint = env.model.joint(behaviour.joint)
-    action = _all_out(env, behaviour)
+    action = _maximum_action(env, behaviour)
     angles_rad = [float(env.data.qpos[joint.qposadr[0]])]
     for _ in range(STEPS):
         env.step(action)
@@ -122,8 +122,8 @@ def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) ->
     )
 
 
-def _all_out(env: InfantEnv, behaviour: Behaviour) -> npt.NDArray[np.float32]:
-    """Return the action in which only what moves the joint that way acts, as strongly as it can."""
+def _maximum_action(env: InfantEnv, behaviour: Behaviour) -> npt.NDArray[np.float32]:
+    """Return the action that commands only the actuator of a behaviour, at its maximum."""
     muscle = f"{behaviour.actuator}_{'positive' if behaviour.direction > 0 else 'negative'}"
     wanted = {behaviour.actuator: behaviour.direction, muscle: 1}
     actuators = env.manifest.actuation.actuators

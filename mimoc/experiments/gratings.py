@@ -1,4 +1,4 @@
-"""Gratings through the filter of an infant's eye: how much of their contrast is left."""
+"""Contrast of gratings after the filter of an infant's eye."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from mimoc.senses.vision.run import filters, perceive
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 
 WIDTH_PX, HEIGHT_PX = 8, 2048
-"""Of a picture of bars from left to right: fine enough for what eyes of two years see."""
+"""Size of an image of horizontal bars: fine enough for the acuity at two years."""
 FOVY_DEG = VisionSpec().fovy_deg
 MEAN, AMPLITUDE = 127.5, 120.0
-"""Of the brightness across a grating, of 0 to 255."""
+"""Mean and amplitude of a grating's brightness, in a range of 0 to 255."""
 SHARES_OF_ACUITY: Sequence[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.2)
-"""How fine the gratings are, the acuity being 1."""
+"""Spatial frequencies of the gratings relative to the acuity."""
 
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """What is left of the contrast of a grating, 0 to 1."""
+    """The fraction of a grating's contrast that remains after the filter."""
 
     age_months: float
     acuity_cpd: float
@@ -29,12 +29,12 @@ class Transfer:
 
     @property
     def law(self) -> float:
-        """What the contrast sensitivity function says (López et al. 2025, equation 2)."""
+        """The fraction predicted by the contrast sensitivity function (López et al. 2025, equation 2)."""
         return max(0.0, 1 - self.frequency_cpd / self.acuity_cpd)
 
 
 def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
-    """Yield what an eye leaves of gratings of several frequencies."""
+    """Yield the remaining contrast of gratings of several spatial frequencies."""
     eye = VisionEntry(
         cameras=("eye_left",),
         width_px=WIDTH_PX,
@@ -56,10 +56,10 @@ def transfers(age_months: float, acuity_cpd: float) -> Iterator[Transfer]:
 
 
 def _half_cycles(frequency_cpd: float) -> int:
-    """Return how many half cycles of about a frequency fit a picture: a whole number, so that borders add nothing."""
+    """Return the number of half cycles in the image closest to a frequency, an integer to avoid border effects."""
     return max(1, round(2 * HEIGHT_PX * frequency_cpd / pixels_per_degree(HEIGHT_PX, FOVY_DEG)))
 
 
 def _frequency_cpd(half_cycles: int) -> float:
-    """Return a frequency in cycles per degree, as degrees are at the centre of the picture."""
+    """Return the spatial frequency at the centre of the image, in cycles per degree."""
     return half_cycles / (2 * HEIGHT_PX) * pixels_per_degree(HEIGHT_PX, FOVY_DEG)

@@ -1,4 +1,4 @@
-"""Growth from birth to two years among WHO's children (López et al. 2025, figure 2 a-c)."""
+"""Growth from birth to two years, compared with WHO's standards (López et al. 2025, figure 2 a-c)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,32 +18,32 @@ NAMES = {
     "arm_circumference_cm": "arm circumference",
 }
 PUBLISHED_WORST = {"length_cm": "+2.4", "weight_kg": "+1.3", "head_circumference_cm": "+1.3"}
-"""The z-score furthest from zero, among boys or girls of 0, 1, 2, 4, 6, 9, 12, 18 and 24 months, of what MIMo v2's
-published rules give when compiled and measured; each is among girls of one month."""
+"""Largest z-score, among boys or girls of 0, 1, 2, 4, 6, 9, 12, 18 and 24 months, of models that follow MIMo v2's
+published rules, compiled and measured in the same way; each is that of girls of one month."""
 
 ABOUT = """\
-The average child is compiled at {count} ages from birth to two years, and each compiled model is measured as with a
-tape and a scale: the length crown to sole, the girths of head and left upper arm, the mass of the whole body. All
-of it is set against WHO's Child Growth Standards, whose band runs from the 5th to the 95th percentile of boys and
-girls together.
+The average child is compiled at {count} ages from birth to two years, and each compiled model is measured as a child
+is: length from crown to sole, circumference of the head and of the left upper arm, and mass of the whole body. The
+measurements are compared with WHO's Child Growth Standards; the band reaches from the 5th to the 95th percentile of
+boys and girls together.
 
-![Length, weight, head and arm circumference of the compiled infant among WHO's children](growth.png)
+![Length, weight, head and arm circumference of the compiled infant compared with WHO's standards](growth.png)
 
-`growth.csv` has every value with its z-score among boys, among girls and against the mean of both."""
+`growth.csv` has all values with their z-scores for boys, for girls and relative to the mean of both."""
 
 COMPARED = """\
-## Next to the paper
+## Comparison with the paper
 
-The paper shows height, mass and head circumference of its infant inside WHO's band at every age, within one
-standard deviation. {verdict} The last column is what the rules published with the paper give when they are compiled
-and measured at whole months. Those curves have no newborn to start from, and a one-month-old comes out longer than
-nearly all girls of its age.
+In the paper, height, mass and head circumference of the infant are inside WHO's band at every age, within one standard
+deviation. {verdict} The last column gives the results of the rules published with the paper, compiled and measured at
+whole months. These growth curves are fitted without data on newborns, and make a one-month-old longer than nearly all
+girls of that age.
 
 {table}"""
 
 
 def run(notebook: Notebook) -> Path:
-    """Grow the average child, and return the page."""
+    """Measure the growth of the average child, and return the path of the report."""
     months = QUICK_MONTHS if notebook.quick else MONTHS
     report = grow_against_who(months=months, progress=notebook.progress)
     notebook.write_table(
@@ -53,7 +53,7 @@ def run(notebook: Notebook) -> Path:
     )
     notebook.write_picture("growth.png", png(draw_growth(report.series)))
     sections = (ABOUT.format(count=len(months)), COMPARED.format(verdict=_verdict(report), table=_table(report)))
-    return notebook.write_page("Growth", sections, seeds="Nothing is drawn by chance.", libraries=["matplotlib"])
+    return notebook.write_page("Growth", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
 def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
@@ -62,8 +62,9 @@ def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
 
 
 def _verdict(report: GrowthReport) -> str:
-    inside = "So is mimoc's, arm circumference included." if report.within_one_sd else "mimoc's is not always."
-    return f"{inside} The largest deviation from the mean of boys and girls is that of its {_worst_name(report)}."
+    holds = "The same holds" if report.within_one_sd else "This does NOT always hold"
+    largest = f"The largest deviation from the mean of boys and girls is that of the {_worst_name(report)}."
+    return f"{holds} for mimoc, including arm circumference. {largest}"
 
 
 def _worst_name(report: GrowthReport) -> str:
@@ -72,7 +73,14 @@ def _worst_name(report: GrowthReport) -> str:
 
 
 def _table(report: GrowthReport) -> str:
-    headings = ("indicator", "worst z", "at months", "worst z among boys", "among girls", "worst z, published rules")
+    headings = (
+        "measure",
+        "largest z",
+        "at months",
+        "largest z, boys",
+        "largest z, girls",
+        "largest z, published rules",
+    )
     rows = []
     for indicator, worst in report.worst.items():
         measured = [row for row in report.rows if row.indicator == indicator]

@@ -1,4 +1,4 @@
-"""How hands and eyes come to targets by inverse dynamics, with three sets of gains (López et al. 2025, figure 5)."""
+"""Reaching and looking by inverse dynamics, with three sets of gains (López et al. 2025, figure 5)."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from mimoc.compiler import pipeline
-from mimoc.control.reaching import GAIN_SETS, ReachErrors, ReachGains, reach_errors
+from mimoc.control import GAIN_SETS, ReachGains
 from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.policies.reach_errors import ReachErrors, reach_errors
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.runtime.env import InfantEnv
@@ -18,31 +19,31 @@ from mimoc.senses.sense import FloatArray
 
 AGE_MONTHS = 18
 TRIALS, QUICK_TRIALS = 10, 3
-"""Of each set of gains; the paper shows the mean of ten."""
+"""Number of trials for each set of gains; the paper shows the mean of ten."""
 SECONDS, QUICK_SECONDS = 2.0, 1.0
 SEED = 1
-"""Of the targets, which are the same for all gains."""
-TOLD_S = (0.25, 0.5, 1.0, 2.0)
-"""When errors are told in the table."""
+"""Seed of the targets, which are the same for all gains."""
+REPORTED_S = (0.25, 0.5, 1.0, 2.0)
+"""Times at which the table reports errors."""
 
 ABOUT = """\
-The average child of {age} months sits, its trunk held. Both hands reach for targets drawn by chance from what they can
-get to, and the eyes align with the target of the right hand, all by prioritised inverse dynamics: hands first, then
-eyes, then posture. {trials} pairs of targets, the same for each set of gains; gains are what multiplies the error in
-the wanted acceleration.
+The average child of {age} months sits with its trunk held. Both hands reach for random targets in their workspace, and
+both eyes look at the target of the right hand, controlled by prioritised inverse dynamics: hands first, then eyes,
+then posture. There are {trials} pairs of targets, the same for each set of gains. The desired acceleration is
+proportional to the error, by these gains:
 
 {gains}
 
 ![Distance of the hands and misalignment of the eyes over time](inverse.png)
 
-The lines are means over trials, and over both hands or both eyes; the bands reach from the first to the third quartile.
+Lines are means over trials and over both hands or both eyes; bands reach from the first to the third quartile.
 `inverse.csv` has mean, median and quartiles for every control step of 10 ms."""
 
 COMPARED = """\
-## Next to the paper
+## Comparison with the paper
 
-The paper shows that hands reach their targets while the eyes align, the faster the larger the gains; it gives no
-figures. Measured here, the mean with the median in brackets:
+The paper shows that hands reach their targets while the eyes align, and that larger gains make this faster; it gives
+no numbers. Our measurements, as the mean with the median in brackets:
 
 {table}
 
@@ -50,7 +51,7 @@ figures. Measured here, the mean with the median in brackets:
 
 
 def run(notebook: Notebook) -> Path:
-    """Let an infant reach with each set of gains, and return the page."""
+    """Let an infant reach with each set of gains, and return the path of the report."""
     trials, seconds = (QUICK_TRIALS, QUICK_SECONDS) if notebook.quick else (TRIALS, SECONDS)
     found = dict(_reaches(notebook, trials, seconds))
     notebook.write_table(
@@ -66,16 +67,16 @@ def run(notebook: Notebook) -> Path:
     about = ABOUT.format(age=AGE_MONTHS, trials=trials, gains=_gains_table())
     compared = COMPARED.format(table=_table(found), verdict=_verdict(found))
     return notebook.write_page(
-        "Inverse dynamics", (about, compared), seeds=f"Targets have the seed {SEED}.", libraries=["matplotlib"]
+        "Inverse dynamics", (about, compared), seeds=f"Seed of the targets: {SEED}.", libraries=["matplotlib"]
     )
 
 
 HOW: Mapping[str, float | None] = {"mean": None, "median": 50.0, "quartile1": 25.0, "quartile3": 75.0}
-"""What is told of errors: a percentile, or the mean."""
+"""Statistics of the errors: a percentile, or None for the mean."""
 
 
 def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[str, ReachErrors]]:
-    """Yield how reaching goes with each set of gains."""
+    """Yield the errors of reaching with each set of gains."""
     spec = {
         "mimoc": 1,
         "name": "reaching",
@@ -86,12 +87,12 @@ def _reaches(notebook: Notebook, trials: int, seconds: float) -> Iterator[tuple[
     bundle = pipeline.build(InfantSpec.model_validate(spec))
     for number, (name, gains) in enumerate(GAIN_SETS.items()):
 
-        def tell(done: int, total: int, before: int = number * trials) -> None:
+        def report(done: int, total: int, before: int = number * trials) -> None:
             notebook.progress(before + done, len(GAIN_SETS) * trials)
 
         with closing(InfantEnv(bundle)) as env:
             generator = np.random.default_rng(SEED)
-            yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=tell)
+            yield name, reach_errors(env, gains, generator, trials=trials, seconds=seconds, progress=report)
 
 
 def _hands_mm(errors: ReachErrors) -> FloatArray:
@@ -104,7 +105,7 @@ def _eyes_deg(errors: ReachErrors) -> FloatArray:
     return np.degrees(np.concatenate(list(np.moveaxis(errors.eyes_rad, 2, 0))))
 
 
-def _summed_up(errors: FloatArray, percentile: float | None) -> FloatArray:
+def _statistic(errors: FloatArray, percentile: float | None) -> FloatArray:
     """Return the mean or a percentile at each time, shape (t + 1,)."""
     return errors.mean(axis=0) if percentile is None else np.percentile(errors, percentile, axis=0)
 
@@ -113,15 +114,15 @@ def _curves(found: Mapping[str, ReachErrors], pick: Callable[[ReachErrors], Floa
     curves = []
     for name, errors in found.items():
         values = pick(errors)
-        spread = (_summed_up(values, 25.0), _summed_up(values, 75.0))
-        curves.append(Curve(f"{name} gains", errors.time_s, _summed_up(values, None), spread=spread))
+        band = (_statistic(values, 25.0), _statistic(values, 75.0))
+        curves.append(Curve(f"{name} gains", errors.time_s, _statistic(values, None), band=band))
     return curves
 
 
 def _rows(found: Mapping[str, ReachErrors]) -> Iterator[tuple[str | float, ...]]:
     for name, errors in found.items():
         columns = [
-            _summed_up(values, percentile)
+            _statistic(values, percentile)
             for values in (_hands_mm(errors), _eyes_deg(errors))
             for percentile in HOW.values()
         ]
@@ -140,7 +141,7 @@ def _gains_row(name: str, gains: ReachGains) -> tuple[str, ...]:
 
 
 def _table(found: Mapping[str, ReachErrors]) -> str:
-    times_s = [time_s for time_s in TOLD_S if time_s <= next(iter(found.values())).time_s[-1] + 1e-9]
+    times_s = [time_s for time_s in REPORTED_S if time_s <= next(iter(found.values())).time_s[-1] + 1e-9]
     headings = ("gains", *(f"{what} at {time_s:g} s" for what in ("hands [mm]", "eyes [deg]") for time_s in times_s))
     rows = [
         (name, *(_at(errors, pick(errors), time_s) for pick in (_hands_mm, _eyes_deg) for time_s in times_s))
@@ -155,7 +156,7 @@ def _at(errors: ReachErrors, values: FloatArray, time_s: float) -> str:
 
 
 def _verdict(found: Mapping[str, ReachErrors]) -> str:
-    """Return whether larger gains come to targets sooner, in words: by the distance at half a second."""
-    sooner = [np.median(_hands_mm(errors)[:, len(errors.time_s) // 4]) for errors in found.values()]
-    faster = all(later < earlier for earlier, later in pairwise(sooner))
-    return f"So hands come to their targets {'the sooner the larger the gains' if faster else 'not always sooner'}."
+    """Return as text whether larger gains make reaching faster, by the median distance at half a second."""
+    distances_mm = [np.median(_hands_mm(errors)[:, len(errors.time_s) // 4]) for errors in found.values()]
+    faster = all(larger < smaller for smaller, larger in pairwise(distances_mm))
+    return f"Larger gains {'make' if faster else 'do not always make'} the hands reach their targets sooner."

@@ -1,4 +1,4 @@
-"""An infant that has learned to reach, and how well it does."""
+"""An infant trained to reach, and its performance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from mimoc.training import Episode, Training
 from mimoc.units import ms_to_s
 
 STEP_MS = 10.0
-"""Of control."""
+"""Duration of a control step."""
 LAST = 0.2
-"""Share of a training at whose end learning is summed up."""
+"""Final fraction of the training over which learning is averaged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Learner:
-    """An infant that has learned to reach."""
+    """An infant trained to reach."""
 
     delay_ms: float
     seed: int
@@ -27,7 +27,7 @@ class Learner:
 
     @property
     def time_s(self) -> list[float]:
-        """Time to reach while learning, for each row of the curve; NaN where no episode ended."""
+        """Time to reach during training, for each row of the curve; NaN where no episode ended."""
         steps = self.training.curve.column("episode_steps")
         return (steps * ms_to_s(STEP_MS)).tolist()
 
@@ -37,38 +37,38 @@ class Learner:
         return float(np.nanmean(np.array(self.time_s)[late]))
 
     def success_rate(self) -> float:
-        """Return the share of reaches after the training that touch the ball."""
+        """Return the fraction of reaches after training that touch the ball."""
         return fmean(each.success for each in self.reaches)
 
     def jerk(self) -> float:
-        """Return the median log dimensionless jerk of those reaches."""
+        """Return the median log dimensionless jerk of the reaches after training."""
         return _median([smoothness(each)[0] for each in self.reaches])
 
     def arc_length(self) -> float:
-        """Return their median spectral arc length."""
+        """Return the median spectral arc length of the reaches after training."""
         return _median([smoothness(each)[1] for each in self.reaches])
 
     def detour(self) -> float:
-        """Return how much longer the way of the hand is than straight, as a factor, the median of those reaches."""
+        """Return the median ratio of the hand's path length to the straight distance, after training."""
         return _median([detour(each) for each in self.reaches])
 
     def reach_time_s(self) -> float:
-        """Return the mean time of a reach after the training."""
+        """Return the mean duration of a reach after training."""
         return fmean(each.duration_s for each in self.reaches)
 
 
 def smoothness(episode: Episode) -> tuple[float, float]:
-    """Return log dimensionless jerk and spectral arc length of the way of a hand."""
+    """Return log dimensionless jerk and spectral arc length of the path of the hand."""
     assert episode.path_m is not None
     step_s = episode.duration_s / episode.steps
     return log_dimensionless_jerk(episode.path_m, step_s), spectral_arc_length(episode.path_m, step_s)
 
 
 def detour(episode: Episode) -> float:
-    """Return how long the way of the hand is, by the straight way from its start to its end."""
+    """Return the ratio of the hand's path length to the straight distance from start to end."""
     assert episode.path_m is not None
-    way_m = np.linalg.norm(np.diff(episode.path_m, axis=0), axis=1).sum()
-    return float(way_m / np.linalg.norm(episode.path_m[-1] - episode.path_m[0]))
+    length_m = np.linalg.norm(np.diff(episode.path_m, axis=0), axis=1).sum()
+    return float(length_m / np.linalg.norm(episode.path_m[-1] - episode.path_m[0]))
 
 
 def _median(values: Sequence[float]) -> float:

@@ -1,4 +1,4 @@
-"""The folder that an experiment writes into: tables, pictures, and one page about them."""
+"""The output folder of an experiment: tables, figures and a report."""
 
 import csv
 import io
@@ -15,28 +15,28 @@ from mimoc.bundle.files import write_file
 from mimoc.errors import OutputError
 
 Progress = Callable[[int, int], None]
-"""Told how much is done, and of how much."""
+"""Called with the number of steps done and their total."""
 Cell = str | float | None
-"""Of a table; None where there is nothing to say."""
+"""Cell of a table; None for an empty one."""
 
 LIBRARIES = ("mimoc", "mujoco", "numpy")
-"""Whose versions every page names."""
+"""Libraries whose versions every report names."""
 NOT_TEXT = ("#", "|", "-", "!", "    ")
-"""How what is no paragraph of text begins in Markdown: headings, tables, lists, pictures, code."""
+"""First characters of Markdown blocks that are not paragraphs: headings, tables, lists, images, code."""
 COLUMNS = 120
 DIGITS = 6
-"""Significant ones of a number in a table."""
+"""Significant digits of numbers in tables."""
 
 
 @dataclass(frozen=True, slots=True)
 class Notebook:
-    """Where an experiment leaves what it finds; each file is whole as soon as it is there."""
+    """The output folder of an experiment; all files are written atomically."""
 
     name: str
-    """Of the experiment."""
+    """Name of the experiment."""
     folder: Path
     quick: bool
-    """Whether a smaller experiment is wanted."""
+    """Whether to run a smaller version of the experiment."""
     progress: Progress
 
     def write_table(self, file: str, headings: Sequence[str], rows: Iterable[Sequence[Cell]]) -> None:
@@ -60,55 +60,55 @@ class Notebook:
         write_file(self.folder / file, png)
 
     def write_page(self, title: str, sections: Iterable[str], *, seeds: str, libraries: Sequence[str] = ()) -> Path:
-        """Write the page, with how it was made at its end.
+        """Write the report, which ends with how to reproduce it.
 
         Args:
-            title: Its heading.
-            sections: Markdown, one after the other.
-            seeds: What they are, as a sentence.
-            libraries: Others that the results depend on.
+            title: Title of the report.
+            sections: Its sections, in Markdown.
+            seeds: A sentence on the seeds.
+            libraries: Further libraries that the results depend on.
 
         Raises:
             OutputError: If it cannot be written.
         """
-        blocks = "\n\n".join((f"# {title}", *sections, self._making(seeds, libraries))).split("\n\n")
+        blocks = "\n\n".join((f"# {title}", *sections, self._reproduction(seeds, libraries))).split("\n\n")
         page = "\n\n".join(map(_wrapped, blocks)) + "\n"
         return write_file(self.folder / f"{self.name}.md", page.encode())
 
-    def _making(self, seeds: str, libraries: Sequence[str]) -> str:
-        """Return the section on how the results were made."""
+    def _reproduction(self, seeds: str, libraries: Sequence[str]) -> str:
+        """Return the section on how to reproduce the results."""
         command = f"mimoc experiment {self.name} -o {self.folder.resolve().name}{' --quick' * self.quick}"
         versions = ", ".join(f"{library} {version(library)}" for library in (*LIBRARIES, *libraries))
         machine = f"Python {platform.python_version()} on {platform.machine()}"
-        return f"## How it was made\n\n    {command}\n\nWith {versions} and {machine}. {seeds}"
+        return f"## Reproduction\n\n    {command}\n\nWith {versions} and {machine}. {seeds}"
 
 
 def open_notebook(name: str, folder: str | Path, *, quick: bool, progress: Progress | None = None) -> Notebook:
-    """Return the notebook in a folder, which is made if need be.
+    """Return the notebook for a folder, which is created if necessary.
 
     Raises:
-        OutputError: If it cannot be.
+        OutputError: If the folder cannot be created.
     """
     path = Path(os.path.expanduser(folder))
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
-        raise OutputError(f"{path}: is a file, not a folder; choose another place") from None
+        raise OutputError(f"{path}: is a file, not a folder; choose another folder") from None
     except OSError as error:
-        raise OutputError(f"{path}: cannot be made ({error.strerror}); choose another place") from None
+        raise OutputError(f"{path}: cannot be created ({error.strerror}); choose another folder") from None
     except ValueError:
-        raise OutputError(f"{str(path)!r}: a folder cannot have this name; choose another place") from None
+        raise OutputError(f"{str(path)!r}: a folder cannot have this name; choose another folder") from None
     return Notebook(name, path, quick, progress or (lambda done, total: None))
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table as Markdown has it."""
+    """Return a table in Markdown."""
     lines = [headings, ["---"] * len(headings), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def _wrapped(block: str) -> str:
-    """Return a block of Markdown with lines of an even length, if it is a paragraph of text."""
+    """Return a block of Markdown, wrapped if it is a paragraph."""
     text = block.strip("\n")
     if text.startswith(NOT_TEXT):
         return text

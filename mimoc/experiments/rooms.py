@@ -1,4 +1,4 @@
-"""Rooms by seed: what each holds, and where toys lie (López et al. 2025, figure 6)."""
+"""Rooms by seed: their contents, and where the toys lie (López et al. 2025, figure 6)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,25 +8,25 @@ from time import perf_counter
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.looks.drawing import encode_palette_png
 from mimoc.render.overview import overview
-from mimoc.render.picture_grid import Picture, draw_grid
+from mimoc.render.picture_grid import Picture, captioned_grid
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
 from mimoc.toys.builtin.library import BUILTIN
-from mimoc.toys.placing import Reach
+from mimoc.toys.placing import ReachableFloor
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
 PICTURE_PX = (176, 132)
 COLOURS = 128
-"""Of the sheet, which is a third as large then."""
+"""Number of colours of the figure, which makes its file a third as large."""
 FARTHEST = 2.5
-"""How far the figure goes, in reaches."""
+"""Largest distance in the figure, in multiples of the reach."""
 
 SPEC = {
     "mimoc": 1,
@@ -39,7 +39,7 @@ SPEC = {
         "toys": {"source": "builtin", "count": [3, 6], "size_cm": [4, 12]},
     },
 }
-"""`configs/playroom.yaml`, but for its senses."""
+"""The same as `configs/playroom.yaml`, without its senses."""
 
 ROOM_HEADINGS = (
     "seed",
@@ -59,35 +59,34 @@ ROOM_HEADINGS = (
 TOY_HEADINGS = ("seed", "object", "category", "size_m", "mass_kg", "ahead_m", "left_m", "distance_m", "within_reach")
 
 ABOUT = """\
-The child of ten months in `configs/playroom.yaml` sits in {count} rooms, those of seeds {first} to {last}. Nothing
-but the seed differs between them. Where a room leaves little space for the camera, its lens is wider.
+The child of ten months in `configs/playroom.yaml` sits in {count} rooms, those of seeds {first} to {last}, which differ
+only in their seed. The camera has a wider field of view in rooms that leave little space for it.
 
 ![Rooms by seed](rooms.png)
 
-`rooms.csv` has a row for each room, `toys.csv` one for each toy. Distances are those on the floor, between the
-middle of the toy and the middle between the child's shoulders; its hands get {reach_cm:.0f} cm far there, when it
-leans forward.
+`rooms.csv` has a row for each room, `toys.csv` one for each toy. Distances are measured on the floor, from the centre
+of the toy to the midpoint between the child's shoulders; when the child leans forward, its hands reach
+{reach_cm:.0f} cm from there.
 
-![Toys of all rooms about the child, and how far away they lie](toys.png)
+![Positions of all toys relative to the child, and the distribution of their distances](toys.png)
 
-On the left is where the toys of all rooms lie, the child in the middle and looking up; the circle is what it
-reaches. On the right is how many of them lie nearer than a distance, next to the law that they are drawn by if
-nothing is in the way. They keep clear of each other and of the child, in whichever pose it starts, and so lie a
-little farther away."""
+Left: positions of the toys of all rooms relative to the child, which is at the centre and faces up; the circle is its
+reach. Right: cumulative distribution of the distances, and the law by which toys are placed on an empty floor. As toys
+do not overlap with each other, or with the child in any initial pose, their distances are slightly larger."""
 
 COMPARED = """\
-## Next to the paper
+## Comparison with the paper
 
 {table}
 
-A room takes {typical_ms:.0f} ms to build in memory (the median; the slowest of them {slowest_ms:.0f} ms), its
-picture not counted."""
+Building a room in memory takes {typical_ms:.0f} ms (median; the slowest took {slowest_ms:.0f} ms), not counting its
+picture."""
 
 
 def run(notebook: Notebook) -> Path:
-    """Build and draw the rooms of some seeds, and return the page."""
+    """Build and render the rooms of some seeds, and return the path of the report."""
     seeds = QUICK_SEEDS if notebook.quick else SEEDS
-    builder = pipeline.builder(InfantSpec.model_validate(SPEC))
+    builder = building.builder(InfantSpec.model_validate(SPEC))
     rooms: list[Inventory] = []
     pictures: list[Picture] = []
     times_s = []
@@ -98,7 +97,7 @@ def run(notebook: Notebook) -> Path:
         rooms.append(take_inventory(builder, seed))
         pictures.append(overview(bundle, *PICTURE_PX))
         notebook.progress(done, len(seeds))
-    sheet = draw_grid(pictures, [f"seed {seed}" for seed in seeds])
+    sheet = captioned_grid(pictures, [f"seed {seed}" for seed in seeds])
     notebook.write_picture("rooms.png", encode_palette_png(sheet, COLOURS))
     notebook.write_table("rooms.csv", ROOM_HEADINGS, (room.row for room in rooms))
     notebook.write_table("toys.csv", TOY_HEADINGS, (row for room in rooms for row in room.toy_rows))
@@ -121,24 +120,24 @@ def _panels(rooms: Sequence[Inventory]) -> list[Panel]:
             "To the right [reaches]",
             "Ahead [reaches]",
             [Curve("toys", *around.T, marker="o", joined=False)],
-            "Where toys lie",
+            "Positions of toys",
             ring=1.0,
             equal=True,
         ),
         Panel(
             "Distance [reaches]",
-            "Share of toys that lie nearer",
+            "Fraction of toys within distance",
             [
                 Curve("measured", distances, np.arange(1, len(toys) + 1) / len(toys), marker="."),
-                Curve("law, on a floor that is free", far, _share_nearer(reach, far * reach.radius_m)),
+                Curve("law, on an empty floor", far, _share_nearer(reach, far * reach.radius_m)),
             ],
-            "How far away",
+            "Distances",
         ),
     ]
 
 
-def _share_nearer(reach: Reach, distances_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return what share of the toys on an endless floor lies within each distance; these are evenly spaced."""
+def _share_nearer(reach: ReachableFloor, distances_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the fraction of toys on an infinite floor that lies within each of some evenly spaced distances."""
     wide_m = np.linspace(0, reach.radius_m + 20 * reach.fading_m, 4000)
     nearer = np.cumsum(wide_m * reach.density(wide_m))
     return np.interp(distances_m, wide_m, nearer / nearer[-1])
@@ -149,12 +148,12 @@ def _table(rooms: Sequence[Inventory]) -> str:
         ("paper", f"mimoc, {len(rooms)} rooms"),
         [
             ("rooms of random size", _sizes(rooms)),
-            ("textures drawn one by one", _papers(rooms)),
-            ("the infant anywhere, well away from the walls", _places(rooms)),
-            ("a random number of toys", _counts(rooms)),
-            ("likelier near what it can reach", _distances(rooms)),
+            ("random textures", _textures(rooms)),
+            ("infant at a random position away from the walls", _places(rooms)),
+            ("random number of toys", _counts(rooms)),
+            ("toys more likely within reach", _distances(rooms)),
             ("(not in the paper) toys that an infant can hold", _toys(rooms)),
-            ("all from one seed", "so is this: the same seeds give the same tables, to the byte"),
+            ("reproducible by seed", "the same seeds give the same tables, to the byte"),
         ],
     )
 
@@ -164,24 +163,23 @@ def _sizes(rooms: Sequence[Inventory]) -> str:
     return f"{_span(depths)} by {_span(widths)} m, {_span(heights)} m high"
 
 
-def _papers(rooms: Sequence[Inventory]) -> str:
-    floors, sets = {room.floor for room in rooms}, {room.papers for room in rooms}
-    return f"{len(floors)} kinds of floor; {len(sets)} different sets of floor, ceiling and walls"
+def _textures(rooms: Sequence[Inventory]) -> str:
+    floors, sets = {room.floor for room in rooms}, {room.textures for room in rooms}
+    return f"{len(floors)} different floors; {len(sets)} different combinations of floor, ceiling and walls"
 
 
 def _places(rooms: Sequence[Inventory]) -> str:
     nearest = _span([room.nearest_wall_m for room in rooms])
     return (
-        f"{nearest} m from its hip to the nearest wall; {CLEARANCE_M:g} m beside it are left free where there is room"
+        f"{nearest} m from the hip to the nearest wall; {CLEARANCE_M:g} m around it are kept free if the room permits"
     )
 
 
 def _counts(rooms: Sequence[Inventory]) -> str:
     counts = [len(room.toys) for room in rooms]
     kinds = {toy.name for room in rooms for toy in room.toys}
-    return (
-        f"{min(counts)} to {max(counts)}, {mean(counts):.1f} in the mean; {len(kinds)} of mimoc's {len(BUILTIN)} in all"
-    )
+    drawn = f"{len(kinds)} of mimoc's {len(BUILTIN)} toys in all"
+    return f"{min(counts)} to {max(counts)}, {mean(counts):.1f} on average; {drawn}"
 
 
 def _distances(rooms: Sequence[Inventory]) -> str:
@@ -190,8 +188,8 @@ def _distances(rooms: Sequence[Inventory]) -> str:
     rooms_with = sum(any(toy.within_reach for toy in room.toys) for room in rooms)
     nearer_cm = 100 * median(toy.distance_m for toy in toys)
     return (
-        f"{within} of {len(toys)} toys within reach, half of all nearer than {nearer_cm:.0f} cm;"
-        f" at least one within reach in {rooms_with} of {len(rooms)} rooms"
+        f"{within} of {len(toys)} toys are within reach, half of all within {nearer_cm:.0f} cm;"
+        f" {rooms_with} of {len(rooms)} rooms have at least one within reach"
     )
 
 

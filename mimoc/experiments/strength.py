@@ -1,4 +1,4 @@
-"""Strength from birth to two years: how fast head and leg rise (López et al. 2025, figure 2 d-e)."""
+"""Strength from birth to two years: lifting the head and a leg (López et al. 2025, figure 2 d-e)."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ REFERENCE_S: Mapping[str, Mapping[float, float]] = {
     "head lift": {0.75: 2.25, 0.85: 1.20, 1.0: 0.72},
     "leg lift": {0.62: 1.79, 0.75: 0.58, 0.85: 0.37, 1.0: 0.25},
 }
-"""How long the published infant takes to 60 degrees, by relative size."""
+"""Time that the published infant takes to reach 60 degrees, by relative size."""
 
 HEADINGS = (
     "behaviour",
@@ -38,7 +38,7 @@ CURVE_HEADINGS = ("behaviour", "age_months", "time_s", "angle_deg")
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """An infant that does all behaviours in turn."""
+    """An infant that performs all behaviours in turn."""
 
     age_months: float
     model: Model = "torque"
@@ -46,7 +46,7 @@ class Trial:
 
 
 def run(notebook: Notebook) -> Path:
-    """Let infants of many ages lift head and leg, and return the page."""
+    """Let infants of many ages lift the head and a leg, and return the path of the report."""
     by_age = [Trial(age) for age in (PAPER_MONTHS if notebook.quick else MONTHS)]
     by_size = {(each, size): Trial(age_of(each, size)) for each in BEHAVIOURS for size in REFERENCE_S[each.name]}
     muscles = [Trial(age, "muscle", strength) for strength in (None, FULL_SIZE_MONTHS) for age in PAPER_MONTHS]
@@ -68,9 +68,10 @@ def run(notebook: Notebook) -> Path:
 
 
 def age_of(behaviour: Behaviour, size: float) -> float:
-    """Return the age, in months, at which the part that a behaviour moves has a relative size.
+    """Return the age, in months, at which the body part moved by a behaviour has a relative size.
 
-    That is the cube root of its volume over that at 18 months, and strength goes with volume.
+    The relative size is the cube root of the part's volume relative to that at 18 months; strength is proportional to
+    the volume.
     """
     strengths_nm = [_strength_nm(behaviour, age_months) for age_months in MONTHS]
     sizes = np.cbrt(np.divide(strengths_nm, _strength_nm(behaviour, FULL_SIZE_MONTHS)))

@@ -1,4 +1,4 @@
-"""The page about strength: what was measured, next to what the paper says."""
+"""The report on strength: the measurements, compared with the paper."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,70 +13,69 @@ TARGET_DEG = 60.0
 FULL_SIZE_MONTHS = 18
 """The age at which a part's relative size is 1."""
 LAW_MONTHS = 3
-"""From which age on the time is compared; a newborn gets to no 60 degrees."""
+"""Age from which on the time is compared; a newborn does not reach 60 degrees."""
 
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What was measured; youngest first."""
+    """The measurements, youngest first."""
 
     torque: Sequence[Effort]
-    """At all ages, moved by torques."""
+    """Torque actuation, at all ages."""
     shown: Sequence[Effort]
-    """Of these, those at the paper's ages."""
+    """Those of them at the paper's ages."""
     sized: Sequence[tuple[float, float, Effort]]
-    """Relative size, the published infant's time in [s], and the child whose part has that size."""
+    """Relative size, the published infant's time in [s], and the child whose body part has that size."""
     muscle: Sequence[Effort]
-    """At the paper's ages, moved by muscles: of its own strength, and of that of 18 months."""
+    """Muscle actuation at the paper's ages, with the strength of the age and with that of 18 months."""
 
 
 ABOUT = """\
-The average child lies on its back on a flat floor, every joint at zero, and settles for {settling_s:g} s with
-nothing commanded. Then one actuator does all it can, `act:head_tilt` at +1 or `act:right_hip_flex` at -1, and
-everything else stays at rest, for {steps} control steps of {step_ms:g} ms. What is measured is the angle of that
-joint, from the joint's own zero and positive as the part rises: `robot:head_tilt`, and `robot:right_hip1` with its
-sign turned. Before it starts nothing moves by more than 4 degrees a second; what does, creeps on MuJoCo's soft
-friction.
+The average child lies on its back on a flat floor with all joints at zero, and settles for {settling_s:g} s without
+commands. Then a single actuator gets its largest command, `act:head_tilt` +1 or `act:right_hip_flex` -1, for {steps}
+control steps of {step_ms:g} ms, while all others stay at rest. We measure the angle of its joint from the joint's zero
+position, positive as the body part rises: `robot:head_tilt`, and `robot:right_hip1` with inverted sign. At the start
+no joint moves by more than 4 degrees per second; what motion there is, is creep under MuJoCo's soft friction.
 
 ![Angle of head and leg over time, by age](strength.png)
 
-`strength.csv` has a row for each behaviour and age, `curves.csv` every step at the paper's ages. At the end of a
-joint's range (head {head_end:g}, hip {leg_end:g} degrees) a soft stop catches it; a strong infant dips into that by
-up to {overshoot:.1f} degrees, now a little more, now a little less. `peak_deg` is the largest angle,
-`peak_in_range_deg` the largest up to the end of the range."""
+`strength.csv` has a row for each behaviour and age, `curves.csv` every step at the paper's ages. The ranges of the
+joints end in soft limits (head {head_end:g}, hip {leg_end:g} degrees), which strong infants exceed by up to
+{overshoot:.1f} degrees, by amounts that vary a little. `peak_deg` is the largest angle, `peak_in_range_deg` the
+largest angle clipped to the joint range."""
 
 COMPARED = """\
-## Next to the paper
+## Comparison with the paper
 
-In the paper older infants are faster and stronger. Measured here:
+In the paper, older infants are faster and stronger. Our measurements:
 
 {laws}
 
 {ages}
 
-The paper's reference order is the time to {target_deg:g} degrees by relative length, that of {full_size} months
-being 1. It is compared here with the child of the age at which the part that moves, head or thigh, has that
-relative size: the cube root of its volume, which its strength follows, over that at {full_size} months. mimoc's
-heads and legs do not grow in step with each other, as no child's do, and its body of {full_size} months is MIMo's.
+The paper reports the time to {target_deg:g} degrees for several relative body lengths, relative to the length at
+{full_size} months. We compare it with the child of the age at which the moving part, head or thigh, has that relative
+size: the cube root of its volume, which determines its strength, relative to that at {full_size} months. As in real
+children, head and legs do not grow in proportion; at {full_size} months, mimoc's body equals MIMo's.
 
 {order}"""
 
 MUSCLES = """\
-## With muscles
+## Muscle actuation
 
-`muscles.csv` is the same with `actuation: {{model: muscle}}`, and with the strength of {full_size} months at all
-ages, as where muscles do not grow. Time to {target_deg:g} degrees, in s:
+`muscles.csv` has the same measurements with `actuation: {{model: muscle}}`, also with the strength of {full_size}
+months at all ages, as if muscles did not grow. Time to {target_deg:g} degrees, in s:
 
 {table}
 
-The order of ages above comes from springs and dampers in the joints, which are the same at all ages. Muscles leave
-no springs and a twentieth of the damping there, as MIMo's do; so a leg takes about as long at every age, and a
-small head is up first. That is MIMo's law, kept as it is: for a strength that grows with age in this sense, use
-torques."""
+The order of ages above results from springs and dampers at the joints, which are the same at all ages. With muscles,
+as in MIMo, joints have no springs and a twentieth of the damping, so that a leg takes about as long at every age, and
+a small head is lifted first. This follows MIMo's law; for a strength that increases with age in this sense, use torque
+actuation."""
 
 
 def write(notebook: Notebook, findings: Findings) -> Path:
-    """Write the page, and return it."""
+    """Write the report, and return its path."""
     overshoot_deg = max(effort.peak_deg - effort.end_deg for effort in findings.torque)
     head_deg, leg_deg = (_of(findings.torque, each)[0].end_deg for each in BEHAVIOURS)
     about = ABOUT.format(
@@ -96,39 +95,39 @@ def write(notebook: Notebook, findings: Findings) -> Path:
     )
     muscles = MUSCLES.format(table=_muscle_table(findings.muscle), full_size=FULL_SIZE_MONTHS, target_deg=TARGET_DEG)
     sections = (about, compared, muscles)
-    return notebook.write_page("Strength", sections, seeds="Nothing is drawn by chance.", libraries=["matplotlib"])
+    return notebook.write_page("Strength", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
 def is_faster_with_age(found: Iterable[Effort], within_s: float = 0.0) -> bool:
-    """Say whether the time to 60 degrees falls from each age to the next, from three months on.
+    """Return whether the time to 60 degrees decreases from each age to the next, from three months on.
 
     Args:
-        found: Youngest first.
-        within_s: What is too little to count as a rise.
+        found: Measurements, youngest first.
+        within_s: Increases below this are ignored.
     """
     times_s = [effort.time_to_s(TARGET_DEG) for effort in found if effort.age_months >= LAW_MONTHS]
     return all(a is not None and b is not None and a + within_s > b for a, b in pairwise(times_s))
 
 
 def gets_as_far_with_age(found: Iterable[Effort]) -> bool:
-    """Say whether the peak angle, as far as the range of the joint goes, never falls with age."""
+    """Return whether the peak angle, clipped to the joint range, never decreases with age."""
     return all(a.peak_in_range_deg <= b.peak_in_range_deg for a, b in pairwise(found))
 
 
 def _laws(findings: Findings) -> list[str]:
-    """Return what holds of each behaviour and what does not, as sentences."""
+    """Return as sentences which laws hold for each behaviour and which do not."""
     laws = []
     for behaviour in BEHAVIOURS:
         name = behaviour.name.capitalize()
         every, shown = _of(findings.torque, behaviour), _of(findings.shown, behaviour)
-        faster = "falls" if is_faster_with_age(shown) else "does NOT always fall"
-        steadily = "never" if is_faster_with_age(every, ms_to_s(STEP_MS)) else "at times"
-        as_far = "never falls" if gets_as_far_with_age(every) else "DOES fall"
+        faster = "decreases" if is_faster_with_age(shown) else "does NOT always decrease"
+        steadily = "never" if is_faster_with_age(every, ms_to_s(STEP_MS)) else "sometimes"
+        as_far = "never decreases" if gets_as_far_with_age(every) else "DOES decrease"
         laws += [
-            f"{name}, time to {TARGET_DEG:g} degrees: from {LAW_MONTHS} months on it {faster} from each age below"
-            " to the next;",
-            f"{name}, the same over all ages of `strength.csv`: {steadily} rises by a control step;",
-            f"{name}, peak angle up to the end of the range: {as_far} with age, from birth on.",
+            f"{name}, time to {TARGET_DEG:g} degrees: from {LAW_MONTHS} months on, it {faster} from each age in the"
+            " table to the next;",
+            f"{name}, the same over all ages in `strength.csv`: it {steadily} increases by a control step or more;",
+            f"{name}, peak angle within the joint range: it {as_far} with age, from birth on.",
         ]
     return laws
 

@@ -67,7 +67,7 @@ def _fit(name: str, means: tuple[GroupMean, ...], tables: GrowthTables, placemen
 
 
 def _age(mean: GroupMean, placement: Placement) -> float:
-    """Return the age that stands for a group, in months; completed months 0-2 end on the third birthday month."""
+    """Return the age that stands for a group, in months; completed months 0 to 2 end at the age of 3 months."""
     if placement == "published":
         return PUBLISHED_AGES_MONTHS[mean.first_month]
     return (mean.first_month + mean.last_month + 1) / 2

@@ -1,4 +1,4 @@
-"""What was measured on a child, and why to believe it."""
+"""Body measurements, and the origin of each."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -19,13 +19,13 @@ class DataPoint:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """A body measurement and the reason to believe it."""
+    """A body measurement and its origin."""
 
     value_m: float
     origin: str
     """`anthrokids.csv: hand_breadth, log fit`."""
     curve: LogCurve | None = None
-    """The growth curve it was read off, in cm by months; None if it was given."""
+    """The growth curve that it was evaluated from, in cm by months; None if it was given."""
     points: tuple[DataPoint, ...] = ()
     """What the curve was fitted to; empty where only published coefficients are known."""
     given_by: tuple[str, ...] = ("spec.age_months",)
@@ -71,7 +71,7 @@ class Measurements(Mapping[str, float]):
 
         Args:
             factors: By name.
-            why: Said in the origin of each.
+            why: Added to the origin of each.
             given_by: The keys of the spec that ask for it.
         """
         table = {

@@ -1,7 +1,7 @@
 """Rotations as matrices and as quaternions w, x, y, z.
 
-NumPy alone: SciPy's `Rotation` takes longer to import than an infant takes to build, and several times as long for a
-single rotation. The tests compare the two.
+This is NumPy alone, since SciPy's `Rotation` takes longer to import than an infant takes to build; the tests compare
+the two.
 """
 
 import math

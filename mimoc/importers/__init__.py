@@ -1,4 +1,4 @@
-"""Configurations of other systems, turned into specs."""
+"""Conversion of other systems' configurations into specs."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,19 +9,19 @@ from mimoc.importers.babybench import import_babybench
 from mimoc.importers.imported import Imported
 
 IMPORTERS: Mapping[str, Callable[[str | Path], Imported]] = MappingProxyType({"babybench": import_babybench})
-"""What reads the configuration of each system."""
+"""Function that converts the configuration of each system."""
 
 
 def import_config(system: str, path: str | Path) -> Imported:
-    """Return the spec that another system's configuration comes to.
+    """Convert another system's configuration into a spec.
 
     Args:
-        system: A name of `IMPORTERS`.
-        path: Of the configuration.
+        system: A key of `IMPORTERS`.
+        path: Path of the configuration.
 
     Raises:
         UnknownNameError: If there is no such system.
-        SpecError: If the configuration cannot be read, with everything wrong with it.
+        SpecError: If the configuration is invalid; the error lists all problems.
     """
     if system not in IMPORTERS:
         raise UnknownNameError("format to import from", system, IMPORTERS)

@@ -1,4 +1,4 @@
-"""A spec that was made of another system's configuration."""
+"""A spec converted from another system's configuration."""
 
 from dataclasses import dataclass
 from pathlib import PurePath
@@ -10,28 +10,28 @@ from mimoc.schema.yaml_scalars import dump
 
 @dataclass(frozen=True, slots=True)
 class Imported:
-    """A spec, and what the configuration says that the spec does not."""
+    """A spec, with notes on the settings that it does not represent exactly."""
 
     system: str
-    """Whose configuration it is, as people write it."""
+    """Name of the other system."""
     file: str
-    """The configuration, as messages show it."""
+    """File name of the configuration, as shown in messages."""
     spec: dict[str, Any]
-    """Section by section, in the order to write them in."""
+    """The sections of the spec, in the order of writing."""
     notes: tuple[Problem, ...]
-    """One for each key that has no counterpart, or none that is quite the same; by line."""
+    """One note for each key without an exact counterpart, by line."""
 
     @property
     def text(self) -> str:
-        """The spec as a YAML file, with the notes as comments; it does not say which folder they come from."""
+        """The content of the spec's YAML file, with the notes as comments; it has no path of this machine."""
         return "\n".join((*self._heading(), *(dump({key: value}).rstrip() for key, value in self.spec.items()), ""))
 
     def _heading(self) -> list[str]:
-        made = f"# Made of {self.system}'s {_one_line(PurePath(self.file).name)} by `mimoc import`."
+        title = f"# Converted from {self.system}'s {_one_line(PurePath(self.file).name)} by `mimoc import`."
         if not self.notes:
-            return [made]
-        said = [f"#   line {note.line}: {note.key}: {note.message}" for note in self.notes]
-        return [made, "# What it says and this spec does not, or not quite:", *said]
+            return [title]
+        notes = [f"#   line {note.line}: {note.key}: {note.message}" for note in self.notes]
+        return [title, "# Settings that this spec does not represent, or not exactly:", *notes]
 
 
 def _one_line(text: str) -> str:

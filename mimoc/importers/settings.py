@@ -1,4 +1,4 @@
-"""The keys of a flat configuration, each read as what it should be."""
+"""Typed reading of the keys of a flat configuration."""
 
 from collections.abc import Mapping
 from typing import Any, TypeVar
@@ -10,12 +10,12 @@ from mimoc.schema.source import Source
 Meaning = TypeVar("Meaning")
 
 _FLAGS = {"yes": True, "no": False, "on": True, "off": False, "true": True, "false": False}
-"""What YAML 1.1, which most systems read, takes for true and false; ours reads most of these as words."""
+"""Words that YAML 1.1, used by most systems, reads as true and false; YAML 1.2, used here, has most of them as text."""
 _ONE_OR_THE_OTHER = "true or false"
 
 
 class Settings:
-    """Reads the keys of a configuration, and gathers what is wrong with them and what there is to say about them."""
+    """Reads the keys of a configuration and collects problems and notes."""
 
     def __init__(self, source: Source):
         self._source = source
@@ -25,16 +25,16 @@ class Settings:
         self._data = {key: value for key, value in source.data.items() if key not in self._read}
 
     def find(self, *names: str) -> str | None:
-        """Return which of several names for one thing is there, None if none is; two are a problem."""
+        """Return which one of several synonymous keys is present, None if none is; more than one is a problem."""
         found = sorted((name for name in names if name in self._data), key=self.line)
         self._read.update(found)
         for other in found[1:]:
-            said = f"this says the same as '{found[0]}' in line {self.line(found[0])}; keep one of the two"
-            self._problems.append(self._source.problem((other,), said, at="key"))
+            message = f"same setting as '{found[0]}' in line {self.line(found[0])}; keep only one of the two"
+            self._problems.append(self._source.problem((other,), message, at="key"))
         return found[0] if found else None
 
     def flag(self, *names: str) -> bool | None:
-        """Return true or false, None if it is not there."""
+        """Return a boolean, None if the key is missing."""
         key = self.find(*names)
         if key is None:
             return None
@@ -45,7 +45,7 @@ class Settings:
         return self._refuse(key, f"is not {_ONE_OR_THE_OTHER}", f"write {_ONE_OR_THE_OTHER}")
 
     def whole(self, *names: str, low: int, high: int) -> int | None:
-        """Return a whole number in a range, None if it is not there."""
+        """Return an integer in a range, None if the key is missing."""
         key = self.find(*names)
         if key is None:
             return None
@@ -55,7 +55,7 @@ class Settings:
         return value if self._fits(key, value, low, high) else None
 
     def number(self, *names: str, low: float, high: float) -> float | None:
-        """Return a number in a range, None if it is not there."""
+        """Return a number in a range, None if the key is missing."""
         key = self.find(*names)
         if key is None:
             return None
@@ -65,7 +65,7 @@ class Settings:
         return value if self._fits(key, value, low, high) else None
 
     def choice(self, *names: str, meanings: Mapping[str, Meaning]) -> Meaning | None:
-        """Return what a word means, None if it is not there; capitals, spaces and hyphens do not count."""
+        """Return the meaning of a word, None if the key is missing; case, spaces and hyphens are ignored."""
         key = self.find(*names)
         if key is None:
             return None
@@ -75,11 +75,11 @@ class Settings:
         return self._refuse(key, "is not a choice", suggestion(word[:80], meanings))
 
     def value(self, key: str) -> Any:
-        """Return what stands at a key that was found, whatever it is."""
+        """Return the value of a key, of any type."""
         return self._data[key]
 
     def keys(self, prefix: str) -> list[str]:
-        """Return the keys that begin so, in the order of their lines."""
+        """Return the keys with a prefix, in the order of their lines."""
         return [key for key in self._data if key.startswith(prefix)]
 
     def line(self, key: str) -> int:
@@ -87,23 +87,23 @@ class Settings:
         return self._source.locate((key,), at="key")[0]
 
     def note(self, key: str, message: str) -> None:
-        """Remember what there is to say about a key."""
+        """Add a note on a key."""
         self._read.add(key)
         self._notes.append(self._source.problem((key,), message, at="key"))
 
-    def pass_over(self, *prefixes: str) -> None:
-        """Take no notice of the keys that begin so, which belong to something that is off."""
+    def ignore(self, *prefixes: str) -> None:
+        """Ignore the keys with these prefixes, which belong to something that is off."""
         self._read.update(key for key in self._data if key.startswith(prefixes))
 
-    def left_over(self) -> list[str]:
-        """Return the keys that nobody asked for."""
+    def unread_keys(self) -> list[str]:
+        """Return the keys that have not been read."""
         return [key for key in self._data if key not in self._read]
 
     def notes(self) -> tuple[Problem, ...]:
-        """Return what there is to say, by line.
+        """Return the notes, by line.
 
         Raises:
-            SpecError: If anything is wrong, with all that is.
+            SpecError: If there are problems; the error lists all of them.
         """
         if self._problems:
             raise SpecError(self._problems)
@@ -122,7 +122,7 @@ class Settings:
 
 
 def plain(value: Any) -> str:
-    """Return a word as tables have it: small letters, and `_` between them; nothing is `none`."""
+    """Return a word in normal form: lower case, with `_` as separator; None is `none`."""
     return "_".join(str("none" if value is None else value).lower().replace("-", " ").replace("_", " ").split())
 
 

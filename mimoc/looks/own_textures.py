@@ -1,4 +1,4 @@
-"""A user's own pictures, as textures to decorate a room with."""
+"""A user's own pictures as wallpapers."""
 
 import os
 import re
@@ -22,7 +22,7 @@ LONGER_SIDE_M = 1.0
 def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
     """Return the textures in one PNG, or in every `*.png` of a folder, by name.
 
-    They are made as small as a bundle wants them, and lose whatever a file tells besides its picture.
+    They are scaled down to a bundle's resolution, and metadata is dropped.
 
     Raises:
         TextureError: If there is none, or with a line for each that is not a picture.
@@ -66,7 +66,7 @@ def _decode(file: Path) -> Image.Image:
     """Return a picture as RGB, what is transparent in it white."""
     try:
         if not stat.S_ISREG(os.stat(file).st_mode):
-            raise TextureError(f"{file}: is not a file; take it away, or put a PNG there")
+            raise TextureError(f"{file}: is not a file; remove it, or put a PNG there")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Of a size that is refused here anyway.
             with Image.open(file, formats=["PNG"]) as image:
@@ -78,9 +78,9 @@ def _decode(file: Path) -> Image.Image:
         raise TextureError(f"{file}: {_TOO_LARGE}") from None
     except OSError as error:
         fault = f"cannot be read ({error.strerror})" if error.strerror else "is not a PNG, or is damaged"
-        raise TextureError(f"{file}: {fault}; save it as a PNG again, or take it away") from None
+        raise TextureError(f"{file}: {fault}; save it as a PNG again, or remove it") from None
     except Exception:  # Pillow has many ways to fail at a damaged file.
-        raise TextureError(f"{file}: is damaged; save it as a PNG again, or take it away") from None
+        raise TextureError(f"{file}: is damaged; save it as a PNG again, or remove it") from None
 
 
 _TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; make it smaller: {TILE_PX} px a side are enough"
@@ -111,7 +111,7 @@ def _small(image: Image.Image) -> FloatArray:
 
 
 def _name(file: Path, taken: set[str]) -> str:
-    """Return a name that MJCF, every file system and the other textures can live with."""
+    """Return a name that is valid in MJCF and in every file system, and not taken."""
     slug = re.sub("[^a-z0-9]+", "_", file.stem.lower()).strip("_")[:40] or "texture"
     name, number = f"own_{slug}", 1
     while name in taken:

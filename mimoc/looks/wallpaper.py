@@ -1,8 +1,8 @@
-"""The textures a room is decorated with."""
+"""Textures for floors, ceilings and walls, and pictures to hang there."""
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -10,7 +10,7 @@ from mimoc.looks.drawing import FloatArray, encode_palette_png
 from mimoc.looks.patterns import ceilings, floors, pictures, walls
 
 WHOLE = math.inf
-"""Extent of a tile that is as wide, or as high, as what it covers."""
+"""Extent of a tile that is as wide, or as high, as the surface it covers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,3 +82,17 @@ PICTURES = _table(
     ((0.48, 0.36), pictures.duck),
     ((0.48, 0.36), pictures.cat),
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Wallpapers:
+    """What floors, ceilings and walls may look like."""
+
+    floors: Sequence[Wallpaper] = tuple(FLOORS.values())
+    ceilings: Sequence[Wallpaper] = tuple(CEILINGS.values())
+    walls: Sequence[Wallpaper] = tuple(WALLS.values())
+    pictures: Sequence[Wallpaper] = tuple(PICTURES.values())
+
+
+OWN_WALLPAPERS = Wallpapers()
+"""Mimoc's own."""

@@ -1,26 +1,29 @@
 """Pairs: contacts of walls and ceiling with all that moves, listed one by one.
 
 MuJoCo looks for contacts between two bodies in a tree of boxes as soon as one of them has several geoms. The world is
-one body, the boxes of planes have no end, and so the tree of a whole room costs 5 to 8 % of a physics step and finds
-nothing. A listed pair goes past the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
+one body, the boxes of planes are infinite, and so the tree of a whole room costs 5 to 8 % of a physics step and finds
+nothing. A listed pair bypasses the tree and costs a hundredth of a microsecond; contact bits of zero keep walls out.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 
 from mimoc.geometry.rotations import Vec3
+from mimoc.mjcf.constraints import Pair
 from mimoc.mjcf.furniture import SOLID, WorldGeom
-from mimoc.mjcf.tree import Node, Pair, PrintedGeom, PropGeom, World
+from mimoc.mjcf.infant import Node, PrintedGeom
+from mimoc.mjcf.objects import ObjectGeom
+from mimoc.mjcf.world import World
 
 
 def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
-    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits let them.
+    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits allowed them.
 
     Args:
         world: What is around the infant.
         roots: The infant.
     """
-    props = (geom for prop in world.props for geom in prop.geoms)
-    moving = [geom for geom in (*_geoms(roots), *props) if SOLID & (geom.contype | geom.conaffinity)]
+    of_objects = (geom for each in world.objects for geom in each.geoms)
+    moving = [geom for geom in (*_geoms(roots), *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
     barriers = (geom for geom in world.furniture.geoms if geom.barrier)
     return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)
 
@@ -31,7 +34,7 @@ def _geoms(nodes: Iterable[Node]) -> Iterator[PrintedGeom]:
         yield from _geoms(node.children)
 
 
-def _pair(barrier: WorldGeom, geom: PrintedGeom | PropGeom) -> Pair:
+def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
     """Return a contact with what MuJoCo mixes of two geoms that are equally soft."""
     sliding, spinning, rolling = _larger(barrier.friction, geom.friction)
     return Pair(

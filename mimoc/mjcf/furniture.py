@@ -1,46 +1,16 @@
-"""What stands around an infant, as MJCF lists it: SI units, angles in radians, every value decided."""
+"""What is fixed to the world in MJCF: SI units, angles in radians, every value decided."""
 
 from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.looks.appearance import Rgba
+from mimoc.mjcf.lights import SpotLight
+from mimoc.mjcf.materials import WorldMaterial, WorldTexture
 
 UNTOUCHED = 0
-"""Contact bits of what only shows."""
+"""Contact bits of geoms that are only seen."""
 SOLID = 1
-FIRM = 100.0
-"""`solmix` of a mattress, and of toys: an infant is as soft as these are, and the two of them share."""
-
-
-@dataclass(frozen=True, slots=True)
-class WorldTexture:
-    """One `<texture type="2d">`.
-
-    Only planes wear it: on all other shapes MuJoCo 3.5 and 3.17 lay it in different ways.
-    """
-
-    name: str
-    file: str
-    """Path inside the bundle."""
-    content: bytes
-    """The PNG; its top is up on a wall."""
-
-
-@dataclass(frozen=True, slots=True)
-class WorldMaterial:
-    """One `<material>`, with `texuniform="false"` if it has a texture."""
-
-    name: str
-    rgba: Rgba
-    """Colour, or what the texture is multiplied by."""
-    texture: str | None = None
-    texrepeat: tuple[float, float] = (1.0, 1.0)
-    """How often the texture repeats across the whole plane that wears it, rightwards and upwards."""
-    specular: float = 0.1
-    shininess: float = 0.1
-    reflectance: float = 0.0
-    emission: float = 0.0
-    """How much it shines by itself, 0 to 1."""
+DOMINANT_SOLMIX = 100.0
+"""`solmix` of a geom whose softness decides that of its contacts with an infant; two of them share."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,50 +32,23 @@ class WorldGeom:
     solref: tuple[float, float] = (0.005, 1.0)
     solimp: tuple[float, float, float, float, float] = (0.95, 0.99, 0.001, 0.5, 1.0)
     solmix: float = 1.0
-    """How much it counts for how soft a contact is; an infant's geoms count 1."""
+    """Weight of its softness in that of a contact; an infant's geoms have 1."""
     group: int = 0
     barrier: bool = False
-    """Whether what moves touches it by a pair for each of its geoms, and not by contact bits; see `pairs.py`."""
-
-
-@dataclass(frozen=True, slots=True)
-class WorldLight:
-    """One `<light type="spot">`."""
-
-    name: str
-    pos_m: Vec3
-    direction: Vec3
-    diffuse: Vec3
-    specular: Vec3
-    attenuation: Vec3
-    """Constant, linear and quadratic."""
-    cutoff_deg: float
-    """MuJoCo wants it in degrees, whatever its compiler says of angles."""
-    exponent: float
-    castshadow: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Headlight:
-    """MuJoCo's light that goes with the camera, under `<visual>`."""
-
-    ambient: Vec3
-    """From everywhere."""
-    diffuse: Vec3
-    """From the camera: little, or walls get brighter when a head turns to them."""
+    """Whether contacts with it are listed pairs instead of contact bits; see `contact_pairs.py`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Furniture:
-    """Some things and all that their looks need."""
+    """Things that are fixed to the world, with their materials, textures and lights."""
 
     geoms: tuple[WorldGeom, ...] = ()
     materials: tuple[WorldMaterial, ...] = ()
     textures: tuple[WorldTexture, ...] = ()
-    lights: tuple[WorldLight, ...] = ()
+    lights: tuple[SpotLight, ...] = ()
 
     def __add__(self, other: "Furniture") -> "Furniture":
-        """Return the things of both."""
+        """Return the things of both together."""
         return Furniture(
             self.geoms + other.geoms,
             self.materials + other.materials,
@@ -125,4 +68,4 @@ class Furniture:
 
 
 BARE = Furniture()
-"""Nothing at all."""
+"""No furniture."""

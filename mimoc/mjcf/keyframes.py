@@ -2,7 +2,7 @@
 
 from mimoc.body import BodyTree
 from mimoc.body.poses import POSES, resting_state
-from mimoc.mjcf.tree import Keyframe
+from mimoc.mjcf.scene import Keyframe
 
 
 def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:

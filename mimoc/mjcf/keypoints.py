@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mimoc.body import BodyTree
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.tree import Site
+from mimoc.mjcf.infant import Site
 
 PREFIX = "BODY_25:"
 KEYPOINTS = (

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from mimoc.mjcf.tree import Camera, Sensor, Site
+from mimoc.mjcf.infant import Camera, Sensor, Site
 from mimoc.schema.base import Model
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from lxml import etree
 
-from mimoc.mjcf.tree import SceneTree
+from mimoc.mjcf.scene import SceneTree
 from mimoc.rounding import num
 
 TEMPLATES = Path(__file__).parents[1] / "templates"

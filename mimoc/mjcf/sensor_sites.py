@@ -1,7 +1,7 @@
 """The sites, cameras and MuJoCo sensors that every body has for its senses."""
 
 from mimoc.body import BodyTree
-from mimoc.mjcf.tree import Camera, Sensor, Site
+from mimoc.mjcf.infant import Camera, Sensor, Site
 from mimoc.units import deg_to_rad
 
 SITE_RADIUS_M = 0.01

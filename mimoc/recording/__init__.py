@@ -1,4 +1,4 @@
-"""Films of infants, as files."""
+"""Recording of videos."""
 
 from mimoc.recording.record import filming, record
 from mimoc.recording.video import check_video

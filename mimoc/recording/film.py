@@ -1,4 +1,4 @@
-"""Frames of a film: an infant from outside, kept in the picture, and beside it what its eyes see."""
+"""Frames of a video: the infant, followed by a camera, and beside it the views of its eyes."""
 
 import math
 from collections.abc import Sequence
@@ -16,37 +16,36 @@ from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
 
 SHAPE = 4 / 3
-"""Width over height of the picture from outside."""
+"""Aspect ratio of the camera image."""
 SPACE = 1.25
-"""How much wider the field of view is than what it has to show, so that limbs can move without the camera."""
+"""Margin of the field of view around the infant, so that limbs can move without moving the camera."""
 CLOSER = 0.7
-"""It goes nearer when it would be this much nearer then."""
+"""The camera moves closer when its distance would be reduced by this factor."""
 FOLLOWING_S = 1.0
-"""Time in which the camera goes most of the way to where it should be."""
+"""Time constant of the camera's motion."""
 HURRY = 0.1
-"""How much more of the way it goes at a time, until all of the infant is in the picture."""
+"""Step by which the camera's motion is sped up until the whole infant is in view."""
 GAP_PX = 4
-"""Between the pictures of a frame."""
-PAPER = 255
+"""Gap between the images of a frame."""
+BACKGROUND = 255
 EYES = ("eye_left", "eye_right")
 SHARP = 2
-"""How many times larger the view of eyes that the infant does not use is drawn, and then averaged down."""
+"""Factor of supersampling for the views of eyes that the infant does not observe."""
 
 
 class Film:
-    """Draws the frames of a film of one environment."""
+    """Renders the frames of a video of one environment."""
 
     def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False):
         """Open the cameras.
 
         Args:
-            env: The infant.
-            height_px: Of a frame; the picture from outside is a third wider than high.
-            eyes: Whether to show what the eyes see: what the infant observes, or, if it has no vision, what it would
-                see with eyes of full acuity.
+            env: The environment.
+            height_px: Height of a frame; the camera image is a third wider than high.
+            eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
 
         Raises:
-            RenderingError: If there is no OpenGL here, or the infant has no eyes to show.
+            RenderingError: If OpenGL is not available, or the infant has no eyes.
         """
         self._env = env
         self._eyes = _eyes_of(env, _cell_px(height_px)) if eyes else None
@@ -55,16 +54,16 @@ class Film:
         self._camera = BodyCamera(env.model, [root], round(SHAPE * height_px), height_px, view, margin=SPACE)
         self._camera.turn(env.data)
         self.shot: Shot | None = None
-        """Of the last frame."""
+        """Shot of the last frame."""
         self._goal = self._camera.shot(env.data)
-        """Where the camera is going."""
+        """Shot that the camera is moving to."""
         self._time_s = 0.0
 
     def frame(self, observation: Observation) -> Picture:
-        """Return the next frame, shape (height, width, 3), of the environment as it is now.
+        """Return a frame of the current state, shape (height, width, 3).
 
         Args:
-            observation: What the infant observes now.
+            observation: The current observation.
         """
         self.shot = self._followed()
         self._time_s = self._env.data.time
@@ -88,10 +87,10 @@ class Film:
             self._eyes.close()
 
     def _followed(self) -> Shot:
-        """Return the next shot: the one before, unless the infant leaves it or gets small in it."""
+        """Return the next shot: the previous one, unless the infant leaves it or becomes small in it."""
         data, aspect = self._env.data, self.aspect
         spheres, wanted, passed_s = self.spheres, self._camera.shot(data), data.time - self._time_s
-        if self.shot is None or passed_s < 0:  # Another episode: a cut.
+        if self.shot is None or passed_s < 0:  # A new episode: cut.
             self._goal = wanted
             return wanted
         if not shows(self._goal, spheres, aspect) or wanted.depth_m < CLOSER * self._goal.depth_m:
@@ -103,7 +102,7 @@ class Film:
 
 
 class _Observed:
-    """The pictures in an observation: as fine, as foveated and as late as the infant sees."""
+    """The images in the observation, with the infant's acuity, foveation and delay."""
 
     def __init__(self, cameras: Sequence[str]):
         self._cameras = cameras
@@ -112,11 +111,11 @@ class _Observed:
         return [observation[camera] for camera in self._cameras]
 
     def close(self) -> None:
-        """There is nothing to free."""
+        """Do nothing: there is nothing to free."""
 
 
 class _Sharp:
-    """What eyes of full acuity see, of an infant that does not use them."""
+    """Unblurred views of the eyes of an infant without vision."""
 
     def __init__(self, model: mujoco.MjModel, cameras: Sequence[str], size_px: int):
         bodies = model.cam_bodyid[[model.camera(camera).id for camera in cameras]]
@@ -131,18 +130,18 @@ class _Sharp:
 
 
 def _eyes_of(env: InfantEnv, size_px: int) -> _Observed | _Sharp:
-    """Return what shows what the eyes see; *size_px* is the side of pictures that the infant does not see itself."""
+    """Return the source of the eyes' views; *size_px* is the size of views that are not observed."""
     vision = env.manifest.senses.vision
     if vision is not None:
         return _Observed(vision.cameras)
-    cameras = [eye for eye in EYES if mujoco.mj_name2id(env.model, mujoco.mjtObj.mjOBJ_CAMERA, eye) >= 0]
+    cameras = [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
-        raise RenderingError(f"'{env.manifest.name}' has no eyes; leave the eyes' view out")
+        raise RenderingError(f"'{env.manifest.name}' has no eyes; record it without their views")
     return _Sharp(env.model, cameras, size_px)
 
 
 def _between(one: Shot, other: Shot, share: float) -> Shot:
-    """Return the shot that has gone a share of the way from one to another, in the direction of the other."""
+    """Return the linear interpolation between two shots, with the view direction of the second."""
     return Shot(
         one.position_m + share * (other.position_m - one.position_m),
         one.depth_m + share * (other.depth_m - one.depth_m),
@@ -152,11 +151,11 @@ def _between(one: Shot, other: Shot, share: float) -> Shot:
 
 
 def _beside(outside: Picture, seen: Sequence[Picture]) -> Picture:
-    """Return a frame with a column of other pictures on the right, each as large as fits; their pixels stay square."""
+    """Return a frame with a column of further images on the right, scaled to fit with square pixels."""
     height = outside.shape[0]
     cell_px = _cell_px(height)
     fitted = [_fitted(picture, cell_px) for picture in seen]
-    column = np.full((height, GAP_PX + max(picture.shape[1] for picture in fitted), 3), PAPER, np.uint8)
+    column = np.full((height, GAP_PX + max(picture.shape[1] for picture in fitted), 3), BACKGROUND, np.uint8)
     for number, picture in enumerate(fitted):
         top = number * (height - cell_px)
         column[top : top + cell_px, GAP_PX : GAP_PX + picture.shape[1]] = picture
@@ -164,12 +163,12 @@ def _beside(outside: Picture, seen: Sequence[Picture]) -> Picture:
 
 
 def _cell_px(height_px: int) -> int:
-    """Return the height of the picture of an eye in a frame of a height: there are two, above each other."""
+    """Return the height of an eye's view in a frame; the two are stacked."""
     return (height_px - GAP_PX) // 2
 
 
 def _fitted(picture: Picture, height_px: int) -> Picture:
-    """Return a picture of another height: averaged down if it is much higher, then by its nearest pixels."""
+    """Return an image scaled to another height: averaged down if much larger, then by nearest neighbour."""
     times = max(1, min(picture.shape[0] // height_px, picture.shape[1]))
     rows, columns = (side // times * times for side in picture.shape[:2])
     smaller = np.rint(average_down(picture[:rows, :columns].astype(np.float32), times)).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Filming a run: pictures from outside and of the eyes' view, at the speed of real time."""
+"""Recording a run as a video in real time."""
 
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -15,11 +15,11 @@ from mimoc.runtime.rollout import PolicyMaker, Run, Summary
 from mimoc.units import ms_to_s
 
 RATE_HZ = 25
-"""Pictures a second: four hundredths of a second each, which a GIF can say."""
+"""Default frame rate: four hundredths of a second per frame, which a GIF can represent."""
 HEIGHT_PX = 360
-"""Of a film."""
-Look = Callable[[], None]
-"""Is called after each control step, and takes a picture when it is time for one."""
+"""Default height of a video."""
+Capture = Callable[[], None]
+"""Called after each control step; captures a frame when one is due."""
 
 
 def record(
@@ -34,38 +34,38 @@ def record(
     height_px: int = HEIGHT_PX,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Summary:
-    """Run an infant under a policy, film it, and return what happened.
+    """Run an infant under a policy, record a video, and return the summary of the run.
 
-    The film runs at the speed of real time. Ctrl-C ends it: what was filmed until then is kept. Nothing is left of it
-    after any other error.
+    The video plays in real time. After Ctrl-C, the video up to that point is kept; after any other error, no file is
+    written.
 
     Args:
         env: The environment, which is reset.
-        policy: What acts: `random`, `zero`, `reach`, what `mimoc.load_policy` returns, or a function from the
-            environment to a function from a random generator and an observation to an action.
-        file: Where the film goes, an .mp4 (which needs `pip install 'mimoc[record]'`) or a .gif.
-        steps: Control steps to run.
-        seed: Of the policy and the episodes.
-        eyes: Whether to show beside it what the eyes see: what the infant observes, if it has vision; else sharp.
-        rate_hz: Pictures a second, at most one each control step.
-        height_px: Of the film.
-        progress: Is told how many steps of how many are done.
+        policy: `random`, `zero`, `reach`, a trained policy from `mimoc.load_policy`, or a function from an environment
+            to a function from a random generator and an observation to an action.
+        file: The video file, an .mp4 (which needs `pip install 'mimoc[record]'`) or a .gif.
+        steps: Number of control steps.
+        seed: Random seed of policy and episodes.
+        eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
+        rate_hz: Frames per second, at most one per control step.
+        height_px: Height of the video.
+        progress: Called with the number of steps done and their total.
 
     Raises:
-        OutputError: If the film cannot be written there.
+        OutputError: If the video cannot be written.
         MissingExtraError: If PyAV is not installed, which MP4 needs.
         UnknownNameError: If there is no such policy.
-        RenderingError: If there is no OpenGL here, or the infant has no eyes to show.
+        RenderingError: If OpenGL is not available, or the infant has no eyes.
     """
     check_video(file)
     infant = env.unwrapped
     if not isinstance(infant, InfantEnv):
-        raise TypeError(f"record films an infant's environment, not {type(infant).__name__}")
+        raise TypeError(f"expected an environment of mimoc's, got {type(infant).__name__}")
     run = Run(infant, policy, seed)
-    with filming(run, file, eyes=eyes, rate_hz=rate_hz, height_px=height_px) as look:
+    with filming(run, file, eyes=eyes, rate_hz=rate_hz, height_px=height_px) as capture:
         for done in range(1, steps + 1):
             run.step()
-            look()
+            capture()
             progress(done, steps)
     return run.summary()
 
@@ -73,24 +73,24 @@ def record(
 @contextmanager
 def filming(
     run: Run, file: str | Path, *, eyes: bool = False, rate_hz: int = RATE_HZ, height_px: int = HEIGHT_PX
-) -> Iterator[Look]:
-    """Film a run, as `record` does; what it yields is to be called after each step."""
+) -> Iterator[Capture]:
+    """Record a run, as `record` does; yield the function to call after each step."""
     step_s = Fraction(ms_to_s(run.env.manifest.step_ms)).limit_denominator(1_000_000)
     with closing(Film(run.env, height_px, eyes)) as film:
         video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
         try:
-            yield _looker(run, film, video, step_s)
+            yield _frame_capture(run, film, video, step_s)
         except KeyboardInterrupt:
-            _keep(video)
+            _save(video)
             raise
         except BaseException:
             video.discard()
             raise
-        _keep(video)
+        _save(video)
 
 
-def _keep(video: Video) -> None:
-    """Put a video into its place, or leave nothing if that fails or is interrupted."""
+def _save(video: Video) -> None:
+    """Save a video, or discard it if that fails or is interrupted."""
     try:
         video.save()
     except BaseException:
@@ -98,15 +98,15 @@ def _keep(video: Video) -> None:
         raise
 
 
-def _looker(run: Run, film: Film, video: Video, step_s: Fraction) -> Look:
-    """Return what takes the first picture now, and each other one when its time has come."""
-    taken = -1
+def _frame_capture(run: Run, film: Film, video: Video, step_s: Fraction) -> Capture:
+    """Capture the first frame, and return the function that captures each further frame when it is due."""
+    steps = -1
 
-    def look() -> None:
-        nonlocal taken
-        taken += 1
-        if taken * step_s * video.rate_hz >= video.pictures:
+    def capture() -> None:
+        nonlocal steps
+        steps += 1
+        if steps * step_s * video.rate_hz >= video.pictures:
             video.add(film.frame(run.observation))
 
-    look()
-    return look
+    capture()
+    return capture

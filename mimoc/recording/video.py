@@ -19,35 +19,35 @@ Picture = npt.NDArray[np.uint8]
 """Shape (height, width, 3)."""
 
 CODECS = ("libx264", "mpeg4")
-"""For MP4, the better one first; not every build of FFmpeg has it."""
+"""Codecs for MP4 in order of preference; not every build of FFmpeg has the first."""
 QUALITY = {"crf": "20"}
-"""Constant quality of H.264: hardly to be told from what was drawn."""
+"""Constant quality of H.264, with hardly visible losses."""
 GIF_TICKS_HZ = 100
-"""A GIF counts time in hundredths of a second."""
+"""A GIF measures time in hundredths of a second."""
 GIF_COLOURS = 256
 GIF_SAMPLES = 16
-"""Pictures of a GIF that its colours are chosen from."""
-MOST_OF_A_GIF = 3000
-"""Pictures: a GIF is put together in memory, of some 50 kB for each, and no browser likes one of two minutes."""
+"""Number of frames that the colours of a GIF are chosen from."""
+MAX_GIF_FRAMES = 3000
+"""A GIF is assembled in memory, at about 50 kB per frame, and browsers do not handle longer ones well."""
 
 
 class Video(ABC):
-    """A film that is being written, beside the file whose place it takes once it is whole."""
+    """A video that is written to a temporary file, which is renamed when it is complete."""
 
     def __init__(self, file: Path, rate_hz: Fraction):
         self.file, self.rate_hz, self.pictures = file, rate_hz, 0
         self._temporary = files.temporary_path(file)
 
     def add(self, picture: Picture) -> None:
-        """Add a picture, of the size of the first."""
+        """Add a frame, of the same size as the first."""
         self._write(picture)
         self.pictures += 1
 
     def save(self) -> Path:
-        """Put what was added so far, at least one picture, into its place, and return where that is.
+        """Save the frames added so far, of which there must be at least one, and return the path of the file.
 
         Raises:
-            OutputError: If it cannot be written.
+            OutputError: If the file cannot be written.
         """
         try:
             self._finish()
@@ -57,20 +57,20 @@ class Video(ABC):
         return files.move_into_place(self._temporary, self.file)
 
     def discard(self) -> None:
-        """Leave nothing behind."""
+        """Remove the temporary file."""
         files.discard(self._temporary)
 
     @abstractmethod
     def _write(self, picture: Picture) -> None:
-        """Take a picture."""
+        """Write a frame."""
 
     @abstractmethod
     def _finish(self) -> None:
-        """Write all that there is to write."""
+        """Write everything that remains to be written."""
 
 
 class Mp4(Video):
-    """H.264 in an MP4 file, which browsers and slides play."""
+    """H.264 in an MP4 file, which browsers and presentations can play."""
 
     def __init__(self, file: Path, rate_hz: Fraction):
         super().__init__(file, rate_hz)
@@ -82,7 +82,7 @@ class Mp4(Video):
 
     def _write(self, picture: Picture) -> None:
         rows, columns = (side % 2 for side in picture.shape[:2])
-        even = np.pad(picture, ((0, rows), (0, columns), (0, 0)), mode="edge")  # Colours have half the pixels.
+        even = np.pad(picture, ((0, rows), (0, columns), (0, 0)), mode="edge")  # Chroma is subsampled by two.
         if not self.pictures:
             self._stream.height, self._stream.width = even.shape[:2]
         self._container.mux(self._stream.encode(self._av.VideoFrame.from_ndarray(even, "rgb24")))
@@ -92,13 +92,13 @@ class Mp4(Video):
         self._container.close()
 
     def discard(self) -> None:
-        """Leave nothing behind."""
+        """Remove the temporary file."""
         self._container.close()
         super().discard()
 
 
 class Gif(Video):
-    """A GIF that is played for ever; its pictures share their colours."""
+    """A looping GIF whose frames share one palette."""
 
     def __init__(self, file: Path, rate_hz: Fraction):
         super().__init__(file, rate_hz)
@@ -106,8 +106,10 @@ class Gif(Video):
         self._kept: list[bytes] = []
 
     def _write(self, picture: Picture) -> None:
-        if self.pictures == MOST_OF_A_GIF:
-            raise OutputError(f"{self.file}: a GIF has at most {MOST_OF_A_GIF} pictures; film fewer steps, or an .mp4")
+        if self.pictures == MAX_GIF_FRAMES:
+            raise OutputError(
+                f"{self.file}: a GIF can have at most {MAX_GIF_FRAMES} frames; record fewer steps, or an .mp4"
+            )
         png = io.BytesIO()
         Image.fromarray(picture).save(png, "PNG", compress_level=1)
         self._kept.append(png.getvalue())
@@ -122,44 +124,46 @@ class Gif(Video):
         first.save(self._temporary, "GIF", save_all=True, append_images=others, duration=durations_ms, loop=0)
 
     def _palette(self) -> Image.Image:
-        """Return a picture with the colours of all."""
+        """Return an image with the palette of all frames."""
         samples = self._kept[:: -(-self.pictures // GIF_SAMPLES)]
         together = np.concatenate([np.asarray(Image.open(io.BytesIO(png))) for png in samples])
-        return Image.fromarray(together).quantize(GIF_COLOURS, Image.Quantize.FASTOCTREE)  # Keeps small bright things.
+        return Image.fromarray(together).quantize(
+            GIF_COLOURS, Image.Quantize.FASTOCTREE
+        )  # Preserves small bright objects.
 
 
 FORMATS: Mapping[str, type[Video]] = {".mp4": Mp4, ".gif": Gif}
-"""By the end of a file's name."""
+"""Formats by file extension."""
 
 
 def check_video(file: str | Path) -> Path:
-    """Return the path of a video that can be written, as far as can be told beforehand.
+    """Check, before anything is recorded, that a video can be written to a file; return its path.
 
     Raises:
-        OutputError: If it is no name for a video, or in a place where none can be.
+        OutputError: If the format is not supported, or the folder does not exist.
         MissingExtraError: If PyAV is not installed, which MP4 needs.
     """
     path = Path(file).expanduser()
     if path.suffix.lower() not in FORMATS:
-        raise OutputError(f"{path}: not a video that mimoc writes; end its name with {' or '.join(FORMATS)}")
+        raise OutputError(f"{path}: not a supported video format; end the name in {' or '.join(FORMATS)}")
     if path.is_dir():
-        raise OutputError(f"{path}: this is a folder; choose another place")
+        raise OutputError(f"{path}: this is a folder; choose another file")
     if not path.parent.is_dir():
-        raise OutputError(f"{path}: there is no folder {path.parent}; make it, or choose another place")
+        raise OutputError(f"{path}: there is no folder {path.parent}; create it, or choose another file")
     if path.suffix.lower() == ".mp4":
         _require_av()
     return path
 
 
 def open_video(file: str | Path, rate_hz: Fraction) -> Video:
-    """Return a video to add pictures to.
+    """Return a video to add frames to.
 
     Args:
-        file: Where it goes; the end of its name says what it is.
-        rate_hz: Pictures a second.
+        file: The file; its extension determines the format.
+        rate_hz: Frames per second.
 
     Raises:
-        OutputError: If it cannot be written there.
+        OutputError: If the file cannot be written.
         MissingExtraError: If PyAV is not installed, which MP4 needs.
     """
     path = check_video(file)

@@ -1,4 +1,4 @@
-"""From a bundle to a running Gymnasium environment."""
+"""The runtime: from a bundle to a Gymnasium environment."""
 
 from mimoc.runtime.env import InfantEnv, make
 from mimoc.runtime.limits import torque_limits

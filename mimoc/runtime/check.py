@@ -1,4 +1,4 @@
-"""Is a bundle fit to be used: does it load, and does it stay calm whatever it is commanded?"""
+"""Check that a bundle loads and that its simulation stays stable under any commands."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -8,52 +8,53 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model, simulation_warnings
-from mimoc.runtime.fastenings import Fastenings
+from mimoc.runtime.constraints import Constraints
 from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s, rad_to_deg
 
 CHECKED_S = 1.0
-"""Simulated time from each pose with each kind of commands."""
+"""Simulated time of each trial."""
 SWITCHING_S = (0.05, 0.1)
-"""Range of how long alternating commands stay."""
+"""Range of the time after which alternating commands switch direction."""
 MAX_ENERGY_J_PER_KG = 20.0
-"""Kinetic energy that flailing limbs stay far below (measured: at most 6) and a broken simulation far exceeds."""
+"""Limit of the kinetic energy: flailing limbs stay far below it (measured: at most 6), unstable simulations do not."""
 MAX_BEYOND_DEG = 60.0
-"""How far beyond its limit a joint may be flung; limits are as soft as MIMo's, whose thumbs go up to 40 degrees."""
+"""Limit of the violation of a joint range; limits are as soft as MIMo's, whose thumbs exceed theirs by up to 40
+degrees."""
 
 
 @dataclass(frozen=True, slots=True)
 class Flailing:
-    """What some commands did to an infant."""
+    """The result of a trial."""
 
     warnings: tuple[str, ...]
-    """MuJoCo's, by kind."""
+    """Kinds of warnings that MuJoCo raised."""
     energy_j_per_kg: float
-    """Largest kinetic energy."""
+    """Largest kinetic energy per body mass."""
     beyond_deg: float
-    """How far the joint that went furthest beyond its limits was beyond them."""
+    """Largest violation of a joint range."""
     joint: str
-    """Which one that was; empty where none ever was."""
+    """The joint of that violation; empty if there was none."""
 
 
 @dataclass(frozen=True, slots=True)
 class PoseCheck(Flailing):
-    """The worst that a second of each kind of commands did to an infant in one pose."""
+    """The worst result of all trials from one pose."""
 
     pose: str
 
     @property
     def passed(self) -> bool:
-        """Whether nothing went wrong."""
-        calm = self.energy_j_per_kg <= MAX_ENERGY_J_PER_KG and self.beyond_deg <= MAX_BEYOND_DEG
-        return not self.warnings and calm
+        """Whether there were no warnings and both limits were kept."""
+        within_limits = self.energy_j_per_kg <= MAX_ENERGY_J_PER_KG and self.beyond_deg <= MAX_BEYOND_DEG
+        return not self.warnings and within_limits
 
 
 def check_stability(bundle: Bundle, seed: int = 0) -> Iterator[PoseCheck]:
-    """Yield the check of each pose: one second of each kind of `COMMANDS` to all actuators.
+    """Yield the check of each pose: a one-second trial with each kind of `COMMANDS`, applied to all actuators.
 
     Raises:
-        ModelError: If MuJoCo refuses the model.
+        ModelError: If MuJoCo rejects the model.
     """
     model = load_model(bundle)
     generator = np.random.default_rng(seed)
@@ -62,37 +63,37 @@ def check_stability(bundle: Bundle, seed: int = 0) -> Iterator[PoseCheck]:
 
 
 def random_commands(model: mujoco.MjModel, generator: np.random.Generator, step_s: float) -> Iterator[FloatArray]:
-    """Yield commands without end, drawn anew for every control step from the whole range."""
+    """Yield random commands, drawn anew from the whole range at every control step."""
     low, high = model.actuator_ctrlrange.T
     while True:
         yield generator.uniform(low, high)
 
 
 def alternating_commands(model: mujoco.MjModel, generator: np.random.Generator, step_s: float) -> Iterator[FloatArray]:
-    """Yield commands without end that push all joints to and fro, as hard as they can, each for 50 to 100 ms."""
+    """Yield commands that drive all joints to and fro at full strength, switching direction every 50 to 100 ms."""
     low, high = model.actuator_ctrlrange.T
-    forth = model.actuator_gear[:, 0] > 0  # The second of two muscles has a gear of -1.
+    positive = model.actuator_gear[:, 0] > 0  # The second muscle of a pair has a gear of -1.
     while True:
-        for way in (forth, ~forth):
+        for driven in (positive, ~positive):
             for _ in range(max(1, round(generator.uniform(*SWITCHING_S) / step_s))):
-                yield np.where(way, high, low)
+                yield np.where(driven, high, low)
 
 
 COMMANDS: Mapping[str, Callable[[mujoco.MjModel, np.random.Generator, float], Iterator[FloatArray]]] = {
     "random": random_commands,
     "alternating": alternating_commands,
 }
-"""What an infant is commanded, from its model, chance and the control step."""
+"""Kinds of commands: functions of the model, a random generator and the control step, by name."""
 
 
 def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, root: str) -> Flailing:
-    """Return what a second of commands does, one of them for each control step.
+    """Run a one-second trial, with one command per control step, and return its result.
 
     Args:
-        data: The state to start from; it is changed.
+        data: Initial state, which is modified.
         commands: Controls of all actuators.
-        step_s: The control step.
-        root: The body that all of the infant hangs on.
+        step_s: Duration of a control step.
+        root: Root body of the infant.
     """
     model = data.model
     hinges = np.flatnonzero(model.jnt_limited & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE))
@@ -121,7 +122,7 @@ def _check_pose(model: mujoco.MjModel, bundle: Bundle, pose: str, generator: np.
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
         mujoco.mj_kinematics(model, data)
-        Fastenings(manifest.fastenings, model).keep(data)
+        Constraints(manifest.constraints, model).keep(data)
         found.append(flail(data, commands(model, generator, step_s), step_s, manifest.root_body))
     furthest = max(found, key=lambda flailing: flailing.beyond_deg)
     return PoseCheck(

@@ -18,32 +18,33 @@ from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
 from mimoc.delays.schedule import Schedule, Timing
 from mimoc.errors import UnknownNameError
+from mimoc.model_fields import ModelFields
 from mimoc.render.environment import MODES, EnvRenderer, available_modes
-from mimoc.runtime.fastenings import Fastenings
+from mimoc.runtime.constraints import Constraints
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
-from mimoc.tasks.task import NOTHING_EARNED
+from mimoc.tasks.task import NO_REWARD
 from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""All that MuJoCo's future depends on."""
+"""The complete state of MuJoCo's integration."""
 
 
 class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
-    """An infant in its world.
+    """An infant in its scene.
 
-    Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch and one
-    uint8 picture, shape (H, W, 3), for each eye; `nothing`, a zero, for an infant without senses.
-    Action: one Box, a command for each actuator that takes commands.
-    Reward and end are those of the bundle's task, and an episode is cut off (truncated) after the task's steps; without
-    a task the reward is zero and there is no end. An episode also ends if the simulation becomes unstable. `info` has
-    `is_success`, the terms that add up to the reward as `reward_terms`, and `unstable`.
+    Observation: a dictionary with one float32 array for each of proprioception, vestibular sense and touch, and one
+    uint8 image, shape (H, W, 3), for each eye; an infant without senses observes `nothing`, a single zero.
+    Action: a Box with one command for each commanded actuator.
+    Reward and termination are those of the bundle's task, and episodes are truncated after the task's number of steps;
+    without a task the reward is zero and episodes do not end. An episode also terminates if the simulation becomes
+    unstable. `info` contains `is_success`, the terms of the reward as `reward_terms`, and `unstable`.
     """
 
     metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
@@ -61,20 +62,20 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Open a bundle.
 
         Args:
-            bundle: A bundle, or the folder of one.
-            render_mode: `human` for a window that shows every step, `rgb_array` for pictures from `render()`.
-            width: Of the pictures, in pixels.
-            height: Of the pictures, in pixels.
-            next_bundle: Returns the same infant in another scene, by its seed, for `reset`.
-            task: An object to take the place of the bundle's task; see `tasks.custom.CustomTask`.
-            senses: Objects to sense with besides the bundle's senses, by name; see `senses.custom.CustomSense`.
+            bundle: A bundle, or a bundle folder.
+            render_mode: `human` for a window that is updated at every step, `rgb_array` for images from `render()`.
+            width: Width of the images, in pixels.
+            height: Height of the images, in pixels.
+            next_bundle: Function that returns the same infant in the scene of another seed, for `reset`.
+            task: Object that replaces the bundle's task; see `tasks.custom.CustomTask`.
+            senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
 
         Raises:
-            BundleError: If the folder is not a whole bundle.
-            ModelError: If MuJoCo refuses its model.
-            RenderingError: If the infant sees or shows itself, and there is no OpenGL or no screen for that here.
+            BundleError: If the folder is not an intact bundle.
+            ModelError: If MuJoCo rejects its model.
+            RenderingError: If vision or the render mode needs OpenGL or a display that is not available.
             UnknownNameError: If there is no such render mode.
-            KindError: If a sense that is passed has the name of one that the infant has.
+            KindError: If an added sense has the name of an existing one.
         """
         if render_mode not in (None, *MODES):
             raise UnknownNameError("render mode", str(render_mode), MODES)
@@ -92,12 +93,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     @property
     def manifest(self) -> Manifest:
-        """What the compiler says of this infant."""
+        """Everything the compiler tells the runtime about this infant."""
         return self.bundle.manifest
 
     @property
     def actuation(self) -> Actuation:
-        """What turns actions into controls: its actuators, in the order of the action, and their limits."""
+        """The mapping from actions to controls: actuators in the order of the action, and their limits."""
         return self._act
 
     @property
@@ -106,7 +107,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._task.steps
 
     def layout(self, sense: str) -> tuple[str, ...]:
-        """Return what each number of a sense is, with its unit, in the order of the observation.
+        """Return the name and unit of each element of a sense's observation, in order.
 
         Raises:
             UnknownNameError: If this infant has no such sense.
@@ -115,7 +116,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     @property
     def skin(self) -> "SkinState":
-        """Where the skin points are, in the body of which, and the force on each of them now, without delay.
+        """The current positions, bodies and forces of all skin points, without delay.
 
         Raises:
             UnknownNameError: If this infant has no sense of touch.
@@ -124,40 +125,40 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return touch.skin_state(self.data)
 
     def set_expression(self, expression: str) -> None:
-        """Change what the face shows, until it is changed again.
+        """Change the facial expression.
 
         Raises:
-            UnknownNameError: If the face cannot show it.
+            UnknownNameError: If there is no such expression.
         """
         face = self.manifest.face
         materials = face.materials if face else {}
         if face is None or expression not in materials:
-            raise UnknownNameError("face of this infant", expression, materials)
+            raise UnknownNameError("facial expression of this infant", expression, materials)
         self.model.geom(face.geom).matid = self.model.material(materials[expression]).id
 
     def effort(self) -> float:
-        """Return what the actuators' work in the last physics step costs, for a task to take off its reward.
+        """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
 
-        The sum of u² T over n times the sum of T: of n actuators with largest torques T, each uses the share u of
-        its own, which for a muscle is its activation. Servos cost nothing.
+        This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
+        fraction of the peak torque in use or, for muscles, the activation. It is zero for position actuators.
         """
         return self._act.effort(self.data)
 
     def keypoints(self) -> npt.NDArray[np.float64]:
-        """Return the BODY_25 keypoints in the world, shape (25, 3), [m]; those of absent limbs are NaN."""
+        """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
         found = np.full((len(self.manifest.keypoints), 3), np.nan)
         present = self._keypoints >= 0
         found[present] = self.data.site_xpos[self._keypoints[present]]
         return found
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
-        """Start again from a pose: the bundle's own, or `options={"pose": name}`.
+        """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
 
-        An environment that was made from a spec can also get another scene: `options={"scene_seed": N}`.
+        An environment made from a spec can also change its scene: `options={"scene_seed": N}`.
 
         Raises:
             UnknownNameError: If there is no such pose or option.
-            ValueError: If the seed is no whole number from 0 on.
+            ValueError: If the seed is not a non-negative integer.
         """
         super().reset(seed=seed)
         options = options or {}
@@ -172,76 +173,78 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return observation, {"is_success": False, "reward_terms": {}, "unstable": False}
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Apply an action for one control step; what lies beyond its range is clipped.
+        """Apply an action for one control step; values outside the action space are clipped.
 
         Raises:
-            ValueError: If the action is not one number for each actuator.
+            ValueError: If the action has the wrong shape or contains NaN.
         """
         self._schedule.step(action, self.data)
         self._steps += 1
         unstable = broke_down(self.data)
-        verdict = NOTHING_EARNED if unstable else self._task.judge(self.data, action, self.effort)
+        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         observation = self._observe()
         if unstable:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
         self._renderer.show()
-        late = self._task.steps is not None and self._steps >= self._task.steps
-        info = {"is_success": verdict.success, "reward_terms": dict(verdict.terms), "unstable": unstable}
-        return observation, verdict.reward, verdict.ends or unstable, late, info
+        truncated = self._task.steps is not None and self._steps >= self._task.steps
+        info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
+        return observation, verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
-        """Return all that the future depends on: physics, signals on their way, and chance.
+        """Return the complete state of the environment: physics, delayed signals, task and random generator.
 
-        It is made of arrays, lists and dictionaries of its own, which can be kept, pickled and sent elsewhere.
+        The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
         physics = np.empty(mujoco.mj_stateSize(self.model, STATE))
         mujoco.mj_getState(self.model, self.data, physics, STATE)
-        chance = self.np_random.bit_generator.state
         return copy.deepcopy(
             {
                 "physics": physics,
                 "signals": self._schedule.state,
-                "fastenings": self._fastenings.state,
+                "model": self._model_fields.state,
                 "task": self._task.state,
                 "steps": self._steps,
-                "chance": chance,
+                "random": self.np_random.bit_generator.state,
                 "scene_seed": self.manifest.seed,
             }
         )
 
     def set_state(self, state: dict[str, Any]) -> Observation:
-        """Go back to a state of this infant, or of another environment of the same bundle; return what it observes.
+        """Restore a state of this environment, or of another one of the same bundle; return the observation.
 
-        Everything that follows is then as it was. What is derived from a state (contacts, places of bodies) is that
-        of the state itself, while after a step it is that of one physics step before, as MuJoCo leaves it.
+        All later steps are exactly as they would have been from there. Derived quantities (contacts, positions of
+        bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before.
 
-        An environment that was made from a spec goes back to the scene of the state, too.
+        An environment made from a spec also restores the scene of the state.
 
         Raises:
-            ValueError: If it is not a state of such an infant, or of another scene than this environment has.
+            ValueError: If the state is that of a different infant, or of a scene that this environment cannot restore.
         """
         if state["scene_seed"] != self.manifest.seed:
             if self._next_bundle is None:
-                raise ValueError(f"this is a state of scene {state['scene_seed']}; here is scene {self.manifest.seed}")
+                raise ValueError(
+                    f"state has scene_seed {state['scene_seed']}, but this environment has {self.manifest.seed} and was"
+                    " not made from a spec, so it cannot change its scene"
+                )
             self._change_scene(state["scene_seed"])
         if np.shape(state["physics"]) != (mujoco.mj_stateSize(self.model, STATE),):
-            raise ValueError("this is the state of another infant, whose model has other parts")
+            raise ValueError("state does not fit this infant: the size of its model's state is different")
         state = copy.deepcopy(state)
-        self._fastenings.state, self._task.state, self._steps = state["fastenings"], state["task"], state["steps"]
+        self._model_fields.state, self._task.state, self._steps = state["model"], state["task"], state["steps"]
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)  # The solver's warm start, as it was.
         self._schedule.state = state["signals"]
-        self.np_random.bit_generator.state = state["chance"]
+        self.np_random.bit_generator.state = state["random"]
         return self._observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
-        """Return a picture of the infant, shape (height, width, 3), in render mode `rgb_array`; else None.
+        """Return an image of the infant, shape (height, width, 3), in render mode `rgb_array`, otherwise None.
 
         Raises:
-            RenderingError: If there is no OpenGL here.
+            RenderingError: If OpenGL is not available.
         """
         return self._renderer.render()
 
@@ -252,28 +255,30 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._renderer.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        """Let the environment be copied and sent to other processes: what is bound to this one is left out."""
+        """Support copying and pickling: leave out everything that is bound to this environment's model."""
         kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
         return {**kept, "model": copy.copy(self.model), "state": self.get_state()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        """Bind a copy anew, and take up where the original was."""
+        """Bind the copy to its own model and restore the state of the original."""
         state = kept.pop("state")
         self.__dict__.update(kept)
         self._bind()
         self.set_state(state)
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
-        """Find everything the manifest names in the model, once, and start; senses from before are taken along."""
+        """Look up in the model everything the manifest names, reusing resources of *former* senses, and reset."""
         self.data = mujoco.MjData(self.model)
         self._act = bind_actuation(self.manifest.actuation, self.model)
         self._senses = bind_senses(self.bundle, self.model, former, self._custom_senses)
-        self._fastenings = Fastenings(self.manifest.fastenings, self.model)
+        self._constraints = Constraints(self.manifest.constraints, self.model)
         self._task = (
-            bind_task(self.bundle, self.model, self._fastenings)
+            bind_task(self.bundle, self.model)
             if self._custom_task is None
             else CustomTask(self._custom_task, self.model, self.bundle)
         )
+        fields = (*self._constraints.model_fields, *self._task.model_fields)
+        self._model_fields = ModelFields(self.model, fields)
         self._schedule = Schedule(self._senses, self._act, self.model, self._timing())
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
@@ -294,7 +299,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _change_scene(self, seed: int) -> None:
         """Put the infant into another scene."""
         if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-            raise ValueError(f"a scene's seed is a whole number from 0 on, not {seed!r}")
+            raise ValueError(f"expected a non-negative integer as scene_seed, got {seed!r}")
         if self._next_bundle is not None and seed != self.manifest.seed:
             bundle = self._next_bundle(int(seed))
             model = load_model(bundle)
@@ -303,11 +308,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._bind(self._senses)
 
     def _start(self, pose: str) -> Observation:
-        """Put the infant into a pose, at rest, set out its task, and return what it observes."""
+        """Put the infant into a pose, at rest, start its task, and return the observation."""
         self._steps = 0
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
         mujoco.mj_kinematics(self.model, self.data)
-        self._fastenings.keep(self.data)
+        self._constraints.keep(self.data)
         mujoco.mj_forward(self.model, self.data)
         self._task.start(self.data, self.np_random)
         self._schedule.reset(self.data)
@@ -324,8 +329,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_fastenings", "_task", "_schedule", "_keypoints", "_renderer"}
-"""What an environment cannot give to a copy of itself."""
+BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
+"""Attributes that are not copied but bound anew."""
 
 
 def make(bundle: Bundle | str | Path, **options: Any) -> gymnasium.Env:

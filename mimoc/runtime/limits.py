@@ -1,4 +1,4 @@
-"""How strong an infant is."""
+"""Peak joint torques of an infant."""
 
 from pathlib import Path
 
@@ -9,16 +9,17 @@ from mimoc.bundle.model import load_model
 
 
 def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]:
-    """Return the peak torque about each hinge that is driven, towards negative and positive angles, in [N m].
+    """Return the peak torques at each actuated hinge joint, in negative and positive direction, in [N m].
 
-    The first is negative. Of muscles it is what they hold at their optimal length; of servos, that of torque motors.
+    The first is negative. For muscles it is the isometric torque at optimal length; for position actuators it is that
+    of the torque motors.
 
     Args:
-        bundle: A bundle, or the folder of one.
+        bundle: A bundle, or a bundle folder.
 
     Raises:
-        BundleError: If the folder is not a whole bundle.
-        ModelError: If MuJoCo refuses its model.
+        BundleError: If the folder is not an intact bundle.
+        ModelError: If MuJoCo rejects its model.
     """
     bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     entry = _all_commanded(bundle.manifest.actuation)
@@ -31,6 +32,6 @@ def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]
 
 
 def _all_commanded(entry: ActuationEntry) -> ActuationEntry:
-    """Return the actuators as if none of them rested: an infant is as strong as it is, whatever it is told."""
+    """Return the actuators with all of them commanded, as strength does not depend on which ones are."""
     actuators = tuple(actuator.model_copy(update={"commanded": True}) for actuator in entry.actuators)
     return entry.model_copy(update={"actuators": actuators})

@@ -1,5 +1,6 @@
-"""Run an infant under a policy and sum up what happened."""
+"""Run an infant under a policy and summarise the run."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from mimoc.kinds import function_of
 from mimoc.policies import POLICIES
-from mimoc.policies.policy import Policy, PolicyMaker
+from mimoc.policies.policy import Policy, PolicyMaker, metrics_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
@@ -16,42 +17,40 @@ from mimoc.units import ms_to_s
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What happened in a run; everything but the wall time follows from bundle, policy and seed."""
+    """Summary of a run; everything but the wall time is determined by bundle, policy and seed."""
 
     steps: int
-    """Control steps taken."""
+    """Number of control steps."""
     episodes: int
-    """Episodes begun."""
+    """Number of episodes started."""
     simulated_s: float
     wall_s: float
-    """Time it took, pictures and printing not counted."""
+    """Wall time of the simulation, without rendering and printing."""
     total_reward: float
     hip_path_m: float
-    """Length of the way that the hip went."""
+    """Length of the hip's path."""
     head_height_m: tuple[float, float]
-    """Lowest and highest place of the head's centre, above z = 0."""
+    """Minimum and maximum height of the head's centre above z = 0."""
     joint_speed_rad_s: float
-    """Mean speed over joints and steps."""
+    """Mean absolute joint velocity, over joints and steps."""
     unstable: bool
-    """Whether an episode ended because the simulation broke down."""
+    """Whether an episode terminated because the simulation became unstable."""
     task: str
-    """What it was to achieve: the kind of task."""
+    """Kind of the task."""
     finished: int
-    """Episodes that came to their end."""
+    """Number of completed episodes."""
     successes: int
-    """Of these, those that reached their goal."""
+    """Number of successful episodes."""
     mean_return: float | None
-    """Of the episodes that came to their end; None if none did."""
+    """Mean return of the completed episodes; None if there are none."""
     time_to_success_s: float | None
-    """Mean of the episodes that reached their goal, in simulated time; None if none did."""
-    hand_error_m: float | None = None
-    """How near hands came to their targets, at the median; None where they had none."""
-    fell_after_s: float | None = None
-    """When an infant that was to keep its seat fell over, in simulated time; None if it did not."""
+    """Mean simulated time to success; None if there was no success."""
+    metrics: Mapping[str, float]
+    """What else the policy reports, by name with its unit; see `Policy`."""
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
-    """Return the policy of a name, or what makes one for an environment.
+    """Return a policy for an environment, by its name or from what makes one.
 
     Raises:
         UnknownNameError: If there is none of that name.
@@ -61,10 +60,15 @@ def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
 
 
 class Run:
-    """A run of an environment under a policy: step it as often as wanted, then sum it up."""
+    """A run of an environment under a policy, which is stepped and then summarised."""
 
     def __init__(self, env: InfantEnv, policy: str | PolicyMaker, seed: int):
-        """Reset *env*; *policy* is a key of `POLICIES` or makes one, *seed* that of the policy and the reset.
+        """Reset the environment.
+
+        Args:
+            env: The environment.
+            policy: Name of a policy, or a function from an environment to a policy.
+            seed: Seed of both the policy and the reset.
 
         Raises:
             UnknownNameError: If there is no such policy.
@@ -73,6 +77,7 @@ class Run:
         self._generator = np.random.default_rng(seed)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
         model = env.model
+        self._head = env.manifest.anatomy.head or env.manifest.root_body
         self._hinges = model.jnt_dofadr[model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE]
         self._hip_m: list[FloatArray] = []
         self._head_m: list[float] = []
@@ -83,7 +88,7 @@ class Run:
         self.observation, _ = env.reset(seed=seed)
 
     def step(self) -> None:
-        """Take one control step; an episode that ends is followed by another."""
+        """Take one control step; start a new episode if this one ends."""
         action = self._act(self._generator, self.observation)
         start = perf_counter()
         self.observation, reward, terminated, truncated, info = self.env.step(action)
@@ -93,7 +98,7 @@ class Run:
         self._unstable |= info["unstable"]
         data, root = self.env.data, self.env.manifest.root_body
         self._hip_m.append(data.body(root).xpos.copy())
-        self._head_m.append(float(data.geom("head").xpos[2]))
+        self._head_m.append(float(data.body(self._head).xipos[2]))
         self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
         if terminated or truncated:
             self._end_episode(info["is_success"])
@@ -107,7 +112,7 @@ class Run:
         self._episodes += 1
 
     def summary(self) -> Summary:
-        """Return what has happened so far, at least one step."""
+        """Return the summary of the steps so far, of which there must be at least one."""
         steps = len(self._head_m)
         return Summary(
             steps=steps,
@@ -124,6 +129,5 @@ class Run:
             head_height_m=(min(self._head_m), max(self._head_m)),
             joint_speed_rad_s=float(np.mean(self._speeds)),
             unstable=self._unstable,
-            hand_error_m=getattr(self._act, "hand_error_m", None),
-            fell_after_s=getattr(self._act, "fell_after_s", None),
+            metrics=metrics_of(self._act),
         )

@@ -1,4 +1,4 @@
-"""What an infant takes up of the floor it rests on, and what of it its hands get to."""
+"""The floor that an infant covers, and the floor that its hands can reach."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,12 +7,12 @@ import numpy as np
 
 from mimoc.body import BodyTree, Geom
 from mimoc.body.kinematics import FloatArray, Posed, hip_in_world, pose
-from mimoc.toys.placing import FADING, Reach
+from mimoc.toys.placing import FADING, ReachableFloor
 
 LEAN_DEG = 60.0
-"""How far an infant that sits leans over to get at something."""
+"""How far a sitting infant leans over to reach something."""
 FINE = 0.5
-"""How far apart the discs are that a long part's footprint is made of, in its radii."""
+"""Distance of the discs that cover a long part, in its radii."""
 
 
 def footprint(tree: BodyTree, states: Sequence[Sequence[float]]) -> FloatArray:
@@ -30,8 +30,8 @@ def reach_of(discs: FloatArray) -> float:
     return float((np.linalg.norm(discs[:, :2], axis=1) + discs[:, 2]).max())
 
 
-def floor_reach(tree: BodyTree, state: Sequence[float]) -> Reach | None:
-    """Return what of the floor an infant's hands get to in a pose with the arms stretched; None without arms."""
+def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | None:
+    """Return the floor that an infant's hands reach from a pose with the arms stretched; None without arms."""
     here, stretched = _placed(tree, state), pose(tree, {})
     shoulders, lengths = [], []
     for side in ("right", "left"):
@@ -43,11 +43,11 @@ def floor_reach(tree: BodyTree, state: Sequence[float]) -> Reach | None:
         return None
     length_m, (x_m, y_m, height_m) = max(lengths), np.mean(shoulders, axis=0).tolist()
     across_m = float(np.linalg.norm(np.subtract(shoulders, (x_m, y_m, height_m))[:, :2], axis=1).max())
-    return Reach((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
+    return ReachableFloor((x_m, y_m), across_m + _leaning(length_m, height_m, state[2]), FADING * length_m)
 
 
 def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
-    """Return how far from above its hip an infant gets to the floor: it leans over, or else crouches.
+    """Return how far from its hip, seen from above, an infant reaches the floor: it leans over, or else crouches.
 
     Args:
         arm_m: Length of an arm.
@@ -56,32 +56,32 @@ def _leaning(arm_m: float, shoulder_m: float, hip_m: float) -> float:
     """
     lean = np.radians(np.linspace(0.0, LEAN_DEG, 16))
     ahead_m, height_m = (shoulder_m - hip_m) * np.sin(lean), hip_m + (shoulder_m - hip_m) * np.cos(lean)
-    gets_down = height_m < arm_m
-    if not gets_down.any():
+    reaches_floor = height_m < arm_m
+    if not reaches_floor.any():
         return arm_m
-    return float((ahead_m + np.sqrt(np.maximum(arm_m**2 - height_m**2, 0.0)))[gets_down].max())
+    return float((ahead_m + np.sqrt(np.maximum(arm_m**2 - height_m**2, 0.0)))[reaches_floor].max())
 
 
 def _placed(tree: BodyTree, state: Sequence[float]) -> Posed:
     """Return a body in the world."""
     hip, turn = hip_in_world(state)
     posed = pose(tree, dict(zip(tree.joints, state[7:], strict=True)))
-    return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.turns)
+    return Posed(posed.geoms, posed.centres @ turn.T + hip, turn @ posed.rotations)
 
 
 def _shoulder(posed: Posed, upper_arm: str) -> FloatArray:
     """Return where an upper arm begins, shape (3,): at one end of its axis."""
     index = _index(posed, upper_arm)
-    return posed.centres[index] - posed.turns[index][:, 2] * posed.geoms[index].size_m[1]
+    return posed.centres[index] - posed.rotations[index][:, 2] * posed.geoms[index].size_m[1]
 
 
 def _arm_length(posed: Posed, upper_arm: str, side: str) -> float:
-    """Return how far it is from a shoulder to the tip of its hand."""
+    """Return the distance from a shoulder to the tip of its hand."""
     shoulder = _shoulder(posed, upper_arm)
     arm = posed.only([i for i, geom in enumerate(posed.geoms) if side in geom.name and _is_of_arm(geom.name)])
     offsets = arm.centres - shoulder
     distances = np.linalg.norm(offsets, axis=1)
-    local = np.einsum("nij,ni->nj", arm.turns, offsets / distances[:, None])
+    local = np.einsum("nij,ni->nj", arm.rotations, offsets / distances[:, None])
     return float((distances + arm.extents.along(local)).max())
 
 
@@ -94,7 +94,7 @@ def _index(posed: Posed, name: str) -> int:
 
 
 def _discs(posed: Posed) -> Iterator[tuple[float, float, float]]:
-    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.turns, strict=True):
+    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.rotations, strict=True):
         axis, half_m, radius_m = _spine(geom)
         count = max(1, math.ceil(2 * half_m / (FINE * radius_m)) + 1)
         for offset_m in np.linspace(-half_m, half_m, count) if count > 1 else (0.0,):

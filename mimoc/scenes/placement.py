@@ -1,4 +1,4 @@
-"""The infant and what belongs to it, put somewhere else on the floor."""
+"""The infant and what belongs to it, placed elsewhere on the floor."""
 
 from dataclasses import replace
 
@@ -6,28 +6,29 @@ import numpy as np
 
 from mimoc.body.kinematics import FloatArray
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
-from mimoc.mjcf.tree import Keyframe, Prop
-from mimoc.scenes.setting import Placement
+from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.scene import Keyframe
+from mimoc.scenes.built_scene import Placement
 
 UP = (0.0, 0.0, 1.0)
 
 
-def put(pose: Keyframe, start: Placement) -> Keyframe:
-    """Return a pose somewhere else on the floor, turned about the vertical."""
+def place_pose(pose: Keyframe, start: Placement) -> Keyframe:
+    """Return a pose elsewhere on the floor, turned about the vertical."""
     x, y, z, *turn = pose.qpos[:7]
-    ((x, y, z),) = moved(np.array([(x, y, z)]), start).tolist()
+    ((x, y, z),) = place_discs(np.array([(x, y, z)]), start).tolist()
     w, i, j, k = turn
     turned = quaternion_product(quaternion_from_axis(UP, start.yaw_rad), (w, i, j, k))
     return Keyframe(pose.name, (x, y, z, *turned, *pose.qpos[7:]), pose.settings)
 
 
-def put_prop(prop: Prop, start: Placement) -> Prop:
-    """Return a prop somewhere else on the floor; it is a ball, or looks the same from all sides."""
-    (x, y, _), z = moved(np.array([prop.pos_m]), start)[0].tolist(), prop.pos_m[2]
-    return replace(prop, pos_m=(x, y, z))
+def place_object(thing: FreeObject, start: Placement) -> FreeObject:
+    """Return an object elsewhere on the floor; it is not turned, for it looks the same from all sides."""
+    (x, y, _), z = place_discs(np.array([thing.pos_m]), start)[0].tolist(), thing.pos_m[2]
+    return replace(thing, pos_m=(x, y, z))
 
 
-def moved(discs: FloatArray, start: Placement) -> FloatArray:
-    """Return discs somewhere else on the floor, turned about the vertical with what is at the origin."""
+def place_discs(discs: FloatArray, start: Placement) -> FloatArray:
+    """Return discs elsewhere on the floor, turned about the vertical with what is at the origin."""
     places = discs[:, :2] @ matrix_from_axis(UP, start.yaw_rad)[:2, :2].T + (start.x_m, start.y_m)
     return np.column_stack([places, discs[:, 2]])

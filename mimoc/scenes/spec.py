@@ -14,18 +14,21 @@ from mimoc.toys.spec import ToysSpec
 
 
 class TexturesSpec(Model):
-    """A user's own pictures, drawn from besides mimoc's; each a PNG or a folder of them, seen from the spec's."""
+    """Your own textures, from which scenes with wallpapers draw besides mimoc's own.
+
+    Each is a PNG or a folder of them; paths are relative to the spec's folder.
+    """
 
     floor: PathText | None = None
-    """For the floor of a room."""
+    """For the floor."""
     ceiling: PathText | None = None
-    """For its ceiling."""
+    """For the ceiling."""
     wall: PathText | None = None
-    """For its walls."""
+    """For the walls."""
 
 
 def _fields() -> dict[str, FieldInfo]:
-    about = "Nothing, a floor, a crib, or a furnished room."
+    about = " ".join(f"`{kind.name}`: {kind.about}" for kind in SCENES.values())
     return {"kind": choice_field(SCENES, "flat", about), **own_sections(SCENES)}
 
 
@@ -34,25 +37,26 @@ class SceneSpec(Model):
     """The world an infant is in."""
 
     kind: str = "flat"
-    """Nothing, a floor, a crib, or a furnished room."""
+    """The kind of scene."""
     seed: Annotated[Whole, Field(ge=0, le=2**53)] = 0
-    """Of everything drawn by chance."""
+    """Seed of everything in the scene that is drawn at random."""
     pose: Literal["supine", "prone", "sitting", "standing"] = "supine"
     """How the infant starts; of the tasks, only `rollover` and `free` start from here.
 
-    A bundle has the other poses too, but for those in which what is held or locked would be elsewhere.
+    A bundle has the other poses too, but for those in which held parts or locked joints would be elsewhere.
     """
     held: Annotated[tuple[PartName, ...], Distinct] = ()
-    """Parts of the infant that stay where they are in the world, such as `chest`, as if in a seat."""
+    """Parts of the infant that are fixed in the world, such as `chest`, as if it sat in a seat."""
     textures: TexturesSpec = Field(default_factory=TexturesSpec)
-    """What else its floor, ceiling and walls may look like."""
+    """Your own textures for floor, ceiling and walls."""
     toys: ToysSpec | None = None
     """Toys; left out, there are none."""
 
     @model_validator(mode="after")
     def _toys_have_a_floor(self) -> Self:
         if self.toys and not SCENES[self.kind].has_floor:
-            raise KeyedError(("toys",), "toys need a floor, and an empty world has none; use another kind of scene")
+            kinds = " or ".join(kind.name for kind in SCENES.values() if kind.has_floor)
+            raise KeyedError(("toys",), f"toys require scene.kind: {kinds}; change it, or leave the toys out")
         return self
 
     if TYPE_CHECKING:

@@ -90,7 +90,7 @@ class IndividualSpec(Model):
         given = [key for pair in pairs for key in pair if getattr(self, key) is not None]
         if not given:
             message = (
-                "says nothing of length, weight or head; add one, such as 'length_percentile: 50', or leave it out"
+                "gives no length, weight or head circumference; add one, such as 'length_percentile: 50', or omit it"
             )
             raise KeyedError((), message)
         percentiles = [key for key in given if key.endswith("_percentile")]

@@ -9,7 +9,7 @@ from mimoc.plugins import load_plugins
 from mimoc.schema.composition import composed
 from mimoc.schema.plain import changed, everything, given
 from mimoc.schema.reading import read_keys
-from mimoc.schema.source import Source, printed, unwritten
+from mimoc.schema.source import Source, in_memory, in_memory_as_text
 from mimoc.schema.spec import InfantKeys
 from mimoc.tasks.spec import task_field
 
@@ -79,7 +79,7 @@ def validated(spec: InfantSpec) -> InfantSpec:
     Raises:
         SpecError: If it does not pass, with all that is wrong, by key.
     """
-    found = read_spec(unwritten(everything(spec), _name(spec), _folder(spec)))
+    found = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
     return spec if found == spec else _checked(InfantSpec, given(spec), spec)
 
 
@@ -87,14 +87,14 @@ def as_written(spec: InfantSpec) -> Source:
     """Return the file a spec was read from, or, if it was made or changed in Python, what a file would say of it."""
     if spec.source and _says(spec.source, spec):
         return spec.source
-    return printed(given(spec), _name(spec), _folder(spec))
+    return in_memory_as_text(given(spec), _name(spec), _folder(spec))
 
 
 def _checked(kind: type[Any], data: dict[str, Any], before: InfantSpec) -> Any:
     """Return the spec that data make: first as it is, for it may hold what cannot be written."""
     place = _name(before), _folder(before)
-    read_keys(kind, unwritten(data, *place))
-    return read_keys(kind, printed(data, *place))
+    read_keys(kind, in_memory(data, *place))
+    return read_keys(kind, in_memory_as_text(data, *place))
 
 
 def _says(source: Source, spec: InfantSpec) -> bool:

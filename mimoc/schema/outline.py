@@ -38,7 +38,7 @@ class Outline:
     @property
     def choices(self) -> tuple[Any, ...]:
         """The words it can be."""
-        return tuple(self.schema.get("enum", ()))
+        return tuple(_choices(self.schema))
 
     @property
     def example(self) -> Any:
@@ -50,15 +50,17 @@ class Outline:
 
 def outline(path: KeyPath) -> Outline:
     """Return what is known of the value at a path, which may be of no key at all."""
-    node = _language()
-    for step in path:
-        children = _resolved(node).get("properties", {})
-        items = _resolved(node).get("prefixItems", [])
-        if isinstance(step, int):
-            node = items[step] if step < len(items) else _resolved(node).get("items", {})
-        else:
-            node = children.get(step, _resolved(node).get("additionalProperties") or {})
-    return Outline(_resolved(node))
+    return Outline(_resolved(_node(path)))
+
+
+def kinds_of(path: KeyPath) -> dict[str, Outline]:
+    """Return the sections that can stand at a path, by the value of the key that tells them apart; most have none."""
+    unions = [option for option in (_node(path), *_node(path).get("anyOf", ())) if "discriminator" in option]
+    return {
+        name: Outline(_resolved({"$ref": reference}))
+        for union in unions
+        for name, reference in union["discriminator"]["mapping"].items()
+    }
 
 
 def is_known(path: KeyPath) -> bool:
@@ -70,6 +72,19 @@ def is_known(path: KeyPath) -> bool:
 def sections_with(key: str) -> list[KeyPath]:
     """Return the paths of all sections that have a key of this name."""
     return [path for path, node in _sections(_language(), ()) if key in node["properties"]]
+
+
+def _node(path: KeyPath) -> dict[str, Any]:
+    """Return the JSON schema at a path, as it is written."""
+    node = _language()
+    for step in path:
+        children = _resolved(node).get("properties", {})
+        items = _resolved(node).get("prefixItems", [])
+        if isinstance(step, int):
+            node = items[step] if step < len(items) else _resolved(node).get("items", {})
+        else:
+            node = children.get(step, _resolved(node).get("additionalProperties") or {})
+    return node
 
 
 def _sections(node: dict[str, Any], path: KeyPath) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
@@ -95,13 +110,19 @@ def _resolved(node: dict[str, Any]) -> dict[str, Any]:
 
 
 def _joined(before: Any, value: Any) -> Any:
-    """Return what two alternatives of a section say of one of its aspects: the keys of both, what both require."""
+    """Return what two alternatives of a section say of one of its aspects: all keys and choices, what both require."""
+    if isinstance(before, dict) and isinstance(value, dict) and "const" in value:
+        return {**value, "enum": list(dict.fromkeys((*_choices(before), *_choices(value))))}
     if isinstance(before, dict) and isinstance(value, dict):
         return {
             **{key: _joined(item, value.get(key, item)) for key, item in before.items()},
             **{key: item for key, item in value.items() if key not in before},
         }
     return value
+
+
+def _choices(schema: dict[str, Any]) -> list[Any]:
+    return schema.get("enum", [schema["const"]] if "const" in schema else [])
 
 
 @cache

@@ -11,7 +11,7 @@ from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.outline import is_known, outline
 from mimoc.schema.source import Source
 from mimoc.schema.spec import InfantKeys
-from mimoc.schema.wording import fault, nothing_at
+from mimoc.schema.wording import fault, missing_value
 
 Spec = TypeVar("Spec", bound=InfantKeys)
 
@@ -29,8 +29,8 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
     Raises:
         SpecError: If anything is wrong with it, with all that is.
     """
-    faults = {path: nothing_at(path) for path in _empty(source.data) if path not in source.invalid}
-    data = _mended(source.data, {*source.invalid, *faults})
+    faults = {path: missing_value(path) for path in _empty(source.data) if path not in source.invalid}
+    data = _repaired(source.data, {*source.invalid, *faults})
     spec = None
     while spec is None:
         try:
@@ -39,7 +39,7 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
             found = [fault(details, data) for details in error.errors(include_url=False)]
             known = {path[:depth] for path in {*source.invalid, *faults} for depth in range(len(path) + 1)}
             faults |= {new.path: new for new in reversed(found) if not {new.path, new.against or new.path} & known}
-            before, data = data, _mended(data, {new.path for new in found})
+            before, data = data, _repaired(data, {new.path for new in found})
             if data == before:
                 break
     if spec is None or source.problems or faults:
@@ -49,7 +49,7 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
 
 
 def _empty(value: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
-    """Yield the paths of all keys and items of the language that say nothing."""
+    """Yield the paths of all known keys and items without a value."""
     if value is None and is_known(path):
         yield path
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
@@ -57,8 +57,8 @@ def _empty(value: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
         yield from _empty(item, (*path, step))
 
 
-def _mended(data: dict[str, Any], paths: set[KeyPath]) -> dict[str, Any]:
-    """Return data without what is wrong at some paths, or with examples in its place where it cannot be left out."""
+def _repaired(data: dict[str, Any], paths: set[KeyPath]) -> dict[str, Any]:
+    """Return data without the values at some paths, or with examples in their place where a key is required."""
     for keys in sorted({_keys(path) for path in paths} - {()}):
         section = keys[:-1]
         if keys[-1] in outline(section).schema.get("required", ()):

@@ -20,13 +20,13 @@ _BINARY = "this is not a text file; a spec is YAML text"
 
 @dataclass(frozen=True)
 class FileKind:
-    """What a file is to be, so that messages can say so."""
+    """What kind of file is expected, for error messages."""
 
     name: str
     needs: str
-    """What it says at least."""
+    """The keys that it needs at least."""
     line: str
-    """One that it could have."""
+    """An example of a line."""
 
 
 SPEC = FileKind("spec", "mimoc, name and age_months", "mimoc: 1")
@@ -42,15 +42,15 @@ class Source:
     """As it was written: `text.encode()` gives the bytes of the file."""
     data: dict[str, Any]
     problems: tuple[Problem, ...]
-    """What was read past, such as a repeated key or a NaN; who makes a spec of the data must report it."""
+    """What was skipped, such as a repeated key or a NaN; whoever makes a spec of the data must report it."""
     invalid: frozenset[KeyPath]
-    """Where the data is not what was written, because of those problems."""
+    """Paths at which the data differs from the file because of those problems."""
     key_places: Mapping[KeyPath, Place]
     value_places: Mapping[KeyPath, Place]
     folder: Path
-    """What relative paths in it are seen from."""
+    """Relative paths in it are relative to this folder."""
     has_lines: bool = True
-    """Whether a user can look at its lines; problems of what was made in Python name keys only."""
+    """Whether there is a file with lines; problems of data from Python name keys only."""
 
     def __repr__(self) -> str:
         """Return its name and size: the text may be long."""
@@ -75,10 +75,10 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
 
     Args:
         path: Where it is.
-        kind: What it is to be, for messages.
+        kind: The expected kind of file, for messages.
 
     Raises:
-        SpecError: If there is no data to be had from it.
+        SpecError: If no data can be read from it.
     """
     try:
         status = Path(path).stat()
@@ -103,15 +103,15 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
 
 
 def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
-    """Read YAML from a pipe, to its end; relative paths in it are seen from the current folder.
+    """Read YAML from a pipe, to its end; relative paths in it are relative to the current folder.
 
     Args:
         stream: What to read.
         name: Of it, for messages.
-        kind: What it is to be, for messages.
+        kind: The expected kind of file, for messages.
 
     Raises:
-        SpecError: If there is no data to be had from it.
+        SpecError: If no data can be read from it.
     """
     content = stream.read(MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
@@ -125,10 +125,10 @@ def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
     Args:
         text: One YAML 1.2 document, a mapping at the top.
         file: Its name, for messages.
-        kind: What it is to be, for messages.
+        kind: The expected kind of file, for messages.
 
     Raises:
-        SpecError: If there is no data to be had from it.
+        SpecError: If no data can be read from it.
     """
     written = text if isinstance(text, str) else _decoded(text, file)
     plain = written.removeprefix("\ufeff")
@@ -143,7 +143,7 @@ def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
     reader = DocumentReader(plain, file)
     data = reader.document()
     if data is None:
-        _refuse(file, f"the file says nothing; a {kind.name} needs at least {kind.needs}")
+        _refuse(file, f"the file is empty; a {kind.name} needs at least {kind.needs}")
     if not isinstance(data, dict):
         message = f"this is not a mapping; write 'key: value' lines, such as '{kind.line}'"
         reader.stop((), reader.value_places[()], message)
@@ -152,13 +152,13 @@ def parse(text: bytes | str, file: str, kind: FileKind = SPEC) -> Source:
     return Source(file, written, data, tuple(reader.problems), frozenset(reader.invalid), *places, folder)
 
 
-def unwritten(data: dict[str, Any], name: str, folder: Path) -> Source:
-    """Return data that nobody has written to a file, as if it had been read; it may hold what YAML cannot say."""
+def in_memory(data: dict[str, Any], name: str, folder: Path) -> Source:
+    """Return data from Python as if it had been read from a file; it may hold what YAML cannot express."""
     return Source(name, "", data, (), frozenset(), {(): (1, 1)}, {}, folder, has_lines=False)
 
 
-def printed(data: dict[str, Any], name: str, folder: Path) -> Source:
-    """Return data that nobody has written to a file, with the text that mimoc writes in a user's stead."""
+def in_memory_as_text(data: dict[str, Any], name: str, folder: Path) -> Source:
+    """Return data from Python together with the YAML text that mimoc writes for it."""
     return replace(parse(dump(data), name), folder=folder, has_lines=False)
 
 

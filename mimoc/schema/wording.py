@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError
 from mimoc.schema.key_paths import KeyPath, dotted, shown
-from mimoc.schema.outline import Outline, outline, sections_with
+from mimoc.schema.outline import Outline, kinds_of, outline, sections_with
 
 _UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": ""}
 _UNIT_SUFFIX = re.compile(
@@ -52,16 +52,19 @@ def fault(details: ErrorDetails, data: dict[str, Any]) -> Fault:
     if details["type"] == "value_error":
         return _own_fault(details, path)
     if details["type"] == "extra_forbidden":
-        return Fault(path, "key", _unknown_key(path))
+        kind = str(details["loc"][-2]) if len(details["loc"]) > 1 else ""
+        return Fault(path, "key", _unknown_key(path, kind))
     if details["type"] == "missing" and isinstance(path[-1], str):
-        return Fault(path, "key", f"is missing; add it, such as '{path[-1]}: {outline(path).example}'")
+        return Fault(path, "key", _missing(path))
+    if details["type"].startswith("union_tag_") and kinds_of(path):
+        return _wrong_kind(details, path)
     if details["type"] in ("missing", "too_long"):
         path = path[:-1] if details["type"] == "missing" else path
         return Fault(path, "value", _wrong_count(outline(path), details["input"]))
     return Fault(path, "value", _wrong_value(details, outline(path)))
 
 
-def nothing_at(path: KeyPath) -> Fault:
+def missing_value(path: KeyPath) -> Fault:
     """Return the fault of a key that was written without a value."""
     known = outline(path)
     if path[-1] in outline(path[:-1]).schema.get("required", ()):
@@ -96,11 +99,28 @@ def _own_fault(details: ErrorDetails, path: KeyPath) -> Fault:
     return Fault(path, "key" if details["loc"][-1] == "[key]" else "value", str(error))
 
 
-def _unknown_key(path: KeyPath) -> str:
+def _missing(path: KeyPath) -> str:
+    return f"is missing; add it, such as '{path[-1]}: {outline(path).example}'"
+
+
+def _wrong_kind(details: ErrorDetails, section: KeyPath) -> Fault:
+    """Return the fault of a section whose key that says of which kind it is, such as `kind`, is missing or wrong."""
+    path = (*section, details.get("ctx", {})["discriminator"].strip("'"))
+    if details["type"] == "union_tag_not_found":
+        return Fault(path, "key", _missing(path))
+    value = details["input"][path[-1]]
+    return Fault(path, "value", f"{_got(value)} is not a choice; {_nearest(str(value)[:80], outline(path).choices)}")
+
+
+def _unknown_key(path: KeyPath, kind: str) -> str:
+    """Return what to do about an unknown key, in a section that may be one of several kinds."""
     section, key = path[:-1], re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
-    known = outline(section).keys
+    kinds = kinds_of(section)
+    known = kinds.get(kind, outline(section)).keys
     if not known:
         return "unknown key; this section has none, write it as {}"
+    if kind in kinds and (others := [name for name, other in kinds.items() if key in other.keys]):
+        return f"unknown key of '{kind}'; leave it out (it belongs to {', '.join(others)})"
     same = [name for name in known if _UNIT_SUFFIX.sub("", name) == _UNIT_SUFFIX.sub("", key)]
     if same and key not in known:
         return f"unknown key; write '{same[0]}'{_in_unit(outline((*section, same[0])))}"
@@ -128,7 +148,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "less_than" | "less_than_equal":
             return f"{value} is too large; give {_range(known)}"
         case "finite_number":
-            return f"{value} is not a number to build from; give {_range(known)}"
+            return f"{value} is not finite; give {_range(known)}"
         case "string_pattern_mismatch":
             return f"{value} is not a name; {_better_name(details['input'])}"
         case "string_too_short":
@@ -138,7 +158,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
         case "union_tag_not_found":
-            return f"{value} is no acuity; write off, age, a number of months or {{cpd: 4.2}}"
+            return f"{value} is not an acuity; write off, age, a number of months or {{cpd: 4.2}}"
     return _wrong_type(details["input"], known)
 
 

@@ -73,7 +73,8 @@ class DocumentReader:
             raise SpecError([*self.problems, _syntax_problem(error, self.file)]) from None
         except (ValueError, OverflowError):  # PyYAML lets escapes through that are no characters: "\\UFFFFFFFF".
             mark = self.events.get_mark()
-            self.stop((), (mark.line + 1, mark.column + 1), "this escape is no character; write the character itself")
+            message = "this escape sequence is not a character; write the character itself"
+            self.stop((), (mark.line + 1, mark.column + 1), message)
         return data
 
     def stop(self, path: KeyPath, place: Place, message: str) -> NoReturn:
@@ -115,7 +116,7 @@ class DocumentReader:
             if event.implicit[0]:
                 return scalar(event.value)
             if UNPRINTABLE.search(event.value):
-                raise ValueError("an escape in this text is no printable character; leave it out")
+                raise ValueError("an escape sequence in this text is not a printable character; remove it")
         except ValueError as error:
             self._note_invalid(path, _place(event), str(error))
         return event.value

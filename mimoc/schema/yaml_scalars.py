@@ -28,7 +28,7 @@ def scalar(text: str) -> bool | int | float | str | None:
     if text in _CONSTANTS:
         return _CONSTANTS[text]
     if _NOT_FINITE.fullmatch(text):
-        raise ValueError(f"{text} is not a number to build from; write a finite one")
+        raise ValueError(f"{text} is not finite; write a finite number")
     if not _REAL.fullmatch(text) and not _INTEGER.fullmatch(text):
         return text
     try:

@@ -2,9 +2,10 @@
 
 import math
 
-from mimoc.body.tree import Vec3
-from mimoc.mjcf.furniture import SOLID, WorldMaterial
-from mimoc.mjcf.tree import Prop, PropGeom
+from mimoc.geometry.rotations import Vec3
+from mimoc.mjcf.furniture import SOLID
+from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.objects import FreeObject, ObjectGeom
 from mimoc.tasks.base import BallEntry
 
 NAME = "ball"
@@ -16,10 +17,10 @@ DENSITY_KG_M3 = 1000.0
 RED = WorldMaterial(NAME, (0.85, 0.16, 0.12, 1.0), specular=0.4, shininess=0.5)
 
 
-def ball(pos_m: Vec3, radius_m: float = RADIUS_M) -> Prop:
+def ball(pos_m: Vec3, radius_m: float = RADIUS_M) -> FreeObject:
     """Return a red ball, as heavy as water."""
     mass_kg = DENSITY_KG_M3 * 4 / 3 * math.pi * radius_m**3
-    geom = PropGeom(
+    geom = ObjectGeom(
         name=BALL.geom,
         type="sphere",
         names=(),
@@ -35,7 +36,7 @@ def ball(pos_m: Vec3, radius_m: float = RADIUS_M) -> Prop:
         solmix=1.0,
         group=0,
     )
-    return Prop(
+    return FreeObject(
         name=BALL.body,
         object=NAME,
         category=NAME,

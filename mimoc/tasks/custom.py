@@ -1,6 +1,6 @@
 """Tasks that a script passes as objects, without a record or a bundle that knows of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
+from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
 from mimoc.tasks.task import Task, Verdict
 
@@ -27,6 +28,11 @@ class CustomTask(Task):
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
         self._custom = custom
+
+    @property
+    def model_fields(self) -> Sequence[ModelField]:
+        """What it changes in the model."""
+        return getattr(self._custom, "model_fields", ())
 
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from mimoc.runtime.fastenings import ANGLE, Fastenings
+from mimoc.bundle.manifest import ConstraintsEntry
+from mimoc.model_fields import ModelField
+from mimoc.mujoco_layout import LOCK_ANGLE
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.base import GazeEntry
 
@@ -20,7 +22,7 @@ class Gaze:
     the target: cyclic coordinate descent (Wang & Chen 1991).
     """
 
-    def __init__(self, entries: Sequence[GazeEntry], model: mujoco.MjModel, fastenings: Fastenings):
+    def __init__(self, entries: Sequence[GazeEntry], model: mujoco.MjModel, constraints: ConstraintsEntry):
         """Find joints, lookers and locks in *model*."""
         joints = [model.joint(entry.joint) for entry in entries]
         self._model = model
@@ -29,18 +31,24 @@ class Gaze:
         self._speeds = np.array([joint.dofadr[0] for joint in joints], int)
         self._low, self._high = np.array([joint.range for joint in joints]).reshape(-1, 2).T
         self._lookers = [model.body(entry.looker).id for entry in entries]
-        self._locks = fastenings.find([entry.joint for entry in entries])
+        lock_of = {lock.joint: lock.equality for lock in constraints.locks}
+        self._locks = np.array([model.equality(lock_of[entry.joint]).id for entry in entries], np.intp)
+
+    @property
+    def model_fields(self) -> tuple[ModelField, ...]:
+        """What it changes in the model: the angles of the locks."""
+        return (ModelField("eq_data", self._locks),)
 
     def start(self, data: mujoco.MjData, target: FloatArray) -> None:
         """Look at a place in the world, shape (3,), [m], at once."""
         for _ in range(ROUNDS):
             data.qpos[self._angles] = self._turned(data, target)
             mujoco.mj_kinematics(self._model, data)
-        self._model.eq_data[self._locks, ANGLE] = data.qpos[self._angles]
+        self._model.eq_data[self._locks, LOCK_ANGLE] = data.qpos[self._angles]
 
     def follow(self, data: mujoco.MjData, target: FloatArray) -> None:
         """Go on looking at a place: the locks pull the joints there."""
-        self._model.eq_data[self._locks, ANGLE] = self._turned(data, target)
+        self._model.eq_data[self._locks, LOCK_ANGLE] = self._turned(data, target)
 
     def _turned(self, data: mujoco.MjData, target: FloatArray) -> FloatArray:
         """Return the angle of each joint that looks at the target, as far as its range goes, the others as they are."""

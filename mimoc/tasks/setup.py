@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mimoc.body import BodyTree
-from mimoc.body.strengthen import body_groups, muscle_groups
-from mimoc.body.tree import Vec3
+from mimoc.body.strength import body_groups, muscle_groups
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import Vec3
 from mimoc.kinds import function_of
 from mimoc.mjcf.furniture import BARE, Furniture
-from mimoc.mjcf.tree import Prop
+from mimoc.mjcf.objects import FreeObject
 from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry, TaskSpec
 from mimoc.tasks.free.spec import FreeEntry
@@ -33,7 +33,7 @@ class Hold:
 class TaskSetup:
     """What a task needs; places are those of an infant at the origin that looks along x."""
 
-    goal: TaskEntry
+    entry: TaskEntry
     """What the runtime must know of the task."""
     start: tuple[float, ...] | None = None
     """How the infant starts, as qpos; None is in the pose of the spec."""
@@ -43,7 +43,7 @@ class TaskSetup:
     """Joints that are kept at their angles."""
     holds: tuple[Hold, ...] = ()
     """Parts that are kept where they are."""
-    props: tuple[Prop, ...] = ()
+    props: tuple[FreeObject, ...] = ()
     """What else is there that moves."""
     furniture: Furniture = BARE
     """What else is there that does not."""
@@ -74,7 +74,7 @@ def require(tree: BodyTree, task: str, *bodies: str) -> None:
     """
     missing = sorted(set(bodies) - {body.name for body in tree.bodies})
     if missing:
-        raise UnplayableError(f"'{task}' needs {' and '.join(missing)}, which this infant does not have")
+        raise UnplayableError(f"task '{task}' requires {' and '.join(missing)}, which this infant does not have")
 
 
 def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:
@@ -90,16 +90,16 @@ def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
 def one_armed(
     tree: BodyTree,
     side: Side,
-    goal: TaskEntry,
+    entry: TaskEntry,
     start: tuple[float, ...],
-    props: tuple[Prop, ...] = (),
+    props: tuple[FreeObject, ...] = (),
     *,
     weightless: bool = False,
 ) -> TaskSetup:
-    """Return the stage of a task of one hand: only that arm moves, and the infant is held at the hip."""
+    """Return the setup of a task of one hand: only that arm moves, and the infant is held at the hip."""
     arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
     return TaskSetup(
-        goal=goal,
+        entry=entry,
         start=start,
         commanded=arm,
         locked=[joint for joint in tree.joints if joint not in arm],

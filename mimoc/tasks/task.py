@@ -1,6 +1,6 @@
-"""What all tasks have in common."""
+"""What all tasks have in common while they run."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from mimoc.actuation.commands import command_range
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
 
 
@@ -17,55 +18,94 @@ from mimoc.senses.sense import Observation
 class Verdict:
     """What a task says of one control step."""
 
-    terms: Mapping[str, float]
-    """What the reward is made of, by name; it is their sum."""
+    reward_terms: Mapping[str, float]
+    """Terms of the reward, by name; `info` has them as `reward_terms`."""
     success: bool = False
-    """Whether the goal is reached."""
-    ends: bool = False
+    """Whether the goal is reached; `info` has it as `is_success`."""
+    terminated: bool = False
     """Whether the episode ends with this step."""
     reward: float = field(init=False)
-    """What the step earns."""
+    """Sum of the terms."""
 
     def __post_init__(self) -> None:
-        """Add up what it earns."""
-        object.__setattr__(self, "reward", sum(self.terms.values(), 0.0))
+        """Add up the terms."""
+        object.__setattr__(self, "reward", sum(self.reward_terms.values(), 0.0))
 
 
-NOTHING_EARNED = Verdict({})
+NO_REWARD = Verdict({})
 
 
 class Task:
-    """What sets out each episode and judges each control step; by itself, a world without a goal."""
+    """What starts each episode and judges each control step; by itself, a world without a goal.
 
-    def __init__(self, steps: int | None):
-        """Make a task whose episodes are cut off after so many control steps; None is never."""
+    To write a task, override `judge`, and of the rest what it needs:
+
+        class HeadUp(Task):
+            def bind(self, model, bundle):
+                self.head = model.body(bundle.manifest.anatomy.head).id
+
+            def judge(self, data, action, effort):
+                height_m = float(data.xpos[self.head, 2])
+                terms = {"height": height_m, "effort": -0.1 * effort()}
+                return Verdict(terms, success=height_m > 0.4)
+
+        env = mimoc.make("configs/nine_months.yaml", task=HeadUp(steps=500))
+
+    In this order, `bind` is called once for each model (at the start, and again when the scene changes); `start` at
+    each reset, when the infant is in its pose; `judge` after each control step; then `observe`. Look names up in
+    `bind`, keep indices, and read arrays of *data* in `judge`. Draw random numbers only from the generator that `start`
+    gets, so that a seed determines an episode. An environment is saved by `get_state` and restored by `set_state`:
+    return in `state` what the task remembers within an episode, and in `model_fields` what it changes in the model.
+    """
+
+    def __init__(self, steps: int | None = None):
+        """Make a task whose episodes are truncated after *steps* control steps; None is never."""
         self.steps = steps
+
+    def bind(self, model: mujoco.MjModel, bundle: Any) -> None:
+        """Look up names in a model; tasks that a bundle names are bound when they are made instead.
+
+        Args:
+            model: The infant and its world.
+            bundle: The `mimoc.Bundle` it comes from; `bundle.manifest` names the parts of the infant.
+        """
 
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
-        """What it adds to the observation."""
+        """Space of each array that it adds to the observation, by name."""
         return {}
 
+    @property
+    def model_fields(self) -> Sequence[ModelField]:
+        """What `start` and `judge` change in the model; all else in it must stay as it is."""
+        return ()
+
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
-        """Set out an episode in a state that has just been reset, all of it computed; leave it so."""
+        """Start an episode.
+
+        Args:
+            data: A state that has just been reset, with all that follows from it (`mj_forward`). Whoever changes it
+                calls `mj_forward` afterwards.
+            generator: Source of all random numbers.
+        """
 
     def observe(self) -> Observation:
-        """Return what it adds to the observation, as fresh arrays."""
+        """Return what it adds to the observation, as fresh arrays within `spaces`."""
         return {}
 
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
-        """Return what it says of the control step that has just been taken.
+        """Return the reward of the control step that has just been taken, and whether it ends the episode.
 
         Args:
             data: The state after it.
-            action: What was commanded, shape (n,).
-            effort: Returns what the actuators' work costs now (`InfantEnv.effort`).
+            action: The action, shape (n,), before it is clipped.
+            effort: Returns the cost of the actuators' work in the last physics step (`InfantEnv.effort`).
         """
-        return NOTHING_EARNED
+        return NO_REWARD
 
     @property
     def state(self) -> dict[str, Any]:
-        """What it must remember within an episode."""
+        """What it remembers within an episode; it can be set."""
         return {}
 
     @state.setter
@@ -74,7 +114,7 @@ class Task:
 
 
 class SquaredCommands:
-    """What commands cost: the sum of their squares, where those beyond their range count as they are clipped."""
+    """Sum of squared commands, which are clipped to their ranges first."""
 
     def __init__(self, entry: ActuationEntry):
         """Find the ranges of all commands of an action."""

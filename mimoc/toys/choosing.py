@@ -1,4 +1,4 @@
-"""Which toys there are, how large and in which colours: each drawn by chance, apart from all else."""
+"""Which toys there are, how large and in which colours: each drawn at random, from a stream of its own."""
 
 import colorsys
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ class Toybox:
 
     names: Sequence[str]
     """Of the objects."""
-    take: Callable[[str], ToyModel]
+    load: Callable[[str], ToyModel]
     """Returns the shape of one."""
     notes: tuple[str, ...] = ()
     """What the user of a bundle with such toys should know."""
@@ -51,17 +51,17 @@ class Toy:
 
     @property
     def radius_m(self) -> float:
-        """How far it reaches from the vertical through its middle, with what is seen and what is felt of it."""
+        """How far it reaches from the vertical through its middle, with all it shows and touches with."""
         seen = (float(np.linalg.norm(part.mesh.vertices[:, :2], axis=1).max()) for part in self.model.parts)
         return self.size_m * max(*seen, *map(radius, self.model.solids))
 
 
 def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
-    """Return as many toys as chance wants; the first ones are the same, however many there are.
+    """Return a random number of toys; the first ones are the same, however many there are.
 
     Args:
         spec: How many, and how large.
-        seed: Of all chance.
+        seed: Of the scene.
         box: What to choose from.
     """
     count = whole_between(stream(seed, "toys.count"), *spec.count)
@@ -71,7 +71,7 @@ def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
     low_m, high_m = map(cm_to_m, spec.size_cm)
     return tuple(
         Toy(
-            model=box.take(pick(which, box.names)),
+            model=box.load(pick(which, box.names)),
             size_m=between(sizes, low_m, high_m),
             yaw_rad=between(turns, 0.0, 2 * np.pi),
             colours=_draw_colours(colours),

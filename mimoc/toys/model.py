@@ -29,7 +29,7 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A part of what is seen of a toy."""
+    """A visible part of a toy."""
 
     mesh: Mesh
     tint: Tint = "main"
@@ -37,7 +37,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Solid:
-    """A convex shape that a toy touches with."""
+    """A convex collision shape of a toy."""
 
     type: SolidType
     size: tuple[float, ...]
@@ -57,12 +57,12 @@ class ToyModel:
     category: str
     """Of its kind, as Toys4K has them, such as `truck`."""
     parts: tuple[Part, ...]
-    """What is seen of it."""
+    """Its visible parts."""
     solids: tuple[Solid, ...]
-    """What it touches with."""
+    """Its collision shapes."""
     volume: float
-    """How much material there is."""
+    """Volume of its material."""
     density_kg_m3: float
-    """Of the material, with whatever hollows it has."""
+    """Mean density of the material, hollows included."""
     source: str
     """Where it comes from, for the README of a bundle."""

@@ -1,4 +1,4 @@
-"""Where toys go: around an infant, likeliest where its hands get, and clear of everything else."""
+"""Where toys lie: around an infant, densest within its reach, and clear of everything else."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,24 +11,24 @@ FloatArray = npt.NDArray[np.float64]
 GAP_M = 0.01
 """Between a toy and whatever is next to it."""
 FADING = 0.5
-"""Beyond the reach, toys thin out by a factor of e over each such share of an arm's length."""
+"""`fading_m` of the reachable floor, in lengths of an arm."""
 AT_ONCE, TRIES = 8, 256
-"""Places that are drawn for a toy at once, and how often before there is taken to be no room."""
+"""Places that are drawn for a toy at once, and how often before it counts as having no room."""
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
-    """What of a floor an infant's hands get to."""
+class ReachableFloor:
+    """The part of the floor that an infant's hands can reach."""
 
     centre_m: tuple[float, float]
     """The middle between its shoulders, seen from above."""
     radius_m: float
-    """How far from there its hands get to things on the floor."""
+    """How far from there its hands reach things on the floor."""
     fading_m: float
-    """Over which distance toys beyond become rarer by a factor of e."""
+    """Distance over which the density of toys beyond that falls by a factor of e."""
 
     def density(self, distance_m: FloatArray) -> FloatArray:
-        """Return how many toys there are on a square metre at a distance from the centre, within reach: 1."""
+        """Return the density of toys at a distance from the centre, relative to that within reach."""
         return np.exp(-np.maximum(distance_m - self.radius_m, 0.0) / self.fading_m)
 
     def draw(self, count: int, generator: np.random.Generator) -> FloatArray:
@@ -61,17 +61,17 @@ class Floor:
 
 
 def place_toys(
-    radii_m: Sequence[float], reach: Reach, floor: Floor, generator: np.random.Generator
+    radii_m: Sequence[float], reach: ReachableFloor, floor: Floor, generator: np.random.Generator
 ) -> FloatArray | None:
     """Return a place for each toy, shape (n, 2), or None if there is no room for one of them.
 
-    A place that is not free is drawn anew, so toys are as dense as the reach says on all of the floor that is free.
+    A place that is not free is drawn anew, so that on the free floor toys are as dense as *reach* says.
 
     Args:
         radii_m: Of the toys, seen from above.
         reach: Where they are likely.
         floor: Where they can be.
-        generator: Of chance.
+        generator: What to draw from.
     """
     taken = list(map(tuple, floor.taken_m))
     places = np.empty((len(radii_m), 2))

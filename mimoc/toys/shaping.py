@@ -7,13 +7,13 @@ import math
 from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.geometry.rotations import FloatArray, Vec3, matrix_from_axis
+from mimoc.geometry.rotations import FloatArray, Vec3
 from mimoc.toys.model import IntArray, Mesh
+from mimoc.toys.transforms import frozen_mesh, move, stretch, turn
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 ROUND = 16
@@ -37,7 +37,7 @@ def loft(rings: Sequence[npt.ArrayLike], *, closed: bool = False) -> Mesh:
     starts = [0, *accumulate(counts)]
     following = counts[1:] + counts[:1] if closed else counts[1:]
     faces = [start + _band(low, high) for start, low, high in zip(starts, counts, following, strict=False)]
-    return _mesh(np.concatenate(points), np.concatenate(faces) % starts[-1])
+    return frozen_mesh(np.concatenate(points), np.concatenate(faces) % starts[-1])
 
 
 def lathe(profile: Outline, at: Vec3 = ORIGIN, segments: int = ROUND, *, closed: bool = False) -> Mesh:
@@ -148,56 +148,6 @@ def tube(path: npt.ArrayLike, radii: float | Sequence[float], segments: int = 10
 def rod(start: Vec3, end: Vec3, radius: float, segments: int = 10) -> Mesh:
     """Return a straight tube with rounded ends, which reach beyond its start and end."""
     return tube([start, end], radius, segments)
-
-
-def join(meshes: Sequence[Mesh]) -> Mesh:
-    """Return several meshes as one."""
-    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
-    return _mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
-
-
-def move(mesh: Mesh, by: Vec3) -> Mesh:
-    """Return a mesh elsewhere."""
-    return _mesh(mesh.vertices + by, mesh.faces)
-
-
-def stretch(mesh: Mesh, factors: Vec3) -> Mesh:
-    """Return a mesh as many times as long along x, y and z."""
-    return _mesh(mesh.vertices * factors, mesh.faces)
-
-
-def turn(mesh: Mesh, axis: Literal["x", "y", "z"], angle_deg: float) -> Mesh:
-    """Return a mesh turned about an axis through the origin, counterclockwise for who looks back along it."""
-    rotation = matrix_from_axis(np.eye(3)["xyz".index(axis)], math.radians(angle_deg))
-    return _mesh(mesh.vertices @ rotation.T, mesh.faces)
-
-
-def mirror(mesh: Mesh) -> Mesh:
-    """Return a mesh with left for right, y for -y."""
-    return _mesh(mesh.vertices * (1.0, -1.0, 1.0), mesh.faces[:, ::-1])
-
-
-def pair(mesh: Mesh) -> tuple[Mesh, Mesh]:
-    """Return a mesh, and itself with left for right."""
-    return mesh, mirror(mesh)
-
-
-def press(mesh: Mesh, floor: float = 0.0) -> Mesh:
-    """Return a mesh made flat where it reaches below a floor."""
-    return _mesh(np.maximum(mesh.vertices, (-np.inf, -np.inf, floor)), mesh.faces)
-
-
-def mesh_volume(mesh: Mesh) -> float:
-    """Return the volume within, where shells overlap as often as they do."""
-    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
-    return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6)
-
-
-def _mesh(vertices: FloatArray, faces: IntArray) -> Mesh:
-    """Return a mesh that cannot be changed."""
-    vertices.flags.writeable = faces.flags.writeable = False
-    return Mesh(vertices, faces)
 
 
 @cache

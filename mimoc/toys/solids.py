@@ -16,7 +16,7 @@ from mimoc.geometry.rotations import (
     quaternion_product,
 )
 from mimoc.toys.model import UPRIGHT, Solid
-from mimoc.toys.shaping import mesh_volume
+from mimoc.toys.transforms import mesh_volume
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 _ANGLES = np.linspace(0, math.tau, 48, endpoint=False)

@@ -16,7 +16,7 @@ ToyName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length
 
 
 def _fields() -> dict[str, FieldInfo]:
-    about = "Those that come with mimoc, or the Toys4K data set."
+    about = " ".join(f"`{source.name}`: {source.about}" for source in TOY_SOURCES.values())
     return {"source": choice_field(TOY_SOURCES, "builtin", about), **own_sections(TOY_SOURCES)}
 
 
@@ -25,9 +25,10 @@ class ToysSpec(Model):
     """The toys around the infant."""
 
     source: str = "builtin"
-    """Those that come with mimoc, or the Toys4K data set."""
+    """Where the toys come from."""
     root: PathText | None = None
-    """Folder that Toys4K was unpacked to; `~` and environment variables count, and it is seen from the spec's."""
+    """Folder of a source that reads one, such as that of Toys4K, relative to the spec's; `~` and environment variables
+    are expanded."""
     subset: Annotated[tuple[ToyName, ...], Distinct] = ()
     """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all. Of a folder
     of meshes of one's own, names of files without their ends."""

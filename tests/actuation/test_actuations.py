@@ -6,7 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
-from mimoc.actuation.binding import ACTUATIONS
+from mimoc.actuation import ACTUATIONS
 from mimoc.runtime.check import MAX_ENERGY_J_PER_KG, check_stability
 
 NO_STRENGTH = {"strength": dict.fromkeys(("neck", "trunk", "eyes", "arms", "hands", "legs"), 0)}

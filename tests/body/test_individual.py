@@ -57,6 +57,7 @@ def who(indicator: str, percentile: float, age_months: float, sex: str) -> float
     hands=st.sampled_from(["mitten", "five_finger"]),
     wanted=st.dictionaries(st.sampled_from(sorted(INDICATORS)), st.tuples(percentiles, st.booleans()), min_size=1),
 )
+@pytest.mark.slow
 def test_the_compiled_child_is_what_was_asked_for(age_months, sex, hands, wanted):
     """Any subset of the three, each as percentile or as value."""
     individual, expected = {}, {}
@@ -82,6 +83,7 @@ def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[str, 
 
 @pytest.mark.parametrize("sex", SEXES)
 @pytest.mark.parametrize(("hands", "ages_months"), [("mitten", (0, 6, 24)), ("five_finger", (0,))])
+@pytest.mark.slow
 def test_the_smallest_and_largest_children_rest_without_penetration(hands, ages_months, sex):
     """Standing with all joints at zero, and in every pose."""
     for age_months, wanted in product(ages_months, EXTREMES):

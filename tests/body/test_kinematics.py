@@ -28,7 +28,7 @@ def test_parts_are_where_mujoco_has_them(hands, data, infant_at):
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     posed = pose(tree, dict(zip(tree.joints, values, strict=True)))
-    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.turns, strict=True):
+    for geom, centre, turn in zip(posed.geoms, posed.centres, posed.rotations, strict=True):
         assert centre == pytest.approx(data.geom(geom.name).xpos, abs=1e-7), geom.name
         assert turn == pytest.approx(data.geom(geom.name).xmat.reshape(3, 3), abs=1e-7), geom.name
     assert posed.centre_of_mass == pytest.approx(data.subtree_com[1], abs=1e-7)

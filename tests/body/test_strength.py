@@ -1,44 +1,137 @@
-"""What moves each joint, and with what its strength grows."""
+"""Strength by group, and of another age: pure functions of the spec."""
 
 import pytest
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow, grow_child, measure_child
+from mimoc.body.strength import AGE_KEY, STRENGTH_KEY, muscle_groups
 from mimoc.fits import measure
-from mimoc.geometry.primitives import volume
+from mimoc.schema import InfantSpec
+from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 
-COUNTS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
-
-
-@pytest.fixture(scope="module", params=COUNTS, ids=str)
-def anatomy(request):
-    return assemble(*request.param)
+GROUPS = [group for group in STRENGTH_GROUPS if group not in PAIRED_GROUPS]
 
 
-def test_motors_move_hinges_and_grow_with_geoms_that_exist(anatomy):
-    hinges = {joint.name for _, part in anatomy.parts for joint in part.joints}
-    for _, figures in anatomy.motors:
-        assert figures.joint in hinges, figures.name
-        assert figures.mover in anatomy.geoms, figures.name
+def child(actuation, age_months=9, **body):
+    spec = InfantSpec.model_validate(
+        {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "actuation": actuation}
+    )
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
+    return grow_child(spec, measure_child(spec, anatomy), anatomy)
 
 
-def test_no_joint_has_two_motors(hands_and_chest):
-    motors = grow(measure(18), assemble(*hands_and_chest)).motors
-    assert len({motor.joint for motor in motors}) == len(motors) == COUNTS[hands_and_chest]
+def gears_nm(tree):
+    return {motor.name: motor.gear_nm for motor in tree.motors}
 
 
-def test_a_gear_grows_with_its_mover_and_with_nothing_else(anatomy):
-    """One part after another made thicker."""
-    before = grow(measure(18), anatomy)
-    for body in before.bodies:
-        after = grow(measure(18), anatomy, {body.name: (1.0, 1.1)})
-        for motor, thicker in zip(before.motors, after.motors, strict=True):
-            small, large = (
-                volume(tree.geoms[motor.mover].type, tree.geoms[motor.mover].size_m) for tree in (before, after)
-            )
-            assert thicker.gear_nm == pytest.approx(motor.gear_nm * large / small, rel=1e-12), (body.name, motor.name)
-            assert (small != large) == (motor.mover in {geom.name for geom in body.geoms})
+def factors(actuation, **body):
+    """Return what each motor is stronger by, by name."""
+    plain = gears_nm(child({}, **body))
+    return {name: gear_nm / plain[name] for name, gear_nm in gears_nm(child(actuation, **body)).items()}
 
 
-def test_force_ranges_do_not_grow(anatomy):
-    young, old = grow(measure(0), anatomy), grow(measure(24), anatomy)
-    assert [motor.force_range for motor in young.motors] == [motor.force_range for motor in old.motors]
+@pytest.fixture(params=["mitten", "five_finger"])
+def body(request):
+    return {"hands": request.param, "chest_joint": True}
+
+
+def test_the_groups_are_those_of_the_language_and_share_out_all_muscles(body):
+    tree = child({}, **body)
+    groups = muscle_groups(tree)
+    assert {groups[motor.joint] for motor in tree.motors} == set(GROUPS)
+
+
+@pytest.mark.parametrize(
+    ("motor", "group"),
+    [
+        ("act:head_tilt", "neck"),
+        ("act:hip_bend", "trunk"),
+        ("act:chest_lean", "trunk"),
+        ("act:left_eye_vertical", "eyes"),
+        ("act:right_eye_torsional", "eyes"),
+        ("act:left_shoulder_internal", "left_arm"),
+        ("act:right_elbow", "right_arm"),
+        ("act:left_wrist_ulnar", "left_hand"),
+        ("act:right_hip_flex", "right_leg"),
+        ("act:left_foot_rotation", "left_leg"),
+        ("act:left_toes", "left_leg"),
+    ],
+)
+def test_a_muscle_belongs_to(motor, group, body):
+    stronger = factors({"strength": {group: 3}}, **body)
+    assert stronger[motor] == pytest.approx(3)
+
+
+def test_fingers_belong_to_the_hand():
+    assert factors({"strength": {"left_hand": 2}})["act:left_fingers"] == pytest.approx(2)
+    assert factors({"strength": {"hands": 2}}, hands="five_finger")["act:right_lf_meta"] == pytest.approx(2)
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_factor_strengthens_its_group_and_nothing_else(group, body):
+    tree = child({}, **body)
+    groups = {motor.name: muscle_groups(tree)[motor.joint] for motor in tree.motors}
+    for name, factor in factors({"strength": {group: 0.5}}, **body).items():
+        assert factor == pytest.approx(0.5 if groups[name] == group else 1), name
+
+
+@pytest.mark.parametrize(("pair", "sides"), PAIRED_GROUPS.items())
+def test_a_pair_means_both_sides_but_a_named_side_wins(pair, sides):
+    left, right = sides
+    both = {left: 1.5, right: 1.5}
+    assert gears_nm(child({"strength": {pair: 1.5}})) == gears_nm(child({"strength": both}))
+    for strength in ({pair: 1.5, left: 4}, {left: 4, pair: 1.5}):
+        assert gears_nm(child({"strength": strength})) == gears_nm(child({"strength": {left: 4, right: 1.5}}))
+
+
+def test_sides_mirror_each_other(body):
+    left, right = factors({"strength": {"left_arm": 2}}, **body), factors({"strength": {"right_arm": 2}}, **body)
+    swapped = {"left": "right", "right": "left"}
+    for name, factor in left.items():
+        side = next((side for side in swapped if side in name), "")
+        assert right[name.replace(side, swapped.get(side, ""))] == pytest.approx(factor), name
+
+
+def test_no_strength_at_all_is_none():
+    motors = child({"strength": {"neck": 0}}).motors
+    assert {motor.gear_nm for motor in motors if "head" in motor.name} == {0}
+
+
+@pytest.mark.parametrize("age_months", [0, 6.5, 24])
+def test_the_strength_of_another_age_is_that_of_the_average_child(age_months, body):
+    there = grow(measure(age_months), assemble(body["hands"], True))
+    found = gears_nm(child({"strength_age_months": age_months}, **body))
+    assert found == pytest.approx(gears_nm(there))
+
+
+def test_the_strength_of_the_bodys_own_age_changes_nothing(body):
+    assert set(factors({"strength_age_months": 9}, **body).values()) == {1}
+
+
+def test_strength_changes_nothing_but_gears_up_to_that_of_18_months(body):
+    plain, strong = child({}, **body), child({"strength_age_months": 18, "strength": {"legs": 0.5}}, **body)
+    assert (strong.bodies, strong.tendons) == (plain.bodies, plain.tendons)
+    assert [motor.force_range for motor in strong.motors] == [motor.force_range for motor in plain.motors]
+
+
+def test_age_groups_and_thicker_limbs_multiply():
+    parts = {"left_lower_arm": {"girth": 1.1}}
+    age, group = {"strength_age_months": 18}, {"strength": {"left_arm": 2}}
+    elbow = "act:left_elbow"
+    expected = factors(age)[elbow] * 2 * gears_nm(child({}, parts=parts))[elbow]
+    assert gears_nm(child({**age, **group}, parts=parts))[elbow] == pytest.approx(expected)
+
+
+def test_a_motor_says_which_keys_made_it_stronger():
+    tree = child({"strength_age_months": 18, "strength": {"arms": 2, "left_arm": 3}})
+    keys = {motor.name: [key for key, _ in motor.factors] for motor in tree.motors}
+    assert keys["act:left_elbow"] == [f"{STRENGTH_KEY}.left_arm", AGE_KEY]
+    assert keys["act:right_elbow"] == [f"{STRENGTH_KEY}.arms", AGE_KEY]
+    assert keys["act:head_tilt"] == [AGE_KEY]
+
+
+def test_a_body_without_limbs_can_be_strong():
+    tree = child({"strength_age_months": 18, "strength": {"arms": 2}}, remove=["left_upper_arm", "right_hand"])
+    assert (
+        gears_nm(tree)["act:right_elbow"]
+        == gears_nm(child({"strength_age_months": 18, "strength": {"arms": 2}}))["act:right_elbow"]
+    )

@@ -36,8 +36,8 @@ def test_a_run_is_filmed_with_the_eyes_view_beside_it_and_summed_up(run):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ("--video film.avi", "film.avi: not a video that mimoc writes; end its name with .mp4 or .gif"),
-        ("--video film", "film: not a video that mimoc writes"),
+        ("--video film.avi", "film.avi: not a supported video format; end the name in .mp4 or .gif"),
+        ("--video film", "film: not a supported video format"),
         ("--video nowhere/film.gif", "nowhere/film.gif: there is no folder nowhere"),
         ("--eyes", "--eyes adds the eyes' views to a video; give its file with --video FILE"),
         ("--video film.gif --policy zreo", "'zreo' is not a policy; did you mean 'zero'?"),

@@ -30,6 +30,7 @@ def test_the_help_of_each_command_has_an_example(invoke, command, option):
     assert f"Example: mimoc {command} " in " ".join(done.out.split())
 
 
+@pytest.mark.slow
 def test_the_examples_work_as_they_are_printed(invoke, here):
     (here / "configs").symlink_to(CONFIGS)
     for command in COMMANDS.values():

@@ -23,7 +23,7 @@ body:
 """One of each, so that one refusal shows them all."""
 
 INERT = {"scene.seed", "scene.room", "scene.textures"}
-"""The smallest spec is in no room, and has nothing by chance in it."""
+"""The smallest spec is in no room, and nothing in it is random."""
 
 BUILT = {
     "name": "other",

@@ -3,9 +3,11 @@
 import mujoco
 import numpy as np
 import pytest
+from mimoc.actuation.drives import build_drive
 
 from mimoc.body import assemble, grow
-from mimoc.compiler import compose
+from mimoc.compiler.building import builder
+from mimoc.compiler.compose import compose, place_senses
 from mimoc.fits import measure
 from mimoc.looks.appearance import HEAD_FEATURES
 from mimoc.looks.expressions import FACES
@@ -78,14 +80,14 @@ def test_the_infant_alone_stands_on_the_ground(infants):
 
 @pytest.mark.parametrize("expression", FACES)
 def test_the_expression_changes_the_face_and_nothing_else(expression):
-    tree = grow(measure(9), MITTEN)
-    neutral, other = compose(spec(), tree), compose(spec(body={"expression": expression}), tree)
+    neutral, other = builder(spec()).infant, builder(spec(body={"expression": expression})).infant
     assert other.appearance.assets[f"assets/face_{expression}.png"]
     assert (neutral.roots, neutral.keyframes, neutral.actuators) == (other.roots, other.keyframes, other.actuators)
 
 
 def test_composing_is_pure():
     tree = grow(measure(9), MITTEN)
-    first, second = compose(spec(), tree), compose(spec(), tree)
+    drive, senses = build_drive(spec().actuation, tree, timestep_s=0.005), place_senses(spec(), tree)
+    first, second = (compose(spec(), tree, drive, senses) for _ in range(2))
     assert first == second
     assert tree == grow(measure(9), MITTEN)

@@ -87,7 +87,7 @@ def _with(numbered: tuple[int, str], key: str, value: float, line: int) -> str:
     return re.sub(rf"\b{key}: [\d.]+", f"{key}: {value}", text) if number == line else text
 
 
-def test_a_spec_from_python_is_blamed_by_its_key():
+def test_a_problem_of_a_spec_from_python_names_its_key():
     spec = InfantSpec.model_validate(
         {"mimoc": 1, "name": "x", "age_months": 9, "body": {"parts": {"left_upper_leg": {"girth": 2.0}}}}
     )

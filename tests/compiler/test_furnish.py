@@ -8,11 +8,12 @@ import pytest
 from scipy import stats
 
 import mimoc
-from mimoc.compiler import pipeline
-from mimoc.compiler.furnish import Supplies, furnish
+from mimoc.compiler import building, model_check
+from mimoc.compiler.furnish import furnish
+from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.errors import NoRoomError
-from mimoc.mjcf.tree import SceneTree
-from mimoc.scenes.footprint import floor_reach, footprint
+from mimoc.mjcf.scene import SceneTree
+from mimoc.scenes.footprint import footprint, reachable_floor
 from mimoc.toys.placing import GAP_M
 
 SIX = {"count": [6, 6]}
@@ -29,14 +30,14 @@ def spec(age_months: float, scene: Mapping[str, Any]) -> mimoc.InfantSpec:
 
 
 @cache
-def grown(age_months: int = 9) -> pipeline.Builder:
-    return pipeline.builder(spec(age_months, {"kind": "flat"}))
+def grown(age_months: int = 9) -> building.Builder:
+    return building.builder(spec(age_months, {"kind": "flat"}))
 
 
 def furnished(seed: int, age_months: int = 9, **scene: Any) -> SceneTree:
     infant = grown(age_months)
     wanted = spec(age_months, {"kind": "room", "toys": SIX, "seed": seed, **scene})
-    return furnish(infant.infant, wanted, infant.tree, Supplies())
+    return furnish(infant.infant, wanted, infant.tree, SceneAssets()).scene
 
 
 @cache
@@ -51,11 +52,11 @@ def usual_discs() -> list[np.ndarray]:
 
 def discs(scene: SceneTree) -> np.ndarray:
     """Return what the toys take up of the floor: x, y and radius, shape (n, 3)."""
-    return np.array([[*prop.pos_m[:2], radius_m(prop)] for prop in scene.world.props])
+    return np.array([[*each.pos_m[:2], radius_m(each)] for each in scene.world.objects])
 
 
-def radius_m(prop) -> float:
-    looks = [mesh.content.decode() for mesh in prop.meshes if mesh.inertia == "shell"]
+def radius_m(each) -> float:
+    looks = [mesh.content.decode() for mesh in each.meshes if mesh.inertia == "shell"]
     rows = [line.split()[1:3] for text in looks for line in text.splitlines() if line.startswith("v ")]
     return float(np.linalg.norm(np.array(rows, float), axis=1).max())
 
@@ -65,6 +66,7 @@ def half_floor_m(scene: SceneTree) -> np.ndarray:
     return np.array(floor.size_m[:2])
 
 
+@pytest.mark.slow
 def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_every_pose():
     """Over a hundred and twenty seeds."""
     for scene, toys in zip(usual(), usual_discs(), strict=True):
@@ -78,18 +80,19 @@ def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_e
 
 def test_every_pose_has_the_toys_at_their_places():
     for scene in usual()[:30]:
-        resting = [number for prop in scene.world.props for number in (*prop.pos_m, *prop.quat)]
+        resting = [number for each in scene.world.objects for number in (*each.pos_m, *each.quat)]
         assert [pose.name for pose in scene.keyframes] == ["supine", "prone", "sitting", "standing"]
         for pose in scene.keyframes:
             assert list(pose.qpos[-len(resting) :]) == resting
 
 
+@pytest.mark.slow
 def test_first_toys_are_as_far_as_the_stated_distribution_says():
     """On an endless floor, as far as the infant itself leaves it free: counted by simulation of the same density."""
     infant = grown()
     scenes = [furnished(seed, kind="flat", toys={"count": [1, 1]}) for seed in range(120)]
     here = infant.infant.keyframes[0].qpos
-    reach = floor_reach(infant.tree, here)
+    reach = reachable_floor(infant.tree, here)
     taken = footprint(infant.tree, [pose.qpos for pose in infant.infant.keyframes])
     toys = np.concatenate([discs(scene) for scene in scenes])
     drawn = reach.draw(10_000, np.random.default_rng(0))
@@ -107,7 +110,7 @@ def test_most_toys_are_within_reach():
     infant, near, total = grown(), 0, 0
     for scene, toys in zip(usual(), usual_discs(), strict=True):
         here = next(pose for pose in scene.keyframes if pose.name == "supine").qpos[: -7 * 6]
-        reach = floor_reach(infant.tree, here)
+        reach = reachable_floor(infant.tree, here)
         away = np.linalg.norm(toys[:, :2] - reach.centre_m, axis=1) - toys[:, 2]
         near, total = near + (away <= reach.radius_m).sum(), total + len(away)
         assert away.min() < reach.radius_m + 10 * reach.fading_m
@@ -129,14 +132,14 @@ def test_more_toys_leave_the_room_the_infant_and_the_first_toys_alone():
     for seed in range(20):
         few, many = (furnished(seed, toys={"count": [count, count]}) for count in (2, 9))
         assert few.world.furniture == many.world.furniture
-        assert few.world.props == many.world.props[:2]
+        assert few.world.objects == many.world.objects[:2]
         for before, after in zip(few.keyframes, many.keyframes, strict=True):
             assert before.qpos == after.qpos[: len(before.qpos)]
 
 
 def test_without_toys_there_are_none():
     scene = furnished(0, toys=None)
-    assert scene.world.props == ()
+    assert scene.world.objects == ()
     assert {len(pose.qpos) for pose in scene.keyframes} == {len(grown().infant.keyframes[0].qpos)}
 
 
@@ -199,9 +202,9 @@ def test_no_toy_falls_through_or_flies_off_while_the_infant_moves(kind):
 
 def compiled(kind: str, age_months: int, seeds: range) -> Iterator[tuple[int, mujoco.MjModel]]:
     toys = {"count": [3, 3]} if kind == "crib" else SIX
-    builder = pipeline.builder(spec(age_months, {"kind": kind, "toys": toys}))
+    builder = building.builder(spec(age_months, {"kind": kind, "toys": toys}))
     for seed in seeds:
-        yield seed, pipeline.compile_model(builder(seed, check=False).files)
+        yield seed, model_check.compile_model(builder(seed, check=False).files)
 
 
 def owner(model: mujoco.MjModel, geom: int) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import model_check, pipeline
 from mimoc.errors import UnknownNameError
 from mimoc.render.portrait import portrait
 from mimoc.runtime.env import InfantEnv
@@ -48,7 +48,7 @@ def variant(name: str) -> InfantSpec:
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
 def test_every_pose_of_a_config_satisfies_its_constraints(path):
     bundle = pipeline.build(InfantSpec.model_validate(yaml.safe_load(path.read_text())))
-    model = pipeline.compile_model(bundle.files)
+    model = model_check.compile_model(bundle.files)
     assert bundle.manifest.pose in bundle.manifest.poses
     assert [model.key(key).name for key in range(model.nkey)] == list(bundle.manifest.poses)
     assert max(residual(model, key) for key in range(model.nkey)) < 1e-5
@@ -57,7 +57,7 @@ def test_every_pose_of_a_config_satisfies_its_constraints(path):
 @pytest.mark.parametrize("name", VARIANTS)
 def test_poses_in_which_what_is_kept_would_be_elsewhere_are_left_out(name):
     bundle = pipeline.build(variant(name))
-    model = pipeline.compile_model(bundle.files)
+    model = model_check.compile_model(bundle.files)
     assert bundle.manifest.poses == VARIANTS[name][1]
     assert max(residual(model, key) for key in range(model.nkey)) < 1e-5
 

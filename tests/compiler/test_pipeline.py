@@ -14,8 +14,9 @@ from lxml import etree
 from PIL import Image
 
 import mimoc
-from mimoc.compiler import pipeline
-from mimoc.compiler.pipeline import compile_model
+from mimoc.compiler import building
+from mimoc.compiler.model_check import compile_model
+from mimoc.compiler.provenance.child import who_percentiles
 from mimoc.errors import ModelError
 from mimoc.schema import InfantSpec
 
@@ -196,12 +197,12 @@ def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value
 @pytest.fixture
 def no_left_hand(monkeypatch):
     """Let every hand be written with a size that MuJoCo refuses."""
-    render_infant = pipeline.printing.render_infant
+    render_infant = building.printing.render_infant
 
     def spoil(tree):
         return broken(render_infant(tree), "left_hand1", "size", "-1 1 1")
 
-    monkeypatch.setattr(pipeline.printing, "render_infant", spoil)
+    monkeypatch.setattr(building.printing, "render_infant", spoil)
 
 
 def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):
@@ -219,11 +220,11 @@ def test_a_spec_from_python_is_led_back_to_as_well(no_left_hand):
 
 def test_the_average_child_stands_in_the_middle_of_whos(bundle_at):
     """And at birth WHO has no standard for the arm."""
-    assert pipeline.who_percentiles(bundle_at(0).manifest.child).keys() == {
+    assert who_percentiles(bundle_at(0).manifest.child).keys() == {
         "length_cm",
         "weight_kg",
         "head_circumference_cm",
     }
     for age_months in (0, 3, 12, 24):
-        found = pipeline.who_percentiles(bundle_at(age_months).manifest.child)
+        found = who_percentiles(bundle_at(age_months).manifest.child)
         assert all(15 < found[key] < 85 for key in found if key != "arm_circumference_cm"), age_months

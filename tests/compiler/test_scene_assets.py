@@ -12,7 +12,7 @@ from lxml import etree
 from PIL import Image
 
 import mimoc
-from mimoc.compiler.pipeline import builder
+from mimoc.compiler import building
 from mimoc.errors import SpecError
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
@@ -150,6 +150,7 @@ def test_a_root_that_is_not_there_is_pointed_at():
 def test_a_users_pictures_come_up_in_rooms():
     Path("floors").mkdir()
     Image.fromarray(np.full((300, 300, 3), (250, 0, 250), np.uint8)).save("floors/pink.png")
+    builder = building.builder
     Path("spec.yaml").write_text(f"{HEAD}scene: {{kind: room, textures: {{floor: floors}}}}\n")
     rooms = builder(mimoc.load_spec("spec.yaml"))
     named = [[name for name in rooms(seed).files if "pink" in name] for seed in range(40)]
@@ -167,7 +168,7 @@ def test_a_picture_that_is_none_is_pointed_at():
 
 
 def test_the_build_says_so_where_toys_are_only_hulls(toys4k, monkeypatch):
-    monkeypatch.setattr("mimoc.compiler.scene_assets.has_coacd", lambda: False)
+    monkeypatch.setattr("mimoc.toys.toys4k.build.has_coacd", lambda: False)
     (note,) = built(f"{{toys: {{source: toys4k, root: {toys4k}, subset: [ball], count: [1, 1]}}}}").manifest.notes
     assert "pip install 'mimoc[toys]'" in note
 

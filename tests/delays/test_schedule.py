@@ -84,6 +84,7 @@ def undelayed(all_senses) -> Callable[[int], list[dict[str, np.ndarray]]]:
 @settings(max_examples=12)
 @example(2, 3, 7, 0, 1)
 @given(periods, steps, steps, steps, steps)
+@pytest.mark.slow
 def test_every_sense_is_its_own_undelayed_stream_shifted(all_senses, undelayed, period, first, second, third, fourth):
     """Also where the delay is no whole number of control steps; until then there is the observation of the reset."""
     delays = dict(zip(SENSES, (first, second, third, fourth), strict=True))
@@ -126,6 +127,7 @@ def test_servos_hold_the_pose_until_a_command_arrives(built):
 @settings(max_examples=10)
 @example(2, 3, 6)
 @given(periods, steps, steps)
+@pytest.mark.slow
 def test_the_legs_can_have_a_longer_delay(all_senses, undelayed, period, delay, legs_delay):
     entry = late(delay, legs_delay)
     by_step = undelayed(period)
@@ -160,7 +162,7 @@ def test_a_wrong_action_leaves_everything_as_it_was(all_senses):
     ):
         actions = commands(env, 2)[::2]
         env.reset(seed=0)
-        with pytest.raises(ValueError, match="an action is 44 numbers"):
+        with pytest.raises(ValueError, match=r"expected a finite action of shape \(44,\), got"):
             env.step(np.zeros(3))
         seen = [env.step(action)[0]["touch"] for action in actions]
         assert np.array_equal(seen, [each["touch"] for each in observations(other, actions)[1:]])

@@ -31,7 +31,7 @@ SMALL = {
 """What makes an experiment small, by name."""
 
 
-@pytest.fixture(scope="module", params=EXPERIMENTS)
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=pytest.mark.slow) for name in EXPERIMENTS])
 def made(request, tmp_path_factory):
     """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
     name, told = request.param, []
@@ -130,7 +130,7 @@ def test_a_file_in_the_way_is_refused(tmp_path):
             ["walking", "-o", "out"],
             f"'walking' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
         ),
-        (["growth", "-o", "file"], "file: is a file, not a folder; choose another place"),
+        (["growth", "-o", "file"], "file: is a file, not a folder; choose another folder"),
     ],
 )
 def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ import pytest
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.compiler import pipeline
+from mimoc.compiler import building
 from mimoc.experiments.inventory import take_inventory
 from mimoc.experiments.rooms import SPEC
 
@@ -16,7 +16,7 @@ PLAYROOM = Path(__file__).parents[2] / "configs" / "playroom.yaml"
 
 @pytest.fixture(scope="module")
 def builder():
-    return pipeline.builder(mimoc.InfantSpec.model_validate(SPEC))
+    return building.builder(mimoc.InfantSpec.model_validate(SPEC))
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def test_places_are_counted_from_where_the_infant_looks(room, bundle, started):
 
 
 def test_a_room_has_six_papers_and_some_pictures_and_lamps(room):
-    assert len(room.papers) == 6
+    assert len(room.textures) == 6
     assert room.floor.startswith("floor_")
     assert (2 <= room.pictures <= 4, 1 <= room.lamps <= 2) == (True, True)
 

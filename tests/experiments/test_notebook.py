@@ -30,9 +30,7 @@ def test_nothing_to_say_is_an_empty_cell(notebook):
 
 def test_the_page_ends_with_how_it_was_made(notebook):
     page = notebook.write_page("Growth", ["Nothing."], seeds="No seeds.", libraries=["scipy"]).read_text()
-    assert page.startswith(
-        "# Growth\n\nNothing.\n\n## How it was made\n\n    mimoc experiment growth -o down --quick\n\n"
-    )
+    assert page.startswith("# Growth\n\nNothing.\n\n## Reproduction\n\n    mimoc experiment growth -o down --quick\n\n")
     assert all(f"{library} " in page for library in ("mimoc", "mujoco", "numpy", "scipy", "Python"))
     assert page.endswith("No seeds.\n")
     assert str(notebook.folder.parent) not in page
@@ -54,9 +52,9 @@ def test_what_is_there_already_stays(notebook):
 @pytest.mark.parametrize(
     ("place", "reason"),
     [
-        ("file.txt", "is a file, not a folder; choose another place"),
-        ("file.txt/results", "cannot be made"),
-        ("l" * 300, "cannot be made"),
+        ("file.txt", "is a file, not a folder; choose another folder"),
+        ("file.txt/results", "cannot be created"),
+        ("l" * 300, "cannot be created"),
         ("nul\0", "a folder cannot have this name"),
     ],
 )

@@ -58,7 +58,7 @@ def test_a_part_has_full_size_at_18_months(behaviour):
 
 
 def test_month_by_month_no_rise_is_as_long_as_a_control_step():
-    """Finer than a step, what comes first is chance: when which contact lets go."""
+    """Differences below a step depend on when individual contacts break."""
     for behaviour in BEHAVIOURS:
         assert is_faster_with_age([effort(behaviour, age_months) for age_months in range(19, 25)], 0.005)
 

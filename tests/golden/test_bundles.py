@@ -15,7 +15,7 @@ from lxml import etree
 from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
 
 import mimoc
-from mimoc.compiler.pipeline import compile_model
+from mimoc.compiler.model_check import compile_model
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")

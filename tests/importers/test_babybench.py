@@ -182,7 +182,7 @@ def test_touch_of_no_region_is_no_touch(imported):
     assert imported(text)[0].senses.touch is None
 
 
-def test_what_is_locked_is_not_moved_and_the_key_is_told_so(imported):
+def test_locked_groups_are_not_actuated_and_this_is_noted(imported):
     spec, notes = imported("act_legs: true\nlock_legs: true\n")
     assert (spec.actuation.regions, spec.actuation.locked) == (None, ("legs",))
     (note,) = notes
@@ -193,14 +193,14 @@ def test_what_is_locked_is_not_moved_and_the_key_is_told_so(imported):
 @pytest.mark.parametrize(
     ("text", "key", "said"),
     [
-        ("act_hands: true\nact_fingers: false", "act_fingers", "part of 'hands', which takes commands"),
-        ("act_feet: false", "act_feet", "part of 'legs', which takes commands"),
+        ("act_hands: true\nact_fingers: false", "act_fingers", "part of 'hands', which is actuated"),
+        ("act_feet: false", "act_feet", "part of 'legs', which is actuated"),
         ("act_legs: false\nact_left_foot: true", None, ""),
         ("lock_toes: true", "lock_toes", "part of 'legs', which is not locked"),
         ("touch_fingers: false", "touch_fingers", "part of 'hands', which has skin"),
     ],
 )
-def test_what_mimoc_is_coarser_in_is_said(imported, text, key, said):
+def test_regions_that_are_part_of_a_group_are_noted(imported, text, key, said):
     notes = imported(text)[1]
     assert [note.split(": ")[1] for note in notes] == ([key] if key else [])
     assert all(said in note for note in notes)
@@ -216,28 +216,31 @@ def test_every_region_belongs_to_groups_of_the_spec_language():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("behavior: self_touch", "behavior: no counterpart; mimoc gives no reward for 'self_touch'"),
-        ("behavior: hand_regard", "behavior: no counterpart; mimoc gives no reward for 'hand_regard'"),
+        ("behavior: self_touch", "behavior: no counterpart; mimoc has no reward for 'self_touch'"),
+        ("behavior: hand_regard", "behavior: no counterpart; mimoc has no reward for 'hand_regard'"),
         ("save_dir: results", "save_dir: no counterpart; "),
         ("save_dir:", "save_dir: no counterpart; "),
         ("save_logs_every: 10", "save_logs_every: no counterpart; "),
         ("render_size: 480", "render_size: no counterpart; "),
-        ("scene: crib", "scene: limbs start as in mimoc's 'supine'"),
-        ("actuation_model: spring_damper", "actuation_model: commands come limb by limb"),
-        ("actuation_model: muscle", "; and the two muscles of a joint side by side"),
+        ("scene: crib", "scene: the initial pose is mimoc's 'supine'"),
+        ("actuation_model: spring_damper", "actuation_model: the action is ordered by limb"),
+        ("actuation_model: muscle", "; the two muscles of a joint are adjacent"),
         (
             "actuation_model: positional",
-            "; and from -1 to 1 over the range of each joint, where BabyBench takes angles",
+            "; its range is -1 to 1 for the range of each joint, where BabyBench uses angles",
         ),
-        ("proprio_limits: false", "proprio_limits: left out here; BabyBench's code takes no notice of this key"),
-        ("touch: true\ntouch_response: spread_exponential", "touch_response: no counterpart; taken as spread_linear"),
-        ("frame_skipp: 3", "frame_skipp: no counterpart; unknown here; did you mean 'frame_skip'?"),
-        ("warp: 9", "warp: no counterpart; unknown here"),
+        ("proprio_limits: false", "proprio_limits: excluded here; BabyBench's code ignores this key"),
+        (
+            "touch: true\ntouch_response: spread_exponential",
+            "touch_response: no counterpart; converted to spread_linear",
+        ),
+        ("frame_skipp: 3", "frame_skipp: no counterpart; unknown key; did you mean 'frame_skip'?"),
+        ("warp: 9", "warp: no counterpart; unknown key"),
         ("act_tail: true", "act_tail: no counterpart; mimoc has no region 'tail', "),
-        ("model: ppo", "model: no counterpart; of MIMo's bodies, "),
+        ("model: ppo", "model: no counterpart; not one of MIMo's bodies; "),
     ],
 )
-def test_what_has_no_counterpart_is_said_with_its_line(imported, text, said):
+def test_settings_without_counterpart_are_noted_with_their_line(imported, text, said):
     (note,) = imported(f"# A comment.\n{text}\n")[1]
     assert said in note
     assert note.startswith(f"config.yml:{2 + text.count(chr(10))}:1: ")
@@ -253,7 +256,7 @@ def test_a_reclined_infant_and_its_cubes_are_both_noted(imported):
 def test_the_notes_stand_in_the_spec_as_well(imported):
     _, notes = imported("save_dir: x\nwarp: 9\n")
     comments = [line for line in Path("spec.yaml").read_text().splitlines() if line.startswith("#")]
-    assert comments[0] == "# Made of BabyBench's config.yml by `mimoc import`."
+    assert comments[0] == "# Converted from BabyBench's config.yml by `mimoc import`."
     assert [line.split(": ", 1)[1] for line in comments[2:]] == [note.split(": ", 1)[1] for note in notes]
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import model_check, pipeline
 from mimoc.schema import InfantSpec
 
 FELT = ("dim", "friction", "solref", "solimp", "includemargin")
@@ -32,7 +32,7 @@ def with_solid_walls(files: dict[str, bytes]) -> mujoco.MjModel:
         wall.set("contype", "1")
         wall.set("conaffinity", "1")
     tree.remove(pairs)
-    return pipeline.compile_model({**files, "scene.xml": etree.tostring(tree)})
+    return model_check.compile_model({**files, "scene.xml": etree.tostring(tree)})
 
 
 def contacts(model: mujoco.MjModel, data: mujoco.MjData) -> dict[tuple, list[np.ndarray]]:
@@ -47,7 +47,7 @@ def contacts(model: mujoco.MjModel, data: mujoco.MjData) -> dict[tuple, list[np.
 
 
 def test_walls_and_ceiling_are_touched_as_by_contact_bits(room):
-    paired, solid = pipeline.compile_model(room), with_solid_walls(room)
+    paired, solid = model_check.compile_model(room), with_solid_walls(room)
     assert (paired.npair, solid.npair) == (5 * _touching(solid) + 1, 1)
     wall_touched, generator = 0, np.random.default_rng(0)
     depth, width, height = _half_size_m(paired)
@@ -67,7 +67,7 @@ def test_walls_and_ceiling_are_touched_as_by_contact_bits(room):
 
 def test_rooms_ask_for_nothing_that_warp_lacks(room):
     assert b"midphase" not in room["scene.xml"] + room["infant.xml"]
-    assert pipeline.compile_model(room).opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE) == 0
+    assert model_check.compile_model(room).opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE) == 0
 
 
 def _touching(model: mujoco.MjModel) -> int:

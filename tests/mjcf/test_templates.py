@@ -5,8 +5,7 @@ import re
 import pytest
 from jinja2 import nodes
 
-from mimoc import body, fits
-from mimoc.compiler.compose import compose
+from mimoc.compiler.building import builder
 from mimoc.mjcf.printing import TEMPLATES, environment, render_scene
 from mimoc.schema import InfantSpec
 
@@ -106,7 +105,7 @@ def test_printing_is_free():
 def test_every_element_has_a_line_of_its_own():
     """So MuJoCo's 'line 12' means one element."""
     spec = InfantSpec(mimoc=1, name="infant", age_months=9)
-    rendered = render_scene(compose(spec, body.grow(fits.measure(spec.age_months), body.assemble("mitten", False))))
+    rendered = render_scene(builder(spec).infant)
     for name in ("infant.xml", "scene.xml"):
         lines = rendered[name].decode().splitlines()
         assert len(lines) > 20

@@ -67,7 +67,7 @@ def test_a_film_that_is_discarded_leaves_what_was_there(name, tmp_path):
 
 @pytest.mark.parametrize("name", ["film.avi", "film", "film.mp4.txt", ".gif"])
 def test_other_names_are_no_videos(name, tmp_path):
-    with pytest.raises(OutputError, match=r"not a video that mimoc writes; end its name with \.mp4 or \.gif$"):
+    with pytest.raises(OutputError, match=r"not a supported video format; end the name in \.mp4 or \.gif$"):
         check_video(tmp_path / name)
 
 
@@ -87,6 +87,6 @@ def test_without_pyav_there_are_only_gifs(tmp_path, monkeypatch):
 
 
 def test_a_gif_does_not_grow_without_end(tmp_path, monkeypatch):
-    monkeypatch.setattr(video, "MOST_OF_A_GIF", 3)
-    with pytest.raises(OutputError, match=r"a GIF has at most 3 pictures; film fewer steps, or an \.mp4"):
+    monkeypatch.setattr(video, "MAX_GIF_FRAMES", 3)
+    with pytest.raises(OutputError, match=r"a GIF can have at most 3 frames; record fewer steps, or an \.mp4"):
         write(tmp_path / "film.gif", pictures(4))

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mimoc.compiler import pipeline
+from mimoc.compiler import building, loading
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import CLEARANCE_M, planes_of, shows
 from mimoc.render.overview import overview
@@ -12,7 +12,7 @@ from mimoc.render.overview import overview
 @pytest.fixture(scope="module")
 def playroom():
     """Return what builds the playroom of a seed."""
-    return pipeline.builder(pipeline.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
+    return building.builder(loading.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml"))
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from mimoc.render.picture_grid import FONT_PX, GAP_PX, draw_sheet
+from mimoc.render.picture_grid import FONT_PX, GAP_PX, tile_pictures
 
 PLAIN = [[np.full((40, 60, 3), 10 * row + column, np.uint8) for column in range(3)] for row in range(2)]
 
@@ -21,7 +21,7 @@ def find(sheet, picture):
 
 
 def test_every_picture_is_on_the_sheet_whole_and_in_its_place():
-    sheet = draw_sheet(PLAIN, ["one", "two", "three"], ["above", "below"])
+    sheet = tile_pictures(PLAIN, ["one", "two", "three"], ["above", "below"])
     places = np.array([[find(sheet, picture) for picture in row] for row in PLAIN])
     assert (np.diff(places[..., 0], axis=0) == 40 + GAP_PX).all()
     assert (np.diff(places[..., 1], axis=1) == 60 + GAP_PX).all()
@@ -30,11 +30,11 @@ def test_every_picture_is_on_the_sheet_whole_and_in_its_place():
 
 
 def test_without_captions_there_is_only_a_narrow_border():
-    assert draw_sheet(PLAIN).shape == (2 * (40 + GAP_PX) + GAP_PX, 3 * (60 + GAP_PX) + GAP_PX, 3)
+    assert tile_pictures(PLAIN).shape == (2 * (40 + GAP_PX) + GAP_PX, 3 * (60 + GAP_PX) + GAP_PX, 3)
 
 
 def test_rows_may_be_of_different_lengths():
-    sheet = draw_sheet([PLAIN[0], PLAIN[1][:1]])
+    sheet = tile_pictures([PLAIN[0], PLAIN[1][:1]])
     assert (sheet[-40 - GAP_PX :, 60 + 2 * GAP_PX :] == 255).all()
     assert find(sheet, PLAIN[1][0])
 
@@ -43,7 +43,7 @@ def test_rows_may_be_of_different_lengths():
     "caption", ["a", "twelve months", "so long that it cannot stand above a picture as narrow as this"]
 )
 def test_captions_stand_above_their_own_column(caption):
-    sheet = draw_sheet(PLAIN, ["", caption, ""])
+    sheet = tile_pictures(PLAIN, ["", caption, ""])
     top, left = find(sheet, PLAIN[0][1])
     ink = np.argwhere((sheet[:top] < 200).all(axis=-1))
     assert len(ink)
@@ -52,7 +52,7 @@ def test_captions_stand_above_their_own_column(caption):
 
 
 def test_captions_of_rows_run_upwards_on_their_left():
-    sheet = draw_sheet(PLAIN, rows=["", "l........."])
+    sheet = tile_pictures(PLAIN, rows=["", "l........."])
     top, left = find(sheet, PLAIN[1][0])
     ink = np.argwhere((sheet[:, :left] < 128).all(axis=-1))
     assert top <= ink[:, 0].min() <= ink[:, 0].max() < top + 40
@@ -63,7 +63,7 @@ def test_captions_of_rows_run_upwards_on_their_left():
 def test_letters_grow_with_the_pictures_within_reason():
     def letters_px(height):
         pictures = [[np.zeros((height, 400, 3), np.uint8)]]
-        sheet = draw_sheet(pictures, ["l"])
+        sheet = tile_pictures(pictures, ["l"])
         above = sheet[: find(sheet, pictures[0][0])[0]]
         return np.ptp(np.argwhere((above < 200).all(axis=-1))[:, 0])
 

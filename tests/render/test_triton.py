@@ -43,6 +43,7 @@ def triton(tmp_path) -> Path:
 
 
 @pytest.mark.parametrize("steps", [(SEE, LEARN), (LEARN, SEE)], ids=["eyes first", "torch first"])
+@pytest.mark.slow
 def test_a_process_can_see_and_learn_and_ends_quietly(steps):
     """It died when the first optimizer was made, or told at its end that EGL was gone."""
     done = python("".join(steps) + "env.step(env.action_space.sample())\nlearner.step()")

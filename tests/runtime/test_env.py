@@ -203,7 +203,7 @@ def test_an_action_beyond_its_range_counts_as_its_limit(open_env):
 @pytest.mark.parametrize("wrong", [0.0, np.zeros(1), np.zeros(45), np.zeros((44, 1)), np.full(44, np.nan)])
 def test_what_is_no_action_is_refused_and_changes_nothing(env, wrong):
     before = env.data.ctrl.copy()
-    with pytest.raises(ValueError, match="an action is 44 numbers"):
+    with pytest.raises(ValueError, match=r"expected a finite action of shape \(44,\), got"):
         env.step(wrong)
     assert np.array_equal(env.data.ctrl, before)
     assert env.data.time == 0

@@ -85,7 +85,7 @@ def test_it_can_be_changed_while_running_and_moves_nothing():
 
 def test_an_unknown_one_is_refused_and_changes_nothing(env):
     before = picture(env, "sad")
-    with pytest.raises(UnknownNameError, match=r"'sadd' is not a face of this infant; did you mean 'sad'"):
+    with pytest.raises(UnknownNameError, match=r"'sadd' is not a facial expression of this infant; did you mean 'sad'"):
         env.set_expression("sadd")
     assert np.array_equal(env.render(), before)
 

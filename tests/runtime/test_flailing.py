@@ -48,6 +48,7 @@ def beyond_deg():
 
 
 @pytest.mark.parametrize("chunk", range(8))
+@pytest.mark.slow
 def test_drawn_infants_stay_calm_and_keep_their_joints(chunk, beyond_deg):
     """The median is over all actuation models; with motors, five fingers alone are wilder, as MIMo's are."""
     generator = np.random.default_rng(chunk)

@@ -1,6 +1,6 @@
 from typing import get_args
 
-from mimoc.actuation.binding import ACTUATIONS
+from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.rollout import POLICIES

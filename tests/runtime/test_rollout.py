@@ -35,12 +35,14 @@ def test_a_run_is_summed_up(env):
     heads = []
     for _ in range(20):
         run.step()
-        heads.append(env.data.geom("head").xpos[2])
+        heads.append(env.data.body("head").xipos[2])
     told = run.summary()
     assert (told.steps, told.episodes, told.total_reward, told.unstable) == (20, 1, 0.0, False)
     assert told.simulated_s == pytest.approx(0.2)
     assert told.wall_s > 0
     assert told.head_height_m == (min(heads), max(heads))
+    assert told.head_height_m[1] == pytest.approx(env.data.geom("head").xpos[2], abs=0.05)
+    assert told.metrics == {}
 
 
 def test_episodes_that_come_to_their_end_are_told_of(open_env):

@@ -126,7 +126,7 @@ def test_the_state_of_another_infant_is_refused(open_env, bundle):
     env = open_env(bundle=bundle)
     other = open_env(body={"hands": "five_finger"})
     env.reset(seed=0)
-    with pytest.raises(ValueError, match="the state of another infant"):
+    with pytest.raises(ValueError, match="state does not fit this infant"):
         env.set_state(other.get_state())
     env.step(env.action_space.high)
 

@@ -6,17 +6,17 @@ import pytest
 
 import mimoc
 from mimoc.body.poses import POSES
-from mimoc.compiler import pipeline
-from mimoc.compiler.pipeline import Builder
-from mimoc.mjcf.tree import Keyframe
-from mimoc.scenes.footprint import floor_reach, footprint, reach_of
-from mimoc.scenes.room.build import Placement
-from mimoc.scenes.world import put
+from mimoc.compiler import building, model_check
+from mimoc.compiler.building import Builder
+from mimoc.mjcf.scene import Keyframe
+from mimoc.scenes.built_scene import Placement
+from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
+from mimoc.scenes.placement import place_pose
 
 
 def grown(age_months: float, **body) -> Builder:
     spec = {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "scene": {"kind": "flat"}}
-    return pipeline.builder(mimoc.InfantSpec.model_validate(spec))
+    return building.builder(mimoc.InfantSpec.model_validate(spec))
 
 
 @pytest.fixture(scope="module", params=[(0, "mitten"), (9, "five_finger"), (24, "mitten")], ids=str)
@@ -30,7 +30,7 @@ def start(infant: Builder, pose: str) -> Keyframe:
 
 
 def posed(infant: Builder, keyframe: Keyframe) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    model = pipeline.compile_model(infant(0).files)
+    model = model_check.compile_model(infant(0).files)
     data = mujoco.MjData(model)
     data.qpos[:] = keyframe.qpos
     mujoco.mj_forward(model, data)
@@ -58,7 +58,7 @@ def outline(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
 @pytest.mark.parametrize("pose", POSES)
 def test_the_discs_cover_the_infant_seen_from_above(infant, pose):
     """As MuJoCo places it, somewhere in a room; between two discs of a row, a thirtieth of their radius is missing."""
-    keyframe = put(start(infant, pose), Placement(0.7, -1.2, 2.0))
+    keyframe = place_pose(start(infant, pose), Placement(0.7, -1.2, 2.0))
     discs = footprint(infant.tree, [keyframe.qpos])
     points = outline(*posed(infant, keyframe))
     outside = np.linalg.norm(points[:, None] - discs[:, :2], axis=2) - discs[:, 2]
@@ -86,7 +86,7 @@ def test_the_reach_of_discs_is_that_of_the_farthest():
 
 @pytest.mark.parametrize("pose", POSES)
 def test_the_reach_is_centred_between_the_shoulders_and_as_far_as_arms_go(infant, pose):
-    reach = floor_reach(infant.tree, start(infant, pose).qpos)
+    reach = reachable_floor(infant.tree, start(infant, pose).qpos)
     _, data = posed(infant, start(infant, pose))
     shoulders = np.array([data.body(f"{side}_upper_arm").xpos for side in ("left", "right")])
     assert reach.centre_m == pytest.approx(shoulders.mean(axis=0)[:2], abs=0.03)
@@ -97,14 +97,14 @@ def test_the_reach_is_centred_between_the_shoulders_and_as_far_as_arms_go(infant
 
 def test_an_infant_that_leans_over_reaches_farther_than_one_that_lies():
     infant = grown(9)
-    lying, sitting = (floor_reach(infant.tree, start(infant, pose).qpos) for pose in ("supine", "sitting"))
+    lying, sitting = (reachable_floor(infant.tree, start(infant, pose).qpos) for pose in ("supine", "sitting"))
     assert sitting.radius_m > lying.radius_m
 
 
 def test_reach_moves_and_turns_with_the_infant(infant):
     here = start(infant, "supine")
-    there = put(here, Placement(1.0, 2.0, math.pi / 2))
-    first, second = (floor_reach(infant.tree, each.qpos) for each in (here, there))
+    there = place_pose(here, Placement(1.0, 2.0, math.pi / 2))
+    first, second = (reachable_floor(infant.tree, each.qpos) for each in (here, there))
     x, y = first.centre_m
     assert second.centre_m == pytest.approx((1.0 - y, 2.0 + x))
     assert second.radius_m == pytest.approx(first.radius_m)
@@ -112,10 +112,10 @@ def test_reach_moves_and_turns_with_the_infant(infant):
 
 def test_one_arm_is_enough_to_reach():
     whole, one = grown(9), grown(9, remove=["left_upper_arm"])
-    both_m, one_m = (floor_reach(each.tree, start(each, "supine").qpos).radius_m for each in (whole, one))
+    both_m, one_m = (reachable_floor(each.tree, start(each, "supine").qpos).radius_m for each in (whole, one))
     assert 0 < one_m < both_m
 
 
 def test_an_infant_without_arms_reaches_nothing():
     infant = grown(9, remove=["left_upper_arm", "right_upper_arm"])
-    assert floor_reach(infant.tree, start(infant, "supine").qpos) is None
+    assert reachable_floor(infant.tree, start(infant, "supine").qpos) is None

@@ -151,7 +151,7 @@ def test_a_path_or_a_string_of_one_is_built(spec, tmp_path):
 
 
 def test_what_one_says_of_itself_is_a_line():
-    from mimoc.compiler.pipeline import builder
+    from mimoc.compiler.building import builder
 
     spec = from_python(senses={"touch": {}}, scene={"kind": "room", "toys": {}})
     bundle = mimoc.build(spec)

@@ -15,8 +15,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import explain
 from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, SenseKind
+from mimoc.mjcf.infant import Sensor, Site
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import Sensor, Site
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real
 from mimoc.senses.sense import Sample, Vector

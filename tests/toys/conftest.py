@@ -19,6 +19,6 @@ def quickly(without_coacd: None, monkeypatch: pytest.MonkeyPatch) -> None:
         try:
             return worker.TASKS[task](content, *map(str, arguments))
         except worker.RefusedError as error:
-            raise subprocesses.ApartError(str(error)) from None
+            raise subprocesses.WorkerError(str(error)) from None
 
-    monkeypatch.setattr(processing, "do_apart", read)
+    monkeypatch.setattr(processing, "run_worker", read)

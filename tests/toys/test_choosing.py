@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from mimoc.compiler.furnish import BUILTIN_TOYS
+from mimoc.toys.builtin.build import BUILTIN_TOYS
 from mimoc.toys.choosing import BRIGHTNESS, SATURATION, Toy, Toybox, choose_toys
 from mimoc.toys.spec import ToysSpec
 
@@ -69,7 +69,7 @@ def test_the_second_colour_is_about_opposite_the_first():
 def test_changing_one_aspect_changes_no_other():
     """More toys leave the first ones alone, and other sizes or another box leave colours and turns alone."""
     small = ToysSpec(count=(6, 6), size_cm=(2, 3))
-    balls = Toybox(("ball",), BUILTIN_TOYS.take)
+    balls = Toybox(("ball",), BUILTIN_TOYS.load)
     for seed in range(50):
         six = choose_toys(SIX, seed, BUILTIN_TOYS)
         assert choose_toys(ToysSpec(count=(2, 2)), seed, BUILTIN_TOYS) == six[:2]
@@ -89,7 +89,7 @@ def test_there_may_be_none():
 
 @pytest.mark.parametrize("name", BUILTIN_TOYS.names)
 def test_a_toy_twice_as_large_weighs_eight_times_as_much(name):
-    model = BUILTIN_TOYS.take(name)
+    model = BUILTIN_TOYS.load(name)
     small, large = (Toy(model, size, 0.0, {}) for size in (0.05, 0.1))
     assert small.mass_kg == pytest.approx(model.volume * 0.05**3 * model.density_kg_m3)
     assert large.mass_kg == pytest.approx(8 * small.mass_kg)
@@ -97,4 +97,4 @@ def test_a_toy_twice_as_large_weighs_eight_times_as_much(name):
 
 
 def test_the_radius_of_a_ball_is_half_its_size():
-    assert Toy(BUILTIN_TOYS.take("ball"), 0.1, 0.0, {}).radius_m == pytest.approx(0.05, rel=0.02)
+    assert Toy(BUILTIN_TOYS.load("ball"), 0.1, 0.0, {}).radius_m == pytest.approx(0.05, rel=0.02)

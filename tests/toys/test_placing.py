@@ -5,21 +5,21 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from mimoc.random_streams import stream
-from mimoc.toys.placing import GAP_M, Floor, Reach, place_toys
+from mimoc.toys.placing import GAP_M, Floor, ReachableFloor, place_toys
 
 NOTHING = np.empty((0, 3))
 ENDLESS = Floor((100.0, 100.0), NOTHING)
-REACH = Reach((0.2, -0.1), 0.4, 0.1)
+REACH = ReachableFloor((0.2, -0.1), 0.4, 0.1)
 
 
-def share_within(reach: Reach, distance_m: np.ndarray) -> np.ndarray:
+def share_within(reach: ReachableFloor, distance_m: np.ndarray) -> np.ndarray:
     """Return what share of all places `density` puts nearer than some distances, integrated by small steps."""
     grid = np.linspace(0, reach.radius_m + 40 * reach.fading_m, 200_001)
     rings = np.cumsum(reach.density(grid) * 2 * np.pi * grid)
     return np.interp(distance_m, grid, rings / rings[-1])
 
 
-def distances(places: np.ndarray, reach: Reach) -> np.ndarray:
+def distances(places: np.ndarray, reach: ReachableFloor) -> np.ndarray:
     return np.linalg.norm(places - reach.centre_m, axis=1)
 
 
@@ -28,7 +28,9 @@ def test_a_toy_is_as_likely_anywhere_within_reach_and_rarer_beyond():
     assert density == pytest.approx([1, 1, np.exp(-1), np.exp(-2)])
 
 
-@pytest.mark.parametrize("reach", [REACH, Reach((0, 0), 0.05, 0.3), Reach((1, 2), 0.6, 0.02)], ids=str)
+@pytest.mark.parametrize(
+    "reach", [REACH, ReachableFloor((0, 0), 0.05, 0.3), ReachableFloor((1, 2), 0.6, 0.02)], ids=str
+)
 def test_places_are_as_far_as_the_stated_distribution_says(reach):
     drawn = reach.draw(20_000, stream(0, "places"))
     assert stats.kstest(distances(drawn, reach), lambda far: share_within(reach, far)).pvalue > 0.01

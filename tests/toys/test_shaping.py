@@ -5,25 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from mimoc.toys.shaping import (
-    ball,
-    board,
-    box,
-    egg,
-    frustum,
-    join,
-    lathe,
-    mesh_volume,
-    mirror,
-    move,
-    plate,
-    press,
-    ring,
-    rod,
-    stretch,
-    tube,
-    turn,
-)
+from mimoc.toys.shaping import ball, board, box, egg, frustum, lathe, plate, ring, rod, tube
+from mimoc.toys.transforms import join, mesh_volume, mirror, move, press, stretch, turn
 
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
 

@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from mimoc.toys.model import Mesh, Solid
+from mimoc.toys.shaping import ball, mesh_volume
 from mimoc.toys.solids import (
     block,
     capsule,
@@ -37,6 +39,12 @@ def test_volume_and_place_are_those_of_mujoco(solid):
     )
     assert model.body_mass[1] == pytest.approx(solid_volume(solid))
     np.testing.assert_allclose(np.mean(reach(solid), axis=0), solid.pos)
+
+
+def test_a_mesh_has_the_volume_within_it():
+    """So the mass of a toy goes to its convex parts by their size."""
+    mesh = Mesh(ball(0.5).vertices * (1, 2, 3), ball(0.5).faces)
+    assert solid_volume(Solid("mesh", (), mesh=mesh)) == mesh_volume(mesh) > 1
 
 
 def test_a_capsule_reaches_beyond_its_ends_and_a_cylinder_does_not():

@@ -83,6 +83,7 @@ def test_the_command_in_the_run_folder_gives_the_same_policy(invoke, here, learn
     assert same(learned(Path("run/policy.zip")), learned(Path("again/policy.zip")))
 
 
+@pytest.mark.slow
 def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
     """And the resumed run gives the same policy as an uninterrupted one."""
     with started() as running:
@@ -98,6 +99,7 @@ def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
     assert same(learned(training.policy), learned(learn("whole", steps=kept + EVERY).policy))
 
 
+@pytest.mark.slow
 def test_control_c_ends_a_run_quietly_and_it_can_be_resumed(invoke, here):
     """As in a terminal, where the signal also reaches the processes of the environments."""
     ours, theirs = pty.openpty()

@@ -111,6 +111,7 @@ def test_the_same_seed_gives_the_same_policy_and_another_does_not(learn, learned
 
 
 @pytest.mark.parametrize("algo", ["ppo", "sac"])
+@pytest.mark.slow
 def test_an_interrupted_and_resumed_run_gives_the_same_policy_as_an_uninterrupted_one(learn, learned, same, algo):
     """Weights, optimisers, statistics and replay buffer, to the bit."""
     whole = learn("whole", 3 * EVERY, algo)

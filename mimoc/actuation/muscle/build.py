@@ -3,9 +3,11 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from mimoc.actuation.drives import Drive
+from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree, Joint, Motor
-from mimoc.mjcf.tree import Actuator
+from mimoc.body.provenance import REFERENCE
+from mimoc.mjcf.infant import Actuator
+from mimoc.mujoco_layout import MuscleParameters
 from mimoc.units import deg_to_rad
 
 PEAK = 1.07
@@ -30,13 +32,14 @@ MUSCLE = (
 )
 """Activation follows the command within 10 ms."""
 
+MODEL_KEY = "spec.actuation.model"
 DAMPING = 1 / 20
 """What muscles leave of the damping of joints, by the reference body's; of their springs they leave nothing (MIMo)."""
 
 
-def build(spec: None, tree: BodyTree, timestep_s: float) -> Drive:
+def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
     """Return two muscles for each of MIMo's actuators, which alone move and stiffen the joints."""
-    return Drive(muscles(tree), MUSCLE, "implicitfast", limp_joints(tree))
+    return ActuationSetup(muscles(tree), MUSCLE, "implicitfast", limp_joints(tree), origins=dict(_origins(tree)))
 
 
 def muscles(tree: BodyTree) -> tuple[Actuator, ...]:
@@ -76,9 +79,16 @@ def _antagonists(motor: Motor, joint: Joint) -> Iterator[Actuator]:
 def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, float], share: float) -> Actuator:
     """Return a muscle that pulls a joint one way; *length_rad* is its length over the joint's range."""
     torque_nm = PEAK * motor.gear_nm * share
-    curve = (
-        *(SHORTEST, LONGEST, torque_nm, SCALE, LEAST_ACTIVE, MOST_ACTIVE),
-        *(motor.vmax_lengths_per_s, PASSIVE_FORCE, LENGTHENING_FORCE),
+    curve = MuscleParameters(
+        shortest=SHORTEST,
+        longest=LONGEST,
+        force=torque_nm,
+        scale=SCALE,
+        least_active=LEAST_ACTIVE,
+        most_active=MOST_ACTIVE,
+        vmax=motor.vmax_lengths_per_s,
+        passive=PASSIVE_FORCE,
+        lengthening=LENGTHENING_FORCE,
     )
     return Actuator(
         name=f"{motor.name}_{direction}",
@@ -88,3 +98,22 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
         control_range=(0.0, 1.0),
         settings=(("lengthrange", length_rad), ("gainprm", curve), ("biasprm", curve)),
     )
+
+
+def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
+    """Yield where the numbers of the muscles come from, and of the joints."""
+    for name in tree.joints:
+        yield f"joint.{name}.stiffness", Origin(f"{REFERENCE}, but none with muscles", (MODEL_KEY,))
+        yield f"joint.{name}.damping", Origin(f"{REFERENCE}, x {DAMPING:g} with muscles", (MODEL_KEY,))
+    curve = (
+        f"lengths at the ends of the joint's range, largest isometric torque in N m = {PEAK:g} x gear x part of "
+        f"forcerange, MuJoCo's scale, lengths where active, vmax ({REFERENCE}), passive and lengthening force"
+    )
+    motors = {motor.name: motor for motor in tree.motors}
+    for muscle in muscles(tree):
+        motor, at = motors[muscle.mimo_actuator], f"actuator.{muscle.name}"
+        strength = f"actuator.{motor.name}.gear", f"actuator.{motor.name}.forcerange"
+        yield f"{at}.gainprm", Origin(curve, strength)
+        yield f"{at}.biasprm", Origin(curve, strength)
+        length = "the range of its joint, as it pulls"
+        yield f"{at}.lengthrange", Origin(length, (f"joint.{motor.joint}.range",), "rad")

@@ -7,10 +7,8 @@ import numpy as np
 
 from mimoc.actuation.commands import Commands, command_range, find_actuators, mean_effort
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.mujoco_layout import MUSCLE_FORCE
 from mimoc.senses.sense import IntArray
-
-FORCE = 2
-"""Where the largest isometric force of a muscle stands among MuJoCo's gain parameters."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +26,6 @@ class Muscle(Commands):
 def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:
     """Find the muscles of *entry* in *model*."""
     ids = find_actuators(entry, model)
-    pull_nm = -model.actuator_gear[ids, 0] * model.actuator_gainprm[ids, FORCE]
+    pull_nm = -model.actuator_gear[ids, 0] * model.actuator_gainprm[ids, MUSCLE_FORCE]
     limits_nm = np.stack([np.minimum(pull_nm, 0.0), np.maximum(pull_nm, 0.0)], axis=1)
     return Muscle(ids, *command_range(entry), limits_nm, model.actuator_actadr[ids].astype(np.intp))

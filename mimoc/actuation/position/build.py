@@ -14,19 +14,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from mimoc.actuation.drives import Drive
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
+from mimoc.actuation.position.origins import FINEST_STEP_S, LAG_S, STEPS_OF_LAG, servo_origins
+from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import BodyTree, Joint, Motor
-from mimoc.body.heft import inertias
-from mimoc.mjcf.tree import Actuator, Keyframe
+from mimoc.body.inertia import inertias
+from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.scene import Keyframe
+from mimoc.mujoco_layout import AffineBias
 from mimoc.units import deg_to_rad
-
-LAG_S = 0.03
-"""How far the target is behind the command, and the joint behind the target at least: both smooth what is commanded."""
-STEPS_OF_LAG = 2
-"""The least number of physics steps by which a joint is behind its target."""
-FINEST_STEP_S = 0.005
-"""Shorter physics steps make no stiffer servos."""
 
 SERVO = (
     ("forcelimited", "true"),
@@ -38,9 +34,16 @@ SERVO = (
 )
 
 
-def build(spec: None, tree: BodyTree, timestep_s: float) -> Drive:
+def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
     """Return one servo for each of MIMo's actuators, on joints that are damped to the speed of muscles."""
-    return Drive(servos(tree, timestep_s), SERVO, "implicitfast", servo_joints(tree), partial(held, tree))
+    return ActuationSetup(
+        actuators=servos(tree, timestep_s),
+        defaults=SERVO,
+        integrator="implicitfast",
+        joints=servo_joints(tree),
+        at_rest=partial(held, tree),
+        origins=dict(servo_origins(tree)),
+    )
 
 
 def servos(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
@@ -94,7 +97,7 @@ def _servo(motor: Motor, joint: Joint, least_kgm2: float, largest_kgm2: float, s
         settings=(
             ("forcerange", (low * (motor.gear_nm or 1.0), high * (motor.gear_nm or 1.0))),
             ("gainprm", (stiffness * half,)),
-            ("biasprm", (at_zero_nm, joint.stiffness_nm_per_rad - stiffness, -damping)),
+            ("biasprm", AffineBias(at_zero_nm, joint.stiffness_nm_per_rad - stiffness, -damping)),
         ),
     )
 

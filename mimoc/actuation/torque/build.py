@@ -1,9 +1,12 @@
 """Torque motors: torque = gear x command, within the force range."""
 
-from mimoc.actuation.drives import Drive
-from mimoc.actuation.muscle.build import parameters
+from collections.abc import Iterator
+
+from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
+from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree
-from mimoc.mjcf.tree import Actuator
+from mimoc.body.provenance import REFERENCE
+from mimoc.mjcf.infant import Actuator
 
 TORQUE = (
     ("forcelimited", "true"),
@@ -14,9 +17,9 @@ TORQUE = (
 )
 
 
-def build(spec: None, tree: BodyTree, timestep_s: float) -> Drive:
+def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
     """Return one motor for each of MIMo's actuators; the joints keep their springs and dampers."""
-    return Drive(torque_motors(tree), TORQUE, "Euler", tree.joints)
+    return ActuationSetup(torque_motors(tree), TORQUE, "Euler", tree.joints, origins=dict(_origins(tree)))
 
 
 def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
@@ -36,3 +39,12 @@ def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
         )
         for motor in tree.motors
     )
+
+
+def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
+    """Yield where the parameters of muscles come from; all else of a motor is that of the body."""
+    stroke = LONGEST - SHORTEST
+    rule = f"VMAX ({REFERENCE}), both FMAX = {PEAK:g} x gear x part of forcerange x range of the joint / {stroke:g}"
+    for motor in tree.motors:
+        at = f"actuator.{motor.name}"
+        yield f"{at}.user", Origin(rule, (f"{at}.gear", f"{at}.forcerange", f"joint.{motor.joint}.range"))

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 
+from mimoc import fits
 from mimoc.body import BodyTree
 from mimoc.body.provenance import Entry
 from mimoc.bundle.manifest import ChildEntry
+from mimoc.fits.who import percentile
 
 UNITS = {"length_cm": "cm", "weight_kg": "kg", "head_circumference_cm": "cm", "arm_circumference_cm": "cm"}
 RULES = {
@@ -25,6 +27,19 @@ def trace_child(tree: BodyTree, child: ChildEntry, percentiles: Mapping[str, flo
         percentiles: Among WHO's children, 0 to 100, by indicator.
     """
     return {**dict(_trace_measures(tree, child)), **dict(_trace_percentiles(child, percentiles))}
+
+
+def who_percentiles(child: ChildEntry) -> dict[str, float]:
+    """Return where a child stands among WHO's children of its age and sex, 0 to 100, by indicator.
+
+    An indicator that WHO has no standard for at that age is left out.
+    """
+    measures = child.model_dump()
+    return {
+        indicator: percentile(standard.z_score(measures[indicator], child.age_months, child.sex or "mean"))
+        for indicator, standard in fits.load_tables().who.items()
+        if standard.covers(child.age_months) and measures[indicator] is not None
+    }
 
 
 def _trace_measures(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]]:

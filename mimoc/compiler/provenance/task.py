@@ -8,12 +8,12 @@ from mimoc.tasks.base import TaskEntry
 SOURCES = ["spec.task.kind", "spec.age_months"]
 
 
-def trace_task(goal: TaskEntry) -> dict[str, Entry]:
+def trace_task(entry: TaskEntry) -> dict[str, Entry]:
     """Return an entry for each number that the manifest tells of a task."""
-    fields = type(goal).model_fields
-    numbers = {name: value for name, value in goal.model_dump().items() if _is_number(value)}
+    fields = type(entry).model_fields
+    numbers = {name: value for name, value in entry.model_dump().items() if _is_number(value)}
     return {
-        f"task.{goal.kind}.{name}": {"value": value, "rule": fields[name].description or "", "from": SOURCES}
+        f"task.{entry.kind}.{name}": {"value": value, "rule": fields[name].description or "", "from": SOURCES}
         for name, value in numbers.items()
     }
 

@@ -1,6 +1,6 @@
-"""The configuration of BabyBench, a competition with MIMo for a body, as a spec.
+"""Conversion of BabyBench configurations; BabyBench is a competition based on MIMo, whose body is 18 months old.
 
-Its keys are those of the BabyBench 2025 starter kit and their likely variants. Its body is MIMo's: 18 months old.
+The keys are those of the BabyBench 2025 starter kit and likely variants of them.
 """
 
 import re
@@ -8,10 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mimoc.importers.babybench.moving import read_actuation
-from mimoc.importers.babybench.perceiving import read_senses
-from mimoc.importers.babybench.remaining import note_the_rest
-from mimoc.importers.babybench.world import read_body, read_control, read_scene, read_task
+from mimoc.importers.babybench.actuation import read_actuation
+from mimoc.importers.babybench.scene import read_body, read_control, read_scene, read_task
+from mimoc.importers.babybench.senses import read_senses
+from mimoc.importers.babybench.unmatched import note_unmatched
 from mimoc.importers.imported import Imported
 from mimoc.importers.settings import Settings
 from mimoc.schema.source import FileKind, read
@@ -20,7 +20,7 @@ CONFIGURATION = FileKind("configuration", "behavior, scene and actuation_model",
 MIMO_AGE_MONTHS = 18
 """Age of MIMo's body (Mattern et al. 2024)."""
 MAX_AGE_MONTHS = 24
-NAMED_BY_NOBODY = "babybench"
+DEFAULT_NAME = "babybench"
 
 SECTIONS: dict[str, Callable[[Settings], dict[str, Any]]] = {
     "body": read_body,
@@ -30,20 +30,20 @@ SECTIONS: dict[str, Callable[[Settings], dict[str, Any]]] = {
     "control": read_control,
     "task": read_task,
 }
-"""What reads each section of a spec; one that comes out empty is left out."""
+"""Function that returns each section of the spec; empty sections are left out."""
 
 
 def import_babybench(path: str | Path) -> Imported:
-    """Return the spec that a configuration of BabyBench comes to.
+    """Convert a BabyBench configuration into a spec.
 
-    What a configuration leaves out is as in BabyBench's examples: a region takes commands and has skin, nothing is
-    locked, and a sense is off of which nothing is said, but for proprioception.
+    Missing keys have the defaults of BabyBench's examples: all regions are actuated and have skin, nothing is locked,
+    and all senses except proprioception are off.
 
     Args:
-        path: A flat YAML file.
+        path: Path of a flat YAML file.
 
     Raises:
-        SpecError: If it cannot be read, or holds values that its keys cannot have, with all of them.
+        SpecError: If the file cannot be read or has invalid values; the error lists all problems.
     """
     source = read(path, CONFIGURATION)
     settings = Settings(source)
@@ -54,12 +54,12 @@ def import_babybench(path: str | Path) -> Imported:
         "age_months": MIMO_AGE_MONTHS if age_months is None else age_months,
     }
     sections = {name: read_section(settings) for name, read_section in SECTIONS.items()}
-    note_the_rest(settings)
+    note_unmatched(settings)
     said = {name: section for name, section in sections.items() if section}
     return Imported("BabyBench", source.file, head | said, settings.notes())
 
 
 def _name(stem: str) -> str:
-    """Return the name of an infant that is called after a file."""
+    """Return a name for the infant, derived from the name of the file."""
     name = re.sub("[^a-z0-9]+", "_", stem.lower()).strip("_")
-    return (name if name[:1].isalpha() else f"{NAMED_BY_NOBODY}_{name}")[:64].strip("_")
+    return (name if name[:1].isalpha() else f"{DEFAULT_NAME}_{name}")[:64].strip("_")

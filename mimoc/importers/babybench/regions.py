@@ -1,4 +1,4 @@
-"""BabyBench's regions of the body, switched one by one, as mimoc's groups of muscles."""
+"""BabyBench's body regions, with individual switches, and mimoc's muscle groups."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -15,7 +15,7 @@ _WHOLE = {
     "eyes": ("eyes", "eye"),
     **{pair: (pair, pair.removesuffix("s")) for pair in PAIRED_GROUPS},
 }
-"""What a group is called."""
+"""Names of each group."""
 _PARTS = {
     "neck": ("face",),
     "trunk": ("back", "belly", "chest", "hip", "hips"),
@@ -23,17 +23,17 @@ _PARTS = {
     "hands": ("finger", "fingers", "palms", "thumbs", "wrists"),
     "legs": ("ankles", "feet", "foot", "knees", "lower_legs", "thighs", "toe", "toes", "upper_legs"),
 }
-"""What mimoc has no group of its own for, by the group that it belongs to."""
+"""Names of regions that are only part of a group in mimoc, by that group."""
 
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """What a name means."""
+    """The meaning of a region's name."""
 
     groups: tuple[str, ...]
-    """Groups that have no pair: of `arms`, those of both sides."""
+    """Single groups: for `arms`, those of both sides."""
     rank: int
-    """How particular it is: 0 a part of a group, 1 a pair of groups, 2 one group."""
+    """Specificity: 0 for a part of a group, 1 for a pair of groups, 2 for a single group."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,12 +46,12 @@ class Switch:
 
 
 def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> list[Switch]:
-    """Return the switches of regions that begin with a prefix, and note those of regions that there are not.
+    """Return the switches of regions with a prefix, and add notes on unknown regions.
 
     Args:
-        settings: Where they are.
-        prefix: `act_`, say.
-        beside: Keys that begin so and mean something else.
+        settings: The configuration.
+        prefix: Prefix of the keys, such as `act_`.
+        beside: Keys with the same prefix that are not switches.
     """
     found = []
     for key in settings.keys(prefix):
@@ -65,20 +65,22 @@ def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> lis
     return found
 
 
-def switched_on(found: Iterable[Switch], *, default: bool, merge: Callable[[Iterable[bool]], bool]) -> frozenset[str]:
-    """Return the groups that switches come to, each group by itself.
+def enabled_groups(
+    found: Iterable[Switch], *, default: bool, merge: Callable[[Iterable[bool]], bool]
+) -> frozenset[str]:
+    """Return the single groups that are enabled by switches.
 
     Args:
         found: The switches.
-        default: For a group that has none of its own.
-        merge: What a group comes to that is on in part: `any` or `all`.
+        default: Value of a group without a switch.
+        merge: How to combine the switches of a group's parts: `any` or `all`.
     """
     found = tuple(found)
     return frozenset(group for group in SINGLE_GROUPS if merge(_values(group, found, default)))
 
 
 def named(groups: Iterable[str]) -> list[str]:
-    """Return groups by the fewest names, in the order of the spec language: both arms are `arms`."""
+    """Return the shortest list of names for groups, in the order of the spec language: both arms are `arms`."""
     left = set(groups)
     names = set()
     for pair, sides in PAIRED_GROUPS.items():
@@ -88,16 +90,16 @@ def named(groups: Iterable[str]) -> list[str]:
     return [name for name in STRENGTH_GROUPS if name in names | left]
 
 
-def note_what_is_coarser(
+def note_coarser_groups(
     settings: Settings, found: Iterable[Switch], on: frozenset[str], whats: dict[bool, str]
 ) -> None:
-    """Note each part of a group that goes with the rest of it, against its own switch.
+    """Add a note for each region whose switch differs from the value of the group that contains it.
 
     Args:
-        settings: Where to note it.
+        settings: The configuration.
         found: The switches.
-        on: The groups that are switched on.
-        whats: What becomes of a group that is on, and of one that is off.
+        on: The enabled groups.
+        whats: Description of an enabled and of a disabled group.
     """
     for switch in found:
         against = [group for group in switch.region.groups if (group in on) != switch.on]
@@ -117,7 +119,7 @@ def _values(group: str, found: Iterable[Switch], default: bool) -> list[bool]:
 
 
 def _sides_of(name: str) -> dict[str, str]:
-    """Return the names for one side of something, each with its side: `left_feet` and `left_foot` of `feet`."""
+    """Return the one-sided names of a region with their side: `left_feet` and `left_foot` for `feet`."""
     one = {"feet": "foot", "toes": "toe", "fingers": "finger"}.get(name, re.sub("s$", "", name))
     return {f"{side}_{form}": side for side in SIDES for form in (name, one)}
 
@@ -135,5 +137,5 @@ def _regions() -> dict[str, Region]:
 
 
 REGIONS = _regions()
-"""Every name of a region."""
+"""All names of regions."""
 SINGLE_GROUPS = tuple(group for group in STRENGTH_GROUPS if group not in PAIRED_GROUPS)

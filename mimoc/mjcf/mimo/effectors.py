@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from mimoc.mjcf.tree import Node, Site
+from mimoc.mjcf.infant import Node, Site
 
 PREFIX = "eef:"
 RADIUS_M = 0.01

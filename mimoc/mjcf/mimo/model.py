@@ -7,9 +7,11 @@ what every bundle has: `lookups` has that. `docs/compatibility.md` says what was
 import math
 from dataclasses import replace
 
+from mimoc.mjcf.infant import Camera, Node
 from mimoc.mjcf.mimo.effectors import with_effectors
 from mimoc.mjcf.mimo.servos import by_angle, pose_by_angle
-from mimoc.mjcf.tree import Camera, Mark, Node, SceneTree
+from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.world import Mark
 
 LOCATION = "mimo_location"
 """The body that the infant is in; its free joint has the same name."""
@@ -49,7 +51,7 @@ def fit_infant(infant: SceneTree, model: str) -> SceneTree:
 
 
 def fit_world(scene: SceneTree) -> SceneTree:
-    """Return a scene with onlookers' cameras around the infant, and marks to place."""
+    """Return a scene with cameras around the infant, and marks to place."""
     x_m, y_m, *_ = scene.keyframes[0].qpos
     cameras = tuple(replace(camera, pos_m=_moved(camera.pos_m, x_m, y_m)) for camera in CAMERAS)
     marks = tuple(Mark(f"target:{part}", (0.0, 0.0, 0.0), MARK_RADIUS_M, rgba) for part, rgba in MARKS.items())
@@ -72,7 +74,7 @@ def _located(root: Node) -> Node:
 
 
 def _all(node: Node) -> list[Node]:
-    """Return a body and all that hangs on it."""
+    """Return a body and all its descendants."""
     return [node, *(found for child in node.children for found in _all(child))]
 
 

@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from mimoc.mjcf.tree import Actuator, Keyframe
+from mimoc.mjcf.infant import Actuator
+from mimoc.mjcf.scene import Keyframe
+from mimoc.mujoco_layout import AffineBias
 
 Range = tuple[float, float]
 
@@ -12,8 +14,9 @@ def by_angle(servo: Actuator, range_rad: Range) -> Actuator:
     """Return a servo whose command is the angle of its hinge, in [rad]; it goes where it went."""
     middle, half = _halves(range_rad)
     settings = dict(servo.settings)
-    (gain, *others), (at_zero_nm, *rest) = settings["gainprm"], settings["biasprm"]
-    changed = {"gainprm": (gain / half, *others), "biasprm": (at_zero_nm - gain * middle / half, *rest)}
+    (gain, *others), bias = settings["gainprm"], AffineBias(*settings["biasprm"])
+    moved = bias._replace(at_zero=bias.at_zero - gain * middle / half)
+    changed = {"gainprm": (gain / half, *others), "biasprm": moved}
     return replace(servo, control_range=range_rad, settings=tuple({**settings, **changed}.items()))
 
 

@@ -1,4 +1,4 @@
-"""Pictures of numbers."""
+"""Plots, drawn with matplotlib."""
 
 from mimoc.render.plots.growth import check_plot_name, draw_growth, plot_growth
 

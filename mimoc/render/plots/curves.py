@@ -1,4 +1,4 @@
-"""Curves in panels side by side: what most experiments measure."""
+"""Figures of curves in panels side by side."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,57 +15,57 @@ if TYPE_CHECKING:
 
 PANEL_PX = (800, 640)
 LEGEND_PX = 60
-"""Height that one legend takes above all panels."""
-MOST_COLUMNS = 7
-"""Of labels in it."""
+"""Height of a legend above all panels."""
+MAX_COLUMNS = 7
+"""Maximum number of columns of the legend."""
 COLOURS = "viridis"
-"""Matplotlib's name of a scale whose order colour-blind readers see too, and which stays ordered in grey."""
+"""Matplotlib's name of a colour map that is suitable for colour-blind readers and stays ordered in grey."""
 DARKEST, LIGHTEST = 0.0, 0.88
-"""What of the scale shows on white."""
+"""Range of the colour map that is visible on white."""
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """One curve, or some points."""
+    """A curve or a set of points."""
 
     label: str
-    """What the legend says; curves of one label have one colour."""
+    """Label in the legend; curves with the same label have the same colour."""
     x: npt.ArrayLike
     """Shape (n,)."""
     y: npt.ArrayLike
     """Shape (n,)."""
-    spread: tuple[npt.ArrayLike, npt.ArrayLike] | None = None
-    """Lower and upper edge of a band about the curve, shape (n,) each."""
+    band: tuple[npt.ArrayLike, npt.ArrayLike] | None = None
+    """Lower and upper edge of a band around the curve, shape (n,) each."""
     marker: str = ""
-    """Matplotlib's marker on each point; none for a line alone."""
+    """Matplotlib's marker of the points; empty for none."""
     joined: bool = True
-    """Whether a line goes from point to point."""
+    """Whether the points are joined by a line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Curves over the same axes."""
+    """Curves in the same axes."""
 
     x_label: str
-    """With its unit."""
+    """Label of the horizontal axis, with its unit."""
     y_label: str
-    """Likewise."""
+    """Label of the vertical axis, with its unit."""
     curves: Sequence[Curve]
     title: str = ""
     level: float | None = None
-    """A height that is marked across the panel."""
+    """Value marked by a horizontal line."""
     ring: float | None = None
-    """Radius of a circle about the origin that is marked."""
+    """Radius of a circle marked around the origin."""
     equal: bool = False
-    """Whether a unit is as long on both axes, as on a map."""
+    """Whether both axes have the same scale."""
     logarithmic: bool = False
-    """Whether the horizontal axis is."""
+    """Whether the horizontal axis is logarithmic."""
 
 
 def draw_panels(panels: Sequence[Panel], panel_px: tuple[int, int] = PANEL_PX) -> "Figure":
-    """Return a figure of panels in a row, below one legend if all have the same labels, else each with its own.
+    """Return a figure of panels in a row, with a shared legend if all have the same labels, otherwise one for each.
 
-    Labels have colours in the order in which they first appear in a panel, the darkest first.
+    Colours are assigned to labels in the order of their first appearance in a panel, the darkest first.
 
     Raises:
         MissingExtraError: If matplotlib is not installed.
@@ -81,7 +81,7 @@ def draw_panels(panels: Sequence[Panel], panel_px: tuple[int, int] = PANEL_PX) -
             axes.legend(*_legend(axes), frameon=False)
     if shared:
         handles, labels = _legend(row[0])
-        figure.legend(handles, labels, loc="upper center", ncols=max(1, min(len(labels), MOST_COLUMNS)), frameon=False)
+        figure.legend(handles, labels, loc="upper center", ncols=max(1, min(len(labels), MAX_COLUMNS)), frameon=False)
     figure.tight_layout(rect=(0, 0, 1, height_px / (height_px + legend_px)))
     return figure
 
@@ -129,6 +129,6 @@ def _draw_curve(axes: "Axes", curve: Curve, colour: tuple[float, ...]) -> None:
     axes.plot(
         curve.x, curve.y, linestyle=line, marker=curve.marker, color=colour, linewidth=1.5, ms=4, label=curve.label
     )
-    if curve.spread is not None:
-        low, high = map(np.asarray, curve.spread)
+    if curve.band is not None:
+        low, high = map(np.asarray, curve.band)
         axes.fill_between(np.asarray(curve.x), low, high, color=colour, alpha=0.2, linewidth=0)

@@ -1,4 +1,4 @@
-"""Figures of matplotlib, and the PNGs of them."""
+"""Matplotlib figures and their image files."""
 
 import io
 from collections.abc import Mapping
@@ -20,11 +20,11 @@ FORMATS: Mapping[str, dict[str, None] | None] = {
     ".jpeg": None,
     ".webp": None,
 }
-"""By the end of a file's name, what of the metadata has to go so that the same figure gives the same bytes."""
+"""Metadata to remove for each file format, so that the same figure gives the same bytes."""
 
 
 def new_figure(width_px: int, height_px: int) -> "Figure":
-    """Return an empty figure, which belongs to no screen.
+    """Return an empty figure that is independent of pyplot and of any display.
 
     Raises:
         MissingExtraError: If matplotlib is not installed.
@@ -36,7 +36,7 @@ def new_figure(width_px: int, height_px: int) -> "Figure":
 
 
 def require_matplotlib() -> None:
-    """Make sure that figures can be drawn.
+    """Check that matplotlib is installed.
 
     Raises:
         MissingExtraError: If matplotlib is not installed.
@@ -48,7 +48,7 @@ def require_matplotlib() -> None:
 
 
 def png(figure: "Figure") -> bytes:
-    """Return the PNG of a figure: the same figure, the same bytes."""
+    """Return a figure as a PNG; the same figure gives the same bytes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     picture = io.BytesIO()
@@ -57,7 +57,7 @@ def png(figure: "Figure") -> bytes:
 
 
 def encode(figure: "Figure", suffix: str) -> bytes:
-    """Return a figure in a format of `FORMATS`: the same figure, the same bytes."""
+    """Return a figure in a format of `FORMATS`; the same figure gives the same bytes."""
     if suffix == ".png":
         return png(figure)
     from matplotlib import rc_context
@@ -69,7 +69,7 @@ def encode(figure: "Figure", suffix: str) -> bytes:
 
 
 def tidy(axes: "Axes") -> None:
-    """Give a panel a light grid behind what it shows, and no frame above and on the right."""
+    """Give a panel a light grid in the background and remove the frame at the top and on the right."""
     axes.grid(color="0.92", linewidth=0.8)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

@@ -1,4 +1,4 @@
-"""Pictures of growth, as in figure 2 of the paper: an infant among WHO's children."""
+"""Plots of an infant's growth against WHO's standards, as in figure 2 of the paper."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -26,14 +26,14 @@ TITLES = {
     "head_circumference_cm": "Head circumference [cm]",
     "arm_circumference_cm": "Arm circumference [cm]",
 }
-"""What stands on the vertical axis of each indicator's panel."""
+"""Label of the vertical axis by indicator."""
 
 SURVEYED = {
     "length_cm": "crown_sole_length",
     "head_circumference_cm": "head_circumference",
     "arm_circumference_cm": "upper_arm_circumference",
 }
-"""AnthroKids' name of each indicator that it has; infants were not weighed by age there."""
+"""AnthroKids' name of each indicator that it has; it does not have weight by age."""
 
 CAPTION = (
     "mimoc: measured on the compiled models.  WHO: Child Growth Standards (2006, 2007), mean of boys and girls;"
@@ -43,24 +43,24 @@ CAPTION = (
 )
 
 WHO_COLOUR, INFANT_COLOUR, SURVEY_COLOUR = "#33669a", "#c8431f", "#6f6f6f"
-"""Told apart by colour-blind readers too, and in grey."""
+"""Colours that colour-blind readers can distinguish, also in grey."""
 
 Series = Mapping[str, Sequence[tuple[float, float]]]
-"""Age in months and value of an infant, by indicator."""
+"""Pairs of age in months and value, by indicator."""
 
 
 def check_plot_name(path: str | Path) -> None:
-    """Pass the name of a file that a plot can be written to, before anything is drawn.
+    """Check, before anything is drawn, that the name of a file has the extension of a supported format.
 
     Raises:
-        OutputError: If it ends in no format that is known.
+        OutputError: If it has not.
     """
     if Path(path).suffix.lower() not in FORMATS:
-        raise OutputError(f"{path}: no plot is written to a file of this name; end it in {', '.join(FORMATS)}")
+        raise OutputError(f"{path}: not a supported format for plots; end it in {', '.join(FORMATS)}")
 
 
 def plot_growth(series: Series, path: str | Path) -> None:
-    """Write a picture of an infant's growth over WHO's mean and 5th to 95th percentiles, as its name says.
+    """Write a plot of an infant's growth with WHO's mean and 5th to 95th percentiles, in the format of its name.
 
     Raises:
         OutputError: If the file cannot be written there.
@@ -71,7 +71,7 @@ def plot_growth(series: Series, path: str | Path) -> None:
 
 
 def draw_growth(series: Series) -> "Figure":
-    """Return the figure: a panel for each indicator, an indicator that is not in *series* without the infant.
+    """Return the figure, with one panel per indicator; panels of indicators that are not in *series* show WHO only.
 
     Raises:
         MissingExtraError: If matplotlib is not installed.

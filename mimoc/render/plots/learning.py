@@ -1,4 +1,4 @@
-"""Pictures of learning curves: how well infants do by the steps they were trained for."""
+"""Plots of learning curves."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 SIZE_PX = (1600, 1100)
 COLOURS = ("#33669a", "#c8431f", "#3f7f4f", "#8a5a9e", "#b58a1b", "#6f6f6f")
-"""Told apart by colour-blind readers too, with the styles of the lines."""
+"""Colours that colour-blind readers can distinguish together with the line styles."""
 STYLES = ("-", "--", "-.", ":")
 
 PANELS = {
@@ -22,22 +22,21 @@ PANELS = {
     "episode_return": "Return of an episode",
     "episode_steps": "Length of an episode [control steps]",
 }
-"""What stands on the vertical axis of each column's panel."""
+"""Label of the vertical axis by column."""
 
 Columns = Mapping[str, Sequence[float] | np.ndarray]
-"""The columns of one learning curve by name, all of the same length; `steps` is among them."""
+"""Columns of a learning curve by name, all of the same length, including `steps`."""
 
 
 def curves_png(
     curves: Mapping[str, Sequence[Columns]], levels: Mapping[str, float] | None = None, level: str = "random policy"
 ) -> bytes:
-    """Return the PNG of learning curves.
+    """Return a plot of learning curves as a PNG.
 
     Args:
-        curves: By what stands in the legend, the curves of one or more seeds: the line is their mean, the band reaches
-            from the lowest to the highest.
-        levels: What to compare with, by column: a dashed line.
-        level: What that is called.
+        curves: Curves of one or more seeds by label in the legend; the line is their mean, the band their range.
+        levels: Values to compare with, by column, drawn as dashed lines.
+        level: Label of these lines.
 
     Raises:
         MissingExtraError: If matplotlib is not installed.
@@ -60,19 +59,21 @@ def draw_curves(
             _draw_seeds(axes, seeds, column, COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)], label)
         if levels and column in levels:
             axes.axhline(levels[column], color="0.35", linestyle=(0, (4, 3)), linewidth=1.2, label=level)
-        _dress(axes, column, title)
+        _style_axes(axes, column, title)
     for axes in panels[-1]:
         axes.set_xlabel("Control steps of training")
     handles, labels = panels.flat[0].get_legend_handles_labels()
-    told = any(labels)
-    if told:
+    has_legend = any(labels)
+    if has_legend:
         figure.legend(handles, labels, loc="upper center", ncols=len(labels), frameon=False)
-    figure.subplots_adjust(left=0.07, right=0.985, top=0.93 if told else 0.97, bottom=0.075, wspace=0.17, hspace=0.1)
+    figure.subplots_adjust(
+        left=0.07, right=0.985, top=0.93 if has_legend else 0.97, bottom=0.075, wspace=0.17, hspace=0.1
+    )
     return figure
 
 
 def _draw_seeds(axes: "Axes", seeds: Sequence[Columns], column: str, colour: str, style: str, label: str) -> None:
-    """Draw the mean and the range of some seeds; where one is unknown, of the others."""
+    """Draw mean and range over the seeds, ignoring NaN."""
     rows = min((len(columns["steps"]) for columns in seeds), default=0)
     if rows == 0:
         return
@@ -88,7 +89,7 @@ def _draw_seeds(axes: "Axes", seeds: Sequence[Columns], column: str, colour: str
     axes.plot(steps, np.nanmean(values, axis=0), style, color=colour, linewidth=1.6, marker=marker, label=label)
 
 
-def _dress(axes: "Axes", column: str, title: str) -> None:
+def _style_axes(axes: "Axes", column: str, title: str) -> None:
     axes.set_ylabel(title)
     if column == "success_rate":
         axes.set_ylim(-0.03, 1.03)

@@ -6,4 +6,5 @@ KIND = SceneKind(
     name="crib",
     about="A crib that fits the infant.",
     build="mimoc.scenes.crib.build",
+    varies=False,
 )

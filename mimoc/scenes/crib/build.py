@@ -1,4 +1,4 @@
-"""A crib with bars to look through and a rail to pull oneself up by."""
+"""A crib with bars to look through and a rail to pull up on."""
 
 import math
 from collections.abc import Iterator
@@ -6,40 +6,40 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mimoc.body.provenance import Entry
 from mimoc.body.stature import stature
-from mimoc.looks.wallpaper import WALLS
-from mimoc.mjcf.furniture import FIRM, UNTOUCHED, Furniture, WorldGeom, WorldMaterial, WorldTexture
-from mimoc.mjcf.tree import Ground, World
-from mimoc.scenes.setting import HEADLIGHT, WINDOW, Decor, Occupant, Setting
+from mimoc.looks.wallpaper import WALLS, Wallpapers
+from mimoc.mjcf.furniture import DOMINANT_SOLMIX, UNTOUCHED, Furniture, WorldGeom
+from mimoc.mjcf.materials import WorldMaterial, WorldTexture
+from mimoc.mjcf.rails import RAIL_IN_CHILDREN, RAIL_RADIUS_M
+from mimoc.mjcf.world import Ground, World
+from mimoc.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
 from mimoc.scenes.spec import SceneSpec
 from mimoc.units import cm_to_m
 
 INNER_M = (1.2, 0.6)
 """Length and width inside, of the common kind (EN 716-1); more for a child that would not fit."""
 LENGTH_IN_CHILDREN = 1.25
-"""Length inside for one length of the child, at least."""
-RAIL_IN_CHILDREN = 0.43 / 0.82
-"""Height of the rail's middle above the mattress: at 18 months, 0.82 m long, MIMo holds it at 0.42 to 0.45 m."""
-RAIL_RADIUS_M = 0.01
+"""Least length inside, in lengths of the child."""
 BAR_RADIUS_M = 0.006
-"""A hand closes around bars and rail: their girth is 4 and 6 cm, a newborn's hand is 6 cm long."""
+"""A hand closes around bars, too: their girth is 4 cm, a newborn's hand is 6 cm long."""
 WIDEST_GAP_M = 0.058
 """Between two bars: EN 716-1 asks for 45 to 65 mm."""
 POST_HALF_M = 0.02
 MATTRESS_M = 0.1
-"""How thick it is."""
+"""Its thickness."""
 LEGS_M = 0.3
 """From the floor to the top of the mattress."""
 SHEET, SHEET_TILE_M = WALLS["stars"], 0.4
 SHEET_M = 0.001
-"""How thick it is, so that it is not hidden in the mattress."""
+"""Its thickness, so that it is not hidden in the mattress."""
 FREE_M = 0.01
 """Between the bars and a child in any of its poses."""
 KNOB_M = 0.02
-"""How far a post rises over the rail."""
+"""Height of a post above the rail."""
 SOFT_SOLREF = (0.04, 1.0)
 SOFT_SOLIMP = (0.7, 0.95, 0.02, 0.5, 2.0)
-"""Foam: an infant sinks in by some millimetres."""
+"""Foam: an infant sinks in by a few millimetres."""
 
 _UNTURNED = (0.0, 0.0, 0.0)
 _ALONG_X = (0.0, math.pi / 2, 0.0)
@@ -60,14 +60,14 @@ class Crib:
     furniture: Furniture
 
 
-def build(spec: SceneSpec, occupant: Occupant, decor: Decor) -> Setting:
+def build(spec: SceneSpec, occupant: Occupant, wallpapers: Wallpapers) -> BuiltScene:
     """Return a crib that fits the infant, which lies on its mattress."""
     x_m, y_m = (np.abs(occupant.discs[:, :2]) + occupant.discs[:, 2:]).max(axis=0).tolist()
     made = crib(cm_to_m(stature(occupant.body)["length_cm"]), (x_m, y_m))
     length, width = made.inner_m
     floor = Ground("floor", made.floor_m)
     world = World(grounds=(floor,), lights=(WINDOW,), headlight=HEADLIGHT, furniture=made.furniture)
-    return Setting(world, half_size_m=(length / 2, width / 2))
+    return BuiltScene(world, half_size_m=(length / 2, width / 2), origins=_origins(made))
 
 
 def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
@@ -75,7 +75,7 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
 
     Args:
         length_m: Of the child, crown to sole.
-        reach_m: How far from the middle it reaches along x and along y, in its poses.
+        reach_m: How far from the middle it extends along x and along y, in all its poses.
     """
     least_length, least_width = (2 * (reach + FREE_M) for reach in reach_m)
     inner = (max(INNER_M[0], LENGTH_IN_CHILDREN * length_m, least_length), max(INNER_M[1], least_width))
@@ -93,6 +93,19 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
     )
 
 
+def _origins(made: Crib) -> dict[str, Entry]:
+    """Return where the numbers of a crib come from."""
+    size_rule = (
+        f"inside: the common kind's (EN 716-1), or {LENGTH_IN_CHILDREN:g} x the child's length, or as far as it reaches"
+    )
+    rail_rule = f"above the mattress: {RAIL_IN_CHILDREN:.4g} x the child's length, as MIMo's is at 18 months"
+    shared = {"unit": "m", "from": ["child.length_cm"]}
+    return {
+        "crib.size": {"value": made.inner_m, "rule": size_rule, **shared},
+        "crib.rail_height": {"value": made.rail_height_m, "rule": rail_rule, **shared},
+    }
+
+
 def _materials(inner: tuple[float, float]) -> tuple[WorldMaterial, ...]:
     length, width = inner
     return (
@@ -103,10 +116,10 @@ def _materials(inner: tuple[float, float]) -> tuple[WorldMaterial, ...]:
 
 
 def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
-    """Return a mattress that shows and a soft sheet, which is what is felt of it.
+    """Return a mattress that is only seen, and a soft sheet on it for contacts.
 
-    That is a plane, which for physics has no end: on a box, MuJoCo finds one point at a time of a cylinder that
-    stands there, and toys tremble. What is thrown out of the crib lies beside it as high as the sheet.
+    The sheet is a plane, which for physics has no end: between a box and a cylinder that stands on it, MuJoCo finds
+    one contact at a time, and toys tremble. Toys thrown out of the crib rest beside it at the height of the sheet.
     """
     half = (length / 2, width / 2, (MATTRESS_M - SHEET_M) / 2)
     mattress = WorldGeom(
@@ -128,7 +141,7 @@ def _bed(length: float, width: float) -> tuple[WorldGeom, ...]:
         "crib_sheet",
         solref=SOFT_SOLREF,
         solimp=SOFT_SOLIMP,
-        solmix=FIRM,
+        solmix=DOMINANT_SOLMIX,
     )
     return mattress, sheet
 
@@ -161,15 +174,15 @@ def _bars(length: float, width: float, rail: float) -> Iterator[WorldGeom]:
     low = -MATTRESS_M / 2
     size, z = (BAR_RADIUS_M, (rail - low) / 2), (rail + low) / 2
     for side, across in ("front", length / 2 + RAIL_RADIUS_M), ("back", -length / 2 - RAIL_RADIUS_M):
-        for number, along in enumerate(_spread(width), start=1):
+        for number, along in enumerate(_bar_positions(width), start=1):
             yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (across, along, z), _UNTURNED, "crib_wood")
     for side, across in ("left", width / 2 + RAIL_RADIUS_M), ("right", -width / 2 - RAIL_RADIUS_M):
-        for number, along in enumerate(_spread(length), start=1):
+        for number, along in enumerate(_bar_positions(length), start=1):
             yield WorldGeom(f"crib_bar_{side}_{number}", "capsule", size, (along, across, z), _UNTURNED, "crib_wood")
 
 
-def _spread(span: float) -> list[float]:
-    """Return the middles of bars across a span, as few as leave no gap too wide."""
+def _bar_positions(span: float) -> list[float]:
+    """Return the positions of bars across a span: the fewest that leave no gap too wide."""
     thickness = 2 * BAR_RADIUS_M
     gaps = math.ceil((span + thickness) / (WIDEST_GAP_M + thickness))
     pitch = (span + thickness) / gaps

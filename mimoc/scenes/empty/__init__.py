@@ -7,4 +7,6 @@ KIND = SceneKind(
     about="Nothing at all: no floor and no gravity.",
     build="mimoc.scenes.empty.build",
     has_floor=False,
+    needs_footprint=False,
+    varies=False,
 )

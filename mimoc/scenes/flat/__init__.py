@@ -6,4 +6,6 @@ KIND = SceneKind(
     name="flat",
     about="An endless floor.",
     build="mimoc.scenes.flat.build",
+    needs_footprint=False,
+    varies=False,
 )

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
+from mimoc.mujoco_layout import MUSCLE_FORCE, MUSCLE_LENGTHENING, MUSCLE_PASSIVE
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
 
@@ -20,10 +22,7 @@ MAX_LIMIT = 1e2
 """Bounds of the observation, far beyond what a stable simulation reaches."""
 LEAST_BOUND_NM = 1e-6
 """Bound of the torque of actuators without strength, which some bound must have."""
-
-MUSCLE_FORCES = (2, 7, 8)
-"""Where a muscle's largest isometric force, and its passive and lengthening force relative to that, stand among
-MuJoCo's gain parameters."""
+MUSCLE_FORCES = [MUSCLE_FORCE, MUSCLE_PASSIVE, MUSCLE_LENGTHENING]
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
     names = tuple(actuator.name for actuator in actuation.actuators)
     ids = np.array([model.actuator(name).id for name in names])
     gears = model.actuator_gear[ids, 0].copy()
-    by_muscles = actuation.model == "muscle"
+    by_muscles = bool(_are_muscles(model, ids).all())
     activations = model.actuator_actadr[ids]
 
     def read(data: mujoco.MjData) -> FloatArray:
@@ -124,33 +123,23 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
 
     return Component(
         read,
-        np.concatenate([np.ones(len(ids)), LARGEST_TORQUES[actuation.model](model, ids)]),
+        np.concatenate([np.ones(len(ids)), _largest_torques(model, ids)]),
         _names(names, "activation" if by_muscles else "command", "1") + _names(names, "torque", "N m"),
         np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
     )
 
 
-def _largest_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
-    return np.maximum(np.abs(model.actuator_gear[ids, 0]), LEAST_BOUND_NM)
+def _are_muscles(model: mujoco.MjModel, ids: IntArray) -> npt.NDArray[np.bool_]:
+    return model.actuator_gaintype[ids] == int(mujoco.mjtGain.mjGAIN_MUSCLE)
 
 
-def _largest_of_muscles(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
-    """Return what no muscle exceeds, even stretched as far as it is active and by its antagonist."""
+def _largest_torques(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
+    """Return what no actuator exceeds; no muscle even stretched as far as it is active and by its antagonist."""
     isometric_nm, passive, lengthening = model.actuator_gainprm[ids][:, MUSCLE_FORCES].T
-    return np.maximum(isometric_nm * (passive + lengthening), LEAST_BOUND_NM)
-
-
-def _largest_of_servos(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
-    limits_nm = model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
-    return np.maximum(np.abs(limits_nm).max(axis=1), LEAST_BOUND_NM)
-
-
-LARGEST_TORQUES: Mapping[str, Callable[[mujoco.MjModel, IntArray], FloatArray]] = {
-    "torque": _largest_of_motors,
-    "muscle": _largest_of_muscles,
-    "position": _largest_of_servos,
-}
-"""The bound of each actuator's torque, by actuation model."""
+    share = np.where(model.actuator_forcelimited[ids], np.abs(model.actuator_forcerange[ids]).max(axis=1), 1.0)
+    limits_nm = np.abs(model.actuator_gear[ids, 0]) * share
+    largest_nm = np.where(_are_muscles(model, ids), isometric_nm * (passive + lengthening), limits_nm)
+    return np.maximum(largest_nm, LEAST_BOUND_NM)
 
 
 COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Component]] = {

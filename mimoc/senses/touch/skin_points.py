@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from mimoc.body import Body, BodyTree, Geom, grow_reference
-from mimoc.body.strengthen import GROUPS, body_groups
+from mimoc.body.strength import GROUPS, body_groups
 from mimoc.geometry.primitives import area
 from mimoc.schema.names import single_groups
 from mimoc.senses.touch.exposed import Layout, lay_out, move_with_geoms

@@ -1,11 +1,11 @@
-"""The stage of catching: an infant that is held upright offers its palm to a ball that falls."""
+"""The setup of catching: an infant that is held upright offers its palm to a ball that falls."""
 
 from collections.abc import Mapping
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
 from mimoc.body.poses import POSES, Pose, resting_state
-from mimoc.body.tree import Vec3
+from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.ball import BALL, RADIUS_M, ball
 from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
 from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
@@ -33,7 +33,7 @@ LOST = 0.75
 
 
 def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
-    """Return the stage of `catch`.
+    """Return the setup of `catch`.
 
     Raises:
         UnplayableError: If the infant has no such hand.
@@ -42,7 +42,7 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
     require(tree, task.kind, f"{side}_hand", middle_finger(tree, side))
     start = resting_state(tree, _offering(side))
     hand_m = _hand_length(tree, side)
-    goal = CatchEntry(
+    entry = CatchEntry(
         steps=task.steps or STEPS,
         hand=bodies_of(tree, f"{side}_hand"),
         palm=f"{side}_hand",
@@ -51,7 +51,7 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
         drop_m=(LOWEST * hand_m, HIGHEST * hand_m),
         lost_m=LOST * hand_m,
     )
-    return one_armed(tree, side, goal, start, (ball(_above(tree, goal, start)),))
+    return one_armed(tree, side, entry, start, (ball(_above(tree, entry, start)),))
 
 
 def _offering(side: Side) -> Pose:
@@ -66,7 +66,7 @@ def _hand_length(tree: BodyTree, side: Side) -> float:
     stretched = pose(tree, {})
     names = {geom.name for body in tree.bodies if body.name in bodies_of(tree, f"{side}_hand") for geom in body.geoms}
     kept = [index for index, geom in enumerate(stretched.geoms) if geom.name in names]
-    hand = Posed(tuple(stretched.geoms[index] for index in kept), stretched.centres[kept], stretched.turns[kept])
+    hand = Posed(tuple(stretched.geoms[index] for index in kept), stretched.centres[kept], stretched.rotations[kept])
     along = frames(tree, {})[f"{side}_hand"][1][:, 2]
     return hand.extent(along) + hand.extent(-along)
 
@@ -79,8 +79,8 @@ def _palm(tree: BodyTree, side: Side) -> Vec3:
     return 0.0, y + PALMAR[side] * half_thickness_m, z + ALONG_PALM * half_length_m
 
 
-def _above(tree: BodyTree, goal: CatchEntry, start: tuple[float, ...]) -> Vec3:
+def _above(tree: BodyTree, entry: CatchEntry, start: tuple[float, ...]) -> Vec3:
     """Return where the ball hangs that falls from the middle of its heights."""
-    origin, rotation = frames_in_world(tree, start)[goal.palm]
-    x, y, z = (origin + rotation @ goal.palm_m).tolist()
-    return x, y, z + sum(goal.drop_m) / 2 + RADIUS_M
+    origin, rotation = frames_in_world(tree, start)[entry.palm]
+    x, y, z = (origin + rotation @ entry.palm_m).tolist()
+    return x, y, z + sum(entry.drop_m) / 2 + RADIUS_M

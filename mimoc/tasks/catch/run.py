@@ -1,15 +1,15 @@
 """Catching: hold a ball that falls on the open hand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
-from mimoc.runtime.fastenings import Fastenings
+from mimoc.model_fields import ModelField
 from mimoc.senses.sense import FloatArray
-from mimoc.tasks.catch.ball_size import Marble
+from mimoc.tasks.catch.resizable_ball import ResizableBall
 from mimoc.tasks.catch.spec import CatchEntry
 from mimoc.tasks.task import Task, Verdict
 
@@ -17,7 +17,7 @@ HAND, BALL = 1, 2
 """What geoms belong to; both together, and nothing else, make the sum of a touch."""
 
 
-class Catch(Task):
+class CatchTask(Task):
     """A ball over the palm; contact is rewarded, effort costs, and the episode ends with the ball held or lost."""
 
     def __init__(self, entry: CatchEntry, model: mujoco.MjModel):
@@ -25,10 +25,15 @@ class Catch(Task):
         super().__init__(entry.steps)
         self._entry, self._model = entry, model
         self._palm, self._palm_m = model.body(entry.palm).id, np.array(entry.palm_m)
-        self._ball = Marble(entry.ball, model)
+        self._ball = ResizableBall(entry.ball, model)
         self._owners = HAND * np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand]).astype(int)
         self._owners[self._ball.geom] = BALL
         self._held = 0
+
+    @property
+    def model_fields(self) -> Sequence[ModelField]:
+        """Size and mass of the ball."""
+        return self._ball.model_fields
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
         """Hang a ball of some size and mass at some height over the palm; it falls with the first step."""
@@ -53,16 +58,15 @@ class Catch(Task):
             "catch": entry.success_reward if caught else 0.0,
             "loss": -entry.success_reward if lost else 0.0,
         }
-        return Verdict(terms, success=caught, ends=caught or lost)
+        return Verdict(terms, success=caught, terminated=caught or lost)
 
     @property
     def state(self) -> dict[str, Any]:
-        """What the ball is like, and for how many steps it has been held."""
-        return {"radius_m": self._ball.radius_m, "mass_kg": self._ball.mass_kg, "held": self._held}
+        """For how many steps the ball has been held."""
+        return {"held": self._held}
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
-        self._ball.change(state["radius_m"], state["mass_kg"])
         self._held = state["held"]
 
     def _palm_place(self, data: mujoco.MjData) -> FloatArray:
@@ -81,6 +85,6 @@ class Catch(Task):
         return bool(z < -self._entry.lost_m or np.hypot(x, y) > self._entry.lost_m)
 
 
-def bind(entry: CatchEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Catch:
+def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> CatchTask:
     """Find what *entry* names in *model*."""
-    return Catch(entry, model)
+    return CatchTask(entry, model)

@@ -1,4 +1,4 @@
-"""The stage of reaching: a ball hangs before an infant that is held upright and looks at it."""
+"""The setup of reaching: a ball hangs before an infant that is held upright and looks at it."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ LOOKERS = ("left_eye", "right_eye")
 
 
 def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
-    """Return the stage of `reach`.
+    """Return the setup of `reach`.
 
     Raises:
         UnplayableError: If the infant has no such hand.
@@ -33,7 +33,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
     start = resting_state(tree, UPRIGHT)
-    goal = ReachEntry(
+    entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
         shoulder=f"{side}_upper_arm",
@@ -44,7 +44,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         elevation_rad=(deg_to_rad(ELEVATION_DEG[0]), deg_to_rad(ELEVATION_DEG[1])),
         gaze=_gaze(tree),
     )
-    return one_armed(tree, side, goal, start, (ball(_middle(tree, goal, start)),), weightless=True)
+    return one_armed(tree, side, entry, start, (ball(_middle(tree, entry, start)),), weightless=True)
 
 
 def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:
@@ -66,11 +66,11 @@ def _gaze(tree: BodyTree) -> tuple[GazeEntry, ...]:
     return tuple(GazeEntry(joint=joint, looker=looker) for joint, looker in turns if joint in tree.joints)
 
 
-def _middle(tree: BodyTree, goal: ReachEntry, start: tuple[float, ...]) -> Vec3:
+def _middle(tree: BodyTree, entry: ReachEntry, start: tuple[float, ...]) -> Vec3:
     """Return the middle of the ball's places."""
     placed = frames_in_world(tree, start)
-    origin, (_, trunk) = placed[goal.shoulder][0], placed[goal.trunk]
-    ranges = (goal.distance_m, goal.azimuth_rad, goal.elevation_rad)
+    origin, (_, trunk) = placed[entry.shoulder][0], placed[entry.trunk]
+    ranges = (entry.distance_m, entry.azimuth_rad, entry.elevation_rad)
     distance_m, azimuth, elevation = (sum(ends) / 2 for ends in ranges)
     x, y, z = (origin + trunk @ (distance_m * direction(azimuth, elevation))).tolist()
     return x, y, z

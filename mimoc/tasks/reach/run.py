@@ -1,14 +1,15 @@
 """Reaching: touch a ball that hangs before the infant."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.manifest import ConstraintsEntry
 from mimoc.geometry.rotations import direction
-from mimoc.runtime.fastenings import Fastenings
+from mimoc.model_fields import ModelField
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.gaze import Gaze
 from mimoc.tasks.reach.spec import ReachEntry
@@ -18,10 +19,10 @@ STILL_M = 1e-4
 """How far a ball moves before head and eyes follow it."""
 
 
-class Reach(Task):
+class ReachTask(Task):
     """A ball before the infant; the reward is the nearer the hand is to it, and more for moving it."""
 
-    def __init__(self, entry: ReachEntry, model: mujoco.MjModel, fastenings: Fastenings):
+    def __init__(self, entry: ReachEntry, model: mujoco.MjModel, constraints: ConstraintsEntry):
         """Find everything that *entry* names in *model*."""
         super().__init__(entry.steps)
         self._entry, self._model = entry, model
@@ -30,8 +31,13 @@ class Reach(Task):
         )
         self._ball = model.body(entry.ball.body).id
         self._ball_at = model.joint(entry.ball.joint).qposadr[0] + np.arange(3)
-        self._gaze = Gaze(entry.gaze, model, fastenings)
+        self._gaze = Gaze(entry.gaze, model, constraints)
         self._start_m = np.zeros(3)
+
+    @property
+    def model_fields(self) -> Sequence[ModelField]:
+        """The angles that head and eyes are locked at."""
+        return self._gaze.model_fields
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
         """Hang the ball somewhere within reach, and look at it."""
@@ -49,7 +55,7 @@ class Reach(Task):
         touched = moved_m > self._entry.moved_m
         distance_m = float(np.linalg.norm(ball_m - data.xpos[self._effector]))
         terms = {"distance": -distance_m, "touch": self._entry.success_reward if touched else 0.0}
-        return Verdict(terms, success=touched, ends=touched)
+        return Verdict(terms, success=touched, terminated=touched)
 
     @property
     def state(self) -> dict[str, Any]:
@@ -69,6 +75,6 @@ class Reach(Task):
         return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
 
 
-def bind(entry: ReachEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Reach:
+def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> ReachTask:
     """Find what *entry* names in *model*."""
-    return Reach(entry, model, fastenings)
+    return ReachTask(entry, model, bundle.manifest.constraints)

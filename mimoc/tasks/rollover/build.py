@@ -1,4 +1,4 @@
-"""The stage of turning over: an infant lies as its scene says."""
+"""The setup of turning over: an infant lies as its scene says."""
 
 from mimoc.body import BodyTree
 from mimoc.tasks.rollover.spec import RolloverEntry, RolloverSpec
@@ -9,5 +9,5 @@ STEPS = 500
 
 
 def build(task: RolloverSpec, tree: BodyTree) -> TaskSetup:
-    """Return the stage of `rollover`, which any infant can play."""
+    """Return the setup of `rollover`, which any infant can play."""
     return TaskSetup(RolloverEntry(steps=task.steps or STEPS, hip=tree.bodies[0].name, reward=task.reward or "dense"))

@@ -8,13 +8,12 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.runtime.fastenings import Fastenings
 from mimoc.tasks.rollover.spec import RolloverEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 from mimoc.units import to_steps
 
 
-class Rollover(Task):
+class RolloverTask(Task):
     """An infant that lies; how far it has turned is the angle between the front of its hip and where that looked.
 
     That is MIMo's pitch of the hip, -90° on the back and 90° on the belly, as a share of the way from the one to the
@@ -54,7 +53,7 @@ class Rollover(Task):
             return Verdict({"turn": self._turned, "effort": -cost}, success=success)
         after = 0.0 if success else self._entry.discount * self._turned
         terms = {"shaping": after - before, "success": self._entry.success_reward if success else 0.0}
-        return Verdict(terms, success=success, ends=success)
+        return Verdict(terms, success=success, terminated=success)
 
     @property
     def state(self) -> dict[str, Any]:
@@ -76,6 +75,6 @@ class Rollover(Task):
         return float(np.arctan2(np.hypot(x, y), z) / np.pi)
 
 
-def bind(entry: RolloverEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Rollover:
+def bind(entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle) -> RolloverTask:
     """Find what *entry* names in *model*."""
-    return Rollover(entry, bundle.manifest, model)
+    return RolloverTask(entry, bundle.manifest, model)

@@ -1,4 +1,4 @@
-"""The stage of touching oneself: an infant sits and can move one arm, to touch a part of its body."""
+"""The setup of touching oneself: an infant sits and can move one arm, to touch a part of its body."""
 
 from collections.abc import Iterator, Mapping
 
@@ -29,7 +29,7 @@ TRUNK = {"head": ("head", "left_eye", "right_eye"), "upper_body": ("upper_body",
 
 
 def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
-    """Return the stage of `selfbody`.
+    """Return the setup of `selfbody`.
 
     Raises:
         UnplayableError: If the infant has no such hand.
@@ -37,13 +37,13 @@ def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
     side: Side = task.hand or "right"
     fingers = middle_finger(tree, side)
     require(tree, task.kind, fingers)
-    goal = SelfbodyEntry(
+    entry = SelfbodyEntry(
         steps=task.steps or STEPS,
         fingers=fingers,
         effectors=bodies_of(tree, f"{side}_hand"),
         targets=tuple(_targets(tree, OTHER[side])),
     )
-    return one_armed(tree, side, goal, resting_state(tree, _pose(side)))
+    return one_armed(tree, side, entry, resting_state(tree, _pose(side)))
 
 
 def _pose(side: Side) -> Pose:

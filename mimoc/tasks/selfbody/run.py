@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
-from mimoc.runtime.fastenings import Fastenings
 from mimoc.senses.sense import IntArray, Observation
 from mimoc.tasks.selfbody.spec import SelfbodyEntry
 from mimoc.tasks.task import Task, Verdict
@@ -17,7 +16,7 @@ EFFECTOR, NOTHING = -2, -1
 """What a geom is that is no target."""
 
 
-class Selfbody(Task):
+class SelfbodyTask(Task):
     """A part of the body to be touched, drawn for each episode and observed as one-hot `goal`.
 
     The reward is large for touching it, better the nearer the fingers are to it while another part is touched, and a
@@ -57,7 +56,7 @@ class Selfbody(Task):
             "distance": -self._distance_m(data) if touched and not hit else 0.0,
             "idle": 0.0 if touched else self._entry.idle_reward,
         }
-        return Verdict(terms, success=hit, ends=hit)
+        return Verdict(terms, success=hit, terminated=hit)
 
     @property
     def state(self) -> dict[str, Any]:
@@ -94,6 +93,6 @@ def _parts(entry: SelfbodyEntry, model: mujoco.MjModel) -> IntArray:
     return np.where(solid, of_body[model.geom_bodyid], NOTHING)
 
 
-def bind(entry: SelfbodyEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Selfbody:
+def bind(entry: SelfbodyEntry, model: mujoco.MjModel, bundle: Bundle) -> SelfbodyTask:
     """Find what *entry* names in *model*."""
-    return Selfbody(entry, model)
+    return SelfbodyTask(entry, model)

@@ -1,4 +1,4 @@
-"""The stage of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail."""
+"""The setup of standing up: an infant sits on the floor, its feet flat before it, and holds on to a rail."""
 
 import math
 from collections.abc import Mapping
@@ -11,13 +11,12 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames, pose
 from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
 from mimoc.body.stature import stature
-from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
-from mimoc.geometry.rotations import matrix_from_axis
-from mimoc.scenes.crib.build import RAIL_RADIUS_M
+from mimoc.geometry.rotations import Vec3, matrix_from_axis
+from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
-from mimoc.tasks.standup.rail import Rail, half_span, rail_height
+from mimoc.tasks.standup.rail import Rail, half_span
 from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 from mimoc.units import cm_to_m, deg_to_rad
 
@@ -67,7 +66,7 @@ class Seat:
 
 
 def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
-    """Return the stage of `standup`.
+    """Return the setup of `standup`.
 
     Raises:
         UnplayableError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its hands
@@ -79,7 +78,7 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))
     fingers = {joint for side in SIDES for joint in _fingers(tree, side)}
     return TaskSetup(
-        goal=_goal(task, tree),
+        entry=_entry(task, tree),
         start=_start(tree, seat, rail, grips),
         commanded=joints_of(tree, *COMMANDED),
         locked={*joints_of(tree, *LOCKED), *fingers},
@@ -89,7 +88,7 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     )
 
 
-def _goal(task: StandupSpec, tree: BodyTree) -> StandupEntry:
+def _entry(task: StandupSpec, tree: BodyTree) -> StandupEntry:
     standing_m = standing_height(tree) + float(frames(tree, {})["head"][0][2])
     return StandupEntry(
         steps=task.steps or STEPS,
@@ -149,7 +148,7 @@ def _flat_foot(
         return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",)) - height_m
 
     if not too_deep_m(low) < 0 < too_deep_m(high):
-        raise UnplayableError(f"'standup' begins with flat feet, and this infant's {side} leg is too long or too short")
+        raise UnplayableError(f"task 'standup' starts with flat feet; this infant's {side} leg has the wrong length")
     knee_deg = root_scalar(too_deep_m, bracket=(low, high), xtol=_PRECISION_DEG).root
     return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
 
@@ -168,7 +167,7 @@ def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
         x_m, _, z_m = seat.in_world(here[f"{side}_upper_arm"][0]).tolist()
         above_m = rail_height(tree) - z_m
         if STRETCHED * arm_m <= above_m:
-            raise UnplayableError("'standup' begins with the hands at a rail, and this infant's arms are too short")
+            raise UnplayableError("task 'standup' starts with the hands at a rail; this infant's arms are too short")
         found.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
     return min(found)
 

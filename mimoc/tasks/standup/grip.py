@@ -8,8 +8,8 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames
-from mimoc.body.tree import Vec3
 from mimoc.errors import UnplayableError
+from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.setup import Side
 from mimoc.units import deg_to_rad
 
@@ -97,7 +97,7 @@ def arm_to_bar(
 
     found = _search(misses, wanted, low, high)
     if np.abs(misses(found)).max() > CLEAR_M:
-        raise UnplayableError(f"this infant's {side} hand does not get to the rail that it is to hold on to")
+        raise UnplayableError(f"task 'standup' starts with the hands at a rail; the {side} hand does not reach it")
     return dict(zip(names, np.round(found, 6).tolist(), strict=True))
 
 

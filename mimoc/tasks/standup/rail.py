@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from mimoc.body import BodyTree
 from mimoc.body.stature import stature
 from mimoc.body.tree import Vec3
-from mimoc.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
-from mimoc.scenes.crib.build import RAIL_IN_CHILDREN, RAIL_RADIUS_M
+from mimoc.mjcf.furniture import Furniture, WorldGeom
+from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.rails import RAIL_RADIUS_M
 from mimoc.units import cm_to_m
 
 HALF_SPAN_IN_CHILDREN = 0.45
@@ -53,11 +54,6 @@ class Rail:
         return WorldGeom(
             f"rail_post_{name}", "cylinder", (POST_RADIUS_M, self.height_m / 2), place, _UPRIGHT, WOOD.name
         )
-
-
-def rail_height(tree: BodyTree) -> float:
-    """Return how high the middle of a rail for this child is, in [m]: as high as that of its crib."""
-    return RAIL_IN_CHILDREN * cm_to_m(stature(tree)["length_cm"])
 
 
 def half_span(tree: BodyTree) -> float:

@@ -7,12 +7,11 @@ import numpy as np
 
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
-from mimoc.runtime.fastenings import Fastenings
 from mimoc.tasks.standup.spec import StandupEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 
 
-class Standup(Task):
+class StandupTask(Task):
     """An infant at a rail; the reward is the more, the higher its head is and the less it commands."""
 
     def __init__(self, entry: StandupEntry, actuation: ActuationEntry, model: mujoco.MjModel):
@@ -29,6 +28,6 @@ class Standup(Task):
         return Verdict(terms, success=height_m >= entry.success_m)
 
 
-def bind(entry: StandupEntry, bundle: Bundle, model: mujoco.MjModel, fastenings: Fastenings) -> Standup:
+def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> StandupTask:
     """Find what *entry* names in *model*."""
-    return Standup(entry, bundle.manifest.actuation, model)
+    return StandupTask(entry, bundle.manifest.actuation, model)

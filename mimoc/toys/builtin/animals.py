@@ -6,8 +6,9 @@ from functools import cache
 from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import PLUSH, THIN_SHELL
 from mimoc.toys.model import ToyModel
-from mimoc.toys.shaping import ball, bead, egg, lathe, move, pair, press, rod, tube, turn
+from mimoc.toys.shaping import ball, bead, egg, lathe, rod, tube
 from mimoc.toys.solids import block, capsule, ellipsoid, sphere
+from mimoc.toys.transforms import move, pair, press, turn
 
 
 @cache

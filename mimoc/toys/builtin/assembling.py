@@ -7,8 +7,8 @@ import numpy as np
 
 from mimoc.geometry.rotations import Vec3
 from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel
-from mimoc.toys.shaping import join, mesh_volume
 from mimoc.toys.solids import reach
+from mimoc.toys.transforms import join, mesh_volume
 
 SOURCE = "made by mimoc"
 

@@ -20,4 +20,4 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
     if unknown:
         advice = {name: suggestion(name, BUILTIN_TOYS.names) for name in unknown}
         raise UnknownToysError({name: f"'{name}' is not among mimoc's toys; {advice[name]}" for name in unknown})
-    return Toybox(tuple(sorted(spec.subset)) or BUILTIN_TOYS.names, BUILTIN_TOYS.take)
+    return Toybox(tuple(sorted(spec.subset)) or BUILTIN_TOYS.names, BUILTIN_TOYS.load)

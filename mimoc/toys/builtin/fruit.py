@@ -8,8 +8,9 @@ import numpy as np
 from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import THIN_SHELL, WOOD
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import egg, lathe, move, rod, tube, turn
+from mimoc.toys.shaping import egg, lathe, rod, tube
 from mimoc.toys.solids import capsule, cylinder, ellipsoid, sphere
+from mimoc.toys.transforms import move, turn
 
 MANY = 24
 """Corners of circles that one looks at from near."""

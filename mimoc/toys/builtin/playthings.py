@@ -7,8 +7,9 @@ from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD
 from mimoc.toys.model import Mesh, ToyModel
 from mimoc.toys.shaping import ball as globe
-from mimoc.toys.shaping import bead, box, lathe, loft, move, pair, ring, rod, turn
+from mimoc.toys.shaping import bead, box, lathe, loft, ring, rod
 from mimoc.toys.solids import block, capsule, cylinder, hoop, sphere
+from mimoc.toys.transforms import move, pair, turn
 
 MANY = 24
 """Corners of circles that one looks at from near."""

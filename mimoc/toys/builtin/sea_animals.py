@@ -6,8 +6,9 @@ from functools import cache
 from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import PLUSH, THIN_SHELL
 from mimoc.toys.model import Mesh, Solid, ToyModel
-from mimoc.toys.shaping import bead, board, egg, lathe, move, pair, press, ring, tube, turn
+from mimoc.toys.shaping import bead, board, egg, lathe, ring, tube
 from mimoc.toys.solids import block, capsule, cylinder, ellipsoid, sphere
+from mimoc.toys.transforms import move, pair, press, turn
 
 
 @cache

@@ -7,8 +7,9 @@ from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import SHELL, WOOD
 from mimoc.toys.builtin.wheels import axles, wheels
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import bead, board, box, egg, frustum, lathe, loft, move, pair, plate, rod, turn
+from mimoc.toys.shaping import bead, board, box, egg, frustum, lathe, loft, plate, rod
 from mimoc.toys.solids import block, capsule, sphere
+from mimoc.toys.transforms import move, pair, turn
 
 
 @cache

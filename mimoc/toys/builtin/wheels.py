@@ -1,8 +1,9 @@
 """Wheels, as they look and as they touch the floor."""
 
 from mimoc.toys.model import Mesh, Solid
-from mimoc.toys.shaping import lathe, move, pair, turn
+from mimoc.toys.shaping import lathe
 from mimoc.toys.solids import capsule
+from mimoc.toys.transforms import move, pair, turn
 
 
 def wheels(

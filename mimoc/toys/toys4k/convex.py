@@ -8,8 +8,8 @@ import numpy as np
 
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis, quaternion_from_matrix
 from mimoc.toys.model import IntArray, Mesh, Solid
-from mimoc.toys.shaping import mesh_volume
-from mimoc.toys.toys4k.subprocesses import ApartError, LateError, do_apart
+from mimoc.toys.toys4k.subprocesses import WorkerError, WorkerTimeoutError, run_worker
+from mimoc.toys.transforms import mesh_volume
 
 MOST_PARTS = 10
 MOST_CORNERS = 64
@@ -19,7 +19,7 @@ MOST_FACES = 2000
 LIMIT_S = 60
 """What coacd may take: it needs 1 s to 10 s."""
 COVER = 0.1
-"""By how much the reach of all parts may differ from that of the mesh, whose longest side is 1."""
+"""By how much the bounding box of all parts may differ from that of the mesh, whose longest side is 1."""
 THIN = 0.01
 """Of its longest side: what is thinner gets a box as thick, as its hull would be all rounding or none at all."""
 LEAST_VOLUME = 1e-6
@@ -32,7 +32,7 @@ _FACES: IntArray = np.array([corners for a, b, c, d in _SIDES for corners in ((a
 
 
 def has_coacd() -> bool:
-    """Tell whether meshes are taken apart; without it, each gets its convex hull."""
+    """Tell whether meshes are decomposed into convex parts; without coacd, each gets its convex hull."""
     return find_spec("coacd") is not None
 
 
@@ -50,9 +50,9 @@ def convex_parts(mesh: Mesh, *, simple: bool) -> tuple[list[Mesh], bool]:
     np.savez(content, vertices=mesh.vertices, faces=mesh.faces)
     preprocessing = "auto" if simple else "on"
     try:
-        found = do_apart("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
-    except ApartError as error:
-        return whole, not isinstance(error, LateError)
+        found = run_worker("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
+    except WorkerError as error:
+        return whole, not isinstance(error, WorkerTimeoutError)
     corners = np.split(found["corners"], np.cumsum(found["counts"])[:-1])
     parts = [hull(each) for each in corners if np.isfinite(each).all() and not is_thin(each, THIN / 10)]
     parts = [part for part in parts if mesh_volume(part) > LEAST_VOLUME]
@@ -120,7 +120,7 @@ def _furthest(points: FloatArray, most: int) -> FloatArray:
 
 
 def _axes(points: FloatArray) -> FloatArray:
-    """Return the rotation whose columns are where points spread the most to where they spread the least."""
+    """Return the principal axes of points as a rotation, whose columns are ordered from the largest variance."""
     middle = points - points.mean(axis=0)
     axes = np.linalg.eigh(middle.T @ middle)[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))

@@ -1,4 +1,4 @@
-"""The objects of Toys4K, where a user unpacked it."""
+"""The folder that Toys4K was unpacked to: which objects it holds, and their files."""
 
 import os
 import re
@@ -12,7 +12,10 @@ from mimoc.errors import ToyError, suggestion
 
 FORMATS = ("obj", "ply", "glb", "stl")
 """What is read, the best first."""
-LAYOUT = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
+FOLDER_STRUCTURE = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
+
+MOST_BYTES = 500 * 10**6
+"""Of a mesh file."""
 
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
 _NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
@@ -29,8 +32,8 @@ class Toys4K:
     """The mesh of every object, sorted by name."""
     categories: Mapping[str, tuple[str, ...]]
     """The objects of every category, both sorted."""
-    outside: Mapping[str, Path]
-    """What looks like an object, but lies out of the root."""
+    linked_away: Mapping[str, Path]
+    """Links to meshes that are not below the root; they are not read."""
 
 
 def expand_root(text: str, spec_folder: Path) -> Path:
@@ -49,7 +52,7 @@ def expand_root(text: str, spec_folder: Path) -> Path:
 
 
 def find_toys(root: Path) -> Toys4K:
-    """Return the objects in a folder, of both layouts; see `LAYOUT`.
+    """Return the objects in a folder of either structure; see `FOLDER_STRUCTURE`.
 
     Raises:
         ToyError: If there is no such folder, it cannot be read, or it holds no objects.
@@ -61,13 +64,13 @@ def find_toys(root: Path) -> Toys4K:
         where, reason = getattr(error, "filename", None) or root, getattr(error, "strerror", None) or error
         raise ToyError(f"{where}: cannot be read ({reason}); give the folder that Toys4K was unpacked to") from None
     if not found:
-        raise ToyError(f"{root}: holds no objects of Toys4K; give the folder that has {LAYOUT}")
-    outside = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
-    objects = {name: path for name, path in sorted(found.items()) if name not in outside}
+        raise ToyError(f"{root}: holds no objects of Toys4K; give the folder that has {FOLDER_STRUCTURE}")
+    linked_away = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
+    objects = {name: path for name, path in sorted(found.items()) if name not in linked_away}
     categories = defaultdict[str, list[str]](list)
     for name in objects:
         categories[category_of(name)].append(name)
-    return Toys4K(real, objects, {name: tuple(categories[name]) for name in sorted(categories)}, outside)
+    return Toys4K(real, objects, {name: tuple(categories[name]) for name in sorted(categories)}, linked_away)
 
 
 def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
@@ -80,7 +83,9 @@ def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
     if wrong:
         raise ToyError("\n".join(wrong.values()), next(iter(wrong)))
     if not subset and not found.objects:
-        raise ToyError("\n".join(_outside(found, name) for name in found.outside), next(iter(found.outside)))
+        raise ToyError(
+            "\n".join(_linked_away(found, name) for name in found.linked_away), next(iter(found.linked_away))
+        )
     names = {name for each in subset for name in found.categories.get(each, (each,))}
     return tuple(sorted(names or found.objects))
 
@@ -89,6 +94,26 @@ def unknown(found: Toys4K, subset: Collection[str]) -> dict[str, str]:
     """Return what is wrong with each name of a subset that is neither a category nor an object."""
     known = found.categories.keys() | found.objects.keys()
     return {name: _reason_against(found, name) for name in subset if name not in known}
+
+
+def read_mesh(path: Path, root: Path) -> bytes:
+    """Return the content of a mesh file.
+
+    Raises:
+        ToyError: If it is not below the root, empty, too large or cannot be read; the message is the end of a sentence.
+    """
+    if not lies_in(path, root):
+        raise ToyError(f"is a link to a file outside {root}")
+    try:
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
+            content = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise ToyError(f"cannot be read ({error.strerror})") from None
+    if not content:
+        raise ToyError("is an empty file")
+    if len(content) > MOST_BYTES:
+        raise ToyError(f"has more than {MOST_BYTES / 1e6:.0f} MB")
+    return content
 
 
 def category_of(name: str) -> str:
@@ -138,16 +163,16 @@ def _shown(folder: Path) -> list[Path]:
 
 
 def _reason_against(found: Toys4K, name: str) -> str:
-    beyond = [each for each in found.outside if name in (each, category_of(each))]
+    beyond = [each for each in found.linked_away if name in (each, category_of(each))]
     if beyond:
-        return _outside(found, beyond[0])
+        return _linked_away(found, beyond[0])
     known = found.categories.keys() | found.objects.keys()
     advice = suggestion(name, known)
-    if advice.startswith("choose"):  # Thousands of objects say less than their kinds.
+    if advice.startswith("choose"):  # The list of all objects is too long to help.
         advice = suggestion(name, found.categories)
     return f"'{name}' is neither a category nor an object in {found.root}; {advice}"
 
 
-def _outside(found: Toys4K, name: str) -> str:
-    path = found.outside[name].relative_to(found.root)
-    return f"'{name}' ({path}) is a link to a file out of {found.root}; copy the file there"
+def _linked_away(found: Toys4K, name: str) -> str:
+    path = found.linked_away[name].relative_to(found.root)
+    return f"'{name}' ({path}) is a link to a file outside {found.root}; copy the file there"

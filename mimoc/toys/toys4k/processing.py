@@ -7,13 +7,13 @@ import numpy as np
 
 from mimoc.errors import ToyError
 from mimoc.toys.model import FloatArray, Mesh, Solid
-from mimoc.toys.shaping import join, mesh_volume
 from mimoc.toys.toys4k.cleaning import clean, only_used
 from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
 from mimoc.toys.toys4k.decimating import decimate
 from mimoc.toys.toys4k.resting import TOPS, planes, set_down
-from mimoc.toys.toys4k.subprocesses import ApartError, do_apart
+from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker
 from mimoc.toys.toys4k.winding import Surface, face_outwards, from_both_sides
+from mimoc.toys.transforms import join, mesh_volume
 
 VERSION = 1
 """Of the processing; higher with each change of what comes out."""
@@ -46,8 +46,8 @@ def process(content: bytes, kind: str) -> Shape:
         ToyError: If nothing can be made of it; the message is the end of a sentence about the mesh.
     """
     try:
-        arrays = do_apart("read", content, kind, MOST_FACES_READ, limit_s=READING_LIMIT_S)
-    except ApartError as error:
+        arrays = run_worker("read", content, kind, MOST_FACES_READ, limit_s=READING_LIMIT_S)
+    except WorkerError as error:
         raise ToyError(str(error)) from None
     surface = face_outwards(clean(arrays["vertices"], arrays["faces"]))
     whole = bool(surface.closed.all())

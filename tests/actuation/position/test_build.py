@@ -6,7 +6,7 @@ import pytest
 
 import mimoc
 from mimoc.body import assemble, grow
-from mimoc.body.heft import inertias
+from mimoc.body.inertia import inertias
 from mimoc.fits import measure
 from mimoc.runtime.check import COMMANDS, flail
 

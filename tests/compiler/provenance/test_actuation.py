@@ -8,13 +8,13 @@ import pytest
 from lxml import etree
 
 import mimoc
-from mimoc.actuation.drives import DRIVES
+from mimoc.actuation import ACTUATIONS
 
 STRENGTH = {"strength": {"arms": 2, "left_arm": 3}, "strength_age_months": 18}
 PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")
 
 
-@pytest.fixture(scope="module", params=DRIVES)
+@pytest.fixture(scope="module", params=ACTUATIONS)
 def bundle(request):
     spec = {
         "mimoc": 1,

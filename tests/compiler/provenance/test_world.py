@@ -8,7 +8,7 @@ from lxml import etree
 
 import mimoc
 from mimoc.compiler.explain import contents, explain, find
-from mimoc.compiler.pipeline import who_percentiles
+from mimoc.compiler.provenance.child import who_percentiles
 
 SCENES = {
     "room": {"kind": "room", "seed": 7, "pose": "sitting", "toys": {"count": [3, 3]}},

@@ -45,7 +45,7 @@ def test_curves_of_one_label_have_one_colour_and_others_another():
 
 
 def test_a_spread_is_a_band_about_its_curve():
-    banded = Curve("mean", (0, 1), (1, 2), spread=((0, 1), (2, 3)))
+    banded = Curve("mean", (0, 1), (1, 2), band=((0, 1), (2, 3)))
     (axes,) = draw_panels([panel(banded)]).axes
     (band,) = axes.collections
     assert np.ptp(band.get_paths()[0].vertices, axis=0) == pytest.approx((1, 3))

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from mimoc.looks.wallpaper import FLOORS, PICTURES, WALLS
+from mimoc.looks.wallpaper import FLOORS, PICTURES, WALLS, Wallpapers
 from mimoc.mjcf.furniture import WorldGeom
 from mimoc.random_streams import stream
-from mimoc.scenes.room.build import CLEARANCE_M, Decor, Room, draw_room, place_infant
+from mimoc.scenes.room.build import CLEARANCE_M, Room, draw_room, place_infant
 
 USUAL = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
 SEEDS = range(1000)
@@ -133,18 +133,18 @@ def test_pictures_are_flat_before_their_wall_and_touch_nothing(size, seed):
 
 
 def test_a_user_may_hang_nothing_or_a_picture_of_any_size():
-    assert pictures(draw_room(USUAL, 1, Decor(pictures=()))) == []
+    assert pictures(draw_room(USUAL, 1, Wallpapers(pictures=()))) == []
     endless = dataclasses.replace(PICTURES["cat"], tile_m=(30.0, 1.0))
-    for picture in pictures(draw_room(USUAL, 1, Decor(pictures=(endless,)))):
+    for picture in pictures(draw_room(USUAL, 1, Wallpapers(pictures=(endless,)))):
         assert picture.size_m[0] / picture.size_m[1] == pytest.approx(30)
 
 
 def test_every_texture_has_its_turn():
-    decor = Decor()
+    wallpapers = Wallpapers()
     for name, choice in {
-        "floor": decor.floors,
-        "ceiling": decor.ceilings,
-        **dict.fromkeys(SIDES[2:], decor.walls),
+        "floor": wallpapers.floors,
+        "ceiling": wallpapers.ceilings,
+        **dict.fromkeys(SIDES[2:], wallpapers.walls),
     }.items():
         counts = [[material(room, name).texture for room in rooms()].count(paper.name) for paper in choice]
         assert min(counts) > 0.7 * 1000 / len(choice)
@@ -166,9 +166,9 @@ def test_changing_one_aspect_changes_no_other():
     """Other floors to choose from leave the walls alone, another size leaves all textures."""
     for seed in range(50):
         room = draw_room(USUAL, seed)
-        refloored = draw_room(USUAL, seed, Decor(floors=(FLOORS["cork"],)))
+        refloored = draw_room(USUAL, seed, Wallpapers(floors=(FLOORS["cork"],)))
         larger = draw_room(((6, 9), (3, 4), (3, 3)), seed)
-        bare = draw_room(USUAL, seed, Decor(pictures=()))
+        bare = draw_room(USUAL, seed, Wallpapers(pictures=()))
         others = [name for name in SIDES if name != "floor"]
         assert refloored.furniture.geoms == room.furniture.geoms
         assert refloored.furniture.lights == room.furniture.lights == bare.furniture.lights

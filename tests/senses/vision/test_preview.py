@@ -5,7 +5,7 @@ import pytest
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.compiler import pipeline
+from mimoc.compiler import building, loading
 from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.preview import preview
@@ -80,7 +80,7 @@ def share_of_colour(picture, colour):
 
 def test_an_eye_looks_at_the_toy_that_it_sees_best():
     """Its strongest colour is in the middle, where straight ahead it is not."""
-    bundle = pipeline.builder(pipeline.load_spec(PLAYROOM))(1, check=False)
+    bundle = building.builder(loading.load_spec(PLAYROOM))(1, check=False)
     model = load_model(bundle)
     (car,) = (toy for toy in bundle.manifest.toys if toy.object == "car")
     geoms = model.geom_bodyid == model.body(car.body).id

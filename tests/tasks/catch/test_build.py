@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.compiler.pipeline import Builder, builder, compile_model
+from mimoc.compiler.building import Builder, builder
+from mimoc.compiler.model_check import compile_model
 from mimoc.errors import SpecError
 from mimoc.tasks.ball import RADIUS_M
 
@@ -100,9 +101,9 @@ def test_arm_and_hand_take_commands_and_all_else_is_locked(hands, hand, model):
     fingers = {"mitten": ("fingers",), "five_finger": ("ff", "mf", "rf", "lf", "th")}[hands]
     parts = ("shoulder", "elbow", "hand", *fingers)
     assert free == {joint for joint in made.tree.joints if joint.startswith(tuple(f"robot:{hand}_{p}" for p in parts))}
-    locked = {lock.joint for lock in made.manifest.fastenings.locks}
+    locked = {lock.joint for lock in made.manifest.constraints.locks}
     assert locked == made.tree.joints.keys() - free
-    assert [weld.body for weld in made.manifest.fastenings.welds] == ["hip"]
+    assert [weld.body for weld in made.manifest.constraints.welds] == ["hip"]
 
 
 def test_the_hand_is_all_of_its_parts(hand):
@@ -118,6 +119,6 @@ def test_the_ball_goes_where_the_infant_is(kind):
 
 
 def test_an_infant_without_the_hand_cannot_catch():
-    with pytest.raises(SpecError, match=r"task.kind: 'catch' needs left_fingers and left_hand, which this infant does"):
+    with pytest.raises(SpecError, match=r"task 'catch' requires left_fingers and left_hand, which this infant"):
         staged(hand="left", body={"remove": ["left_hand"]})
     assert staged(hand="right", body={"remove": ["left_hand"]}).manifest.task.kind == "catch"

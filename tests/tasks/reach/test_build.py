@@ -63,7 +63,7 @@ def test_only_the_arm_that_reaches_takes_commands():
 
 
 def test_an_infant_without_the_hand_cannot_reach():
-    with pytest.raises(SpecError, match=r"task\.kind: 'reach' needs right_fingers, which this infant does not have"):
+    with pytest.raises(SpecError, match=r"task 'reach' requires right_fingers, which this infant does not have"):
         mimoc.build(reach(9, body={"remove": ["right_hand"]}))
 
 

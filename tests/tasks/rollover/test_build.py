@@ -3,7 +3,7 @@
 import pytest
 
 import mimoc
-from mimoc.compiler.pipeline import Builder, builder
+from mimoc.compiler.building import Builder, builder
 from mimoc.errors import SpecError
 from mimoc.schema import read_spec
 from mimoc.schema.source import parse
@@ -20,8 +20,8 @@ def test_it_starts_from_the_pose_of_the_scene_with_all_joints_free(pose):
     assert made.manifest.pose == pose
     assert made.manifest.poses == ("supine", "prone", "sitting", "standing")
     assert all(actuator.commanded for actuator in made.manifest.actuation.actuators)
-    assert not made.manifest.fastenings.locks
-    assert not made.manifest.fastenings.welds
+    assert not made.manifest.constraints.locks
+    assert not made.manifest.constraints.welds
 
 
 def test_it_has_mimos_figures_unless_told_otherwise():

@@ -104,8 +104,8 @@ def test_a_hand_gets_to_every_part_at_every_age(built, age_months, hands, hand):
             assert touch(env, hand, target.bodies), target.name
             verdict = env._task.judge(env.data, env.action_space.sample(), env.effort)
             assert verdict.success, target.name
-            assert verdict.ends
-            assert verdict.terms == {"touch": 500.0, "distance": 0.0, "idle": 0.0}
+            assert verdict.terminated
+            assert verdict.reward_terms == {"touch": 500.0, "distance": 0.0, "idle": 0.0}
 
 
 def test_touching_another_part_costs_the_distance(env):
@@ -117,9 +117,9 @@ def test_touching_another_part_costs_the_distance(env):
         fingers = env.data.body(env.manifest.task.fingers).xpos
         middles = env.data.geom_xpos[solids(env, ("head", "left_eye", "right_eye"))]
         distance_m = np.linalg.norm(middles - fingers, axis=1).min()
-        assert verdict.terms == {"touch": 0.0, "distance": pytest.approx(-distance_m), "idle": 0.0}
+        assert verdict.reward_terms == {"touch": 0.0, "distance": pytest.approx(-distance_m), "idle": 0.0}
         assert not verdict.success
-        assert not verdict.ends
+        assert not verdict.terminated
 
 
 def test_touching_nothing_costs_one(env):

@@ -93,7 +93,7 @@ def test_a_child_can_pull_itself_up(built, age_months, hands, model):
     """It is not standing at first, and then stands for a second; both hands are at the rail all the time."""
     with make(built, age_months, hands, model) as env:
         pull, standing = Pull(env), []
-        welds = [env.model.equality(weld.equality).id for weld in env.manifest.fastenings.welds]
+        welds = [env.model.equality(weld.equality).id for weld in env.manifest.constraints.welds]
         for step in range(400):
             *_, terminated, _, info = env.step(pull.command(0.01 * step))
             standing.append(info["is_success"])

@@ -11,8 +11,8 @@ from scipy.spatial import Delaunay
 
 from mimoc.toys.builtin.library import BUILTIN
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import mesh_volume
 from mimoc.toys.solids import reach, solid_volume
+from mimoc.toys.transforms import mesh_volume
 
 CATEGORIES = set(
     """

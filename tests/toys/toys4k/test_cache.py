@@ -149,11 +149,11 @@ def test_a_damaged_entry_is_made_anew(found, processed, tmp_path):
 
 def test_what_could_not_be_finished_is_not_kept(found, processed, tmp_path, monkeypatch):
     def late(*_: object, **__: object) -> None:
-        raise subprocesses.LateError("takes too long")
+        raise subprocesses.WorkerTimeoutError("takes too long")
 
     for module in (convex, cache):
         monkeypatch.setattr(module, "has_coacd", lambda: True)
-    monkeypatch.setattr(convex, "do_apart", late)
+    monkeypatch.setattr(convex, "run_worker", late)
     assert len(load_toy(found, "ball_000", MeshCache(tmp_path / "cache")).solids) == 1
     assert not (tmp_path / "cache").exists()
 

@@ -149,7 +149,7 @@ def leaking(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_what_lies_out_of_the_root_is_no_object(leaking):
     found = find_toys(leaking)
     assert len(found.objects) == 5
-    assert list(found.outside) == ["ball_002", "cup_013", "pig_000"]
+    assert list(found.linked_away) == ["ball_002", "cup_013", "pig_000"]
     assert "pig" not in found.categories
 
 
@@ -157,12 +157,12 @@ def test_what_lies_out_of_the_root_is_no_object(leaking):
     ("name", "file"), [("ball_002", "ball/ball_002/mesh.obj"), ("pig_000", "pig/pig_000/mesh.obj")]
 )
 def test_what_lies_out_of_the_root_is_named_when_asked_for(name, file, leaking):
-    with pytest.raises(ToyError, match=rf"^'{name}' \({file}\) is a link to a file out of .*; copy the file there$"):
+    with pytest.raises(ToyError, match=rf"^'{name}' \({file}\) is a link to a file outside .*; copy the file there$"):
         choose(find_toys(leaking), [name])
 
 
 def test_a_category_that_lies_out_of_the_root_is_named_when_asked_for(leaking):
-    with pytest.raises(ToyError, match=r"^'pig_000' .* is a link to a file out of"):
+    with pytest.raises(ToyError, match=r"^'pig_000' .* is a link to a file outside"):
         choose(find_toys(leaking), ["pig"])
 
 
@@ -171,7 +171,7 @@ def test_a_root_may_be_a_link_itself_and_link_within(root, tmp_path_factory):
     link = tmp_path_factory.mktemp("links") / "toys"
     link.symlink_to(root)
     found = find_toys(link)
-    assert not found.outside
+    assert not found.linked_away
     assert found.categories["cup"] == ("cup_012", "cup_100")
 
 

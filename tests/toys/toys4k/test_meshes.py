@@ -12,7 +12,7 @@ from support.mesh_kinds import UNUSABLE, USABLE, WRITERS, obj, put
 
 from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.toys4k import cache, convex, decimating, meshes, processing, subprocesses
+from mimoc.toys.toys4k import cache, convex, dataset, decimating, processing, subprocesses
 from mimoc.toys.toys4k.dataset import FORMATS, find_toys
 from mimoc.toys.toys4k.meshes import DENSITY_KG_M3, load_toy
 from mimoc.toys.toys4k.resting import TOPS
@@ -231,7 +231,7 @@ def test_too_many_faces_are_an_error(load, monkeypatch):
 
 
 def test_too_large_a_file_is_an_error(load, monkeypatch):
-    monkeypatch.setattr(meshes, "MOST_BYTES", 10)
+    monkeypatch.setattr(dataset, "MOST_BYTES", 10)
     with pytest.raises(ToyError, match="has more than 0 MB"):
         load(mesh_kinds.box())
 
@@ -244,7 +244,7 @@ def test_a_file_that_was_moved_out_of_the_root_meanwhile_is_an_error(tmp_path):
     with pytest.raises(ToyError, match=r"^'ball_000' .* cannot be read \(No such file or directory\)"):
         load_toy(found, "ball_000")
     path.symlink_to(tmp_path / "mesh.obj")
-    with pytest.raises(ToyError, match=r"^'ball_000' .* is a link to a file out of"):
+    with pytest.raises(ToyError, match=r"^'ball_000' .* is a link to a file outside"):
         load_toy(found, "ball_000")
 
 
@@ -352,7 +352,7 @@ def test_a_reader_that_hangs_is_ended(load, monkeypatch, tmp_path):
     (tmp_path / "worker.py").write_text("import time\ntime.sleep(1000)")
     monkeypatch.setattr(subprocesses.worker, "__file__", str(tmp_path / "worker.py"))
     monkeypatch.setattr(processing, "READING_LIMIT_S", 1)
-    monkeypatch.setattr(subprocesses, "PATIENCE", 1)
+    monkeypatch.setattr(subprocesses, "WALL_TIME_FACTOR", 1)
     with pytest.raises(ToyError, match="takes more than 1 s to read"):
         load(mesh_kinds.box())
 

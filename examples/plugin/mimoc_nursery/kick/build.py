@@ -2,9 +2,10 @@
 
 import math
 
-from mimoc.body import BodyTree
-from mimoc.mjcf.furniture import WorldMaterial
 from mimoc.mjcf.tree import Prop, PropGeom
+
+from mimoc.body import BodyTree
+from mimoc.mjcf.materials import WorldMaterial
 from mimoc.tasks.setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 

@@ -1,8 +1,8 @@
 """Two ears on the sides of the head."""
 
 from mimoc.body import BodyTree
+from mimoc.mjcf.infant import Site
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.tree import Site
 from mimoc_nursery.sound.spec import SoundEntry, SoundSpec
 
 LEFT, RIGHT = "sound_left_ear", "sound_right_ear"

@@ -1,0 +1,131 @@
+"""Shapes, joints and centres of trunk, head and limbs, from an infant's proportions.
+
+Everything is written for the right side, in MIMo's frames: x forward, y left, z up on trunk and legs;
+along the limb on the arms. Numbers are the reference body's, in m.
+"""
+
+from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.body.extremities import fingers_dimensions, flat_foot_dimensions, mitten_dimensions, toes_dimensions
+from mimoc.body.proportions import Limb, Proportions, Trunk
+from mimoc.errors import GeometryError
+
+REFERENCE_HEAD_RADIUS_M = 0.0735
+
+
+def body_dimensions(p: Proportions, hands: str) -> Dimensions:
+    """Return the dimensions of a whole body with `mitten` or `five_finger` hands.
+
+    Raises:
+        GeometryError: If a segment is wider than it is long.
+    """
+    trunk_and_limbs = (
+        _trunk_dimensions(p.trunk, p.head_radius_m)
+        | _head_dimensions(p.trunk, p.head_radius_m)
+        | _arm_dimensions(p)
+        | _leg_dimensions(p)
+    )
+    if hands == "five_finger":
+        return trunk_and_limbs | fingers_dimensions(p) | toes_dimensions(p)
+    return trunk_and_limbs | mitten_dimensions(p.hand, p.forearm) | flat_foot_dimensions(p.foot)
+
+
+def _trunk_dimensions(t: Trunk, head_radius_m: float) -> Dimensions:
+    z = t.axial
+    depth = t.pelvis[0] / 0.048
+    neck = head_radius_m / REFERENCE_HEAD_RADIUS_M
+    bend = {
+        f"robot:hip_{motion}{level}": (0.0, 0.0, -0.05 * z) for motion in ("lean", "rot", "bend") for level in (1, 2)
+    }
+    return Dimensions(
+        origins={
+            "hip": (0.0, 0.0, 0.0),
+            "lower_body": (0.002 * depth, 0.0, 0.076 * z),
+            "upper_body": (-0.002 * depth, 0.0, 0.091 * z),
+            "chest": (0.0, 0.0, 0.090 * z),
+        },
+        shapes={
+            "lb": _across(t.pelvis, -0.002 * depth, 0.005 * z),
+            "cb": _across(t.waist, 0.005 * depth, -0.008 * z),
+            "ub1": _across(t.belly, 0.007 * depth, -0.032 * z),
+            "ub2": _across(t.ribs, 0.004 * depth, 0.030 * z),
+            "neck": Shape((0.028 * neck, 0.02 * z), (-0.004 * neck, 0.0, 0.125 * z)),
+            "ub3": _across(t.girdle, 0.0, 0.0),
+        },
+        anchors=bend,
+    )
+
+
+def _head_dimensions(t: Trunk, radius_m: float) -> Dimensions:
+    s = radius_m / REFERENCE_HEAD_RADIUS_M
+    return Dimensions(
+        origins={"head": (0.0, 0.0, 0.135 * t.axial), "{side}_eye": (0.07 * s, -0.0245 * s, 0.067375 * s)},
+        shapes={
+            "head": Shape((radius_m,), (0.01 * s, 0.0, radius_m)),
+            "{side}_eye1": Shape((0.01125 * s,), (0.0, 0.0, 0.0)),
+        },
+        anchors={"robot:head_tilt": (0.0, 0.0, 0.0123 * s), "robot:head_tilt_side": (0.0, 0.0, 0.0245 * s)},
+    )
+
+
+def _arm_dimensions(p: Proportions) -> Dimensions:
+    depth = p.trunk.girdle[0] / 0.041
+    return Dimensions(
+        origins={
+            "{side}_upper_arm": (-0.005 * depth, -p.trunk.shoulder_y_m, 0.003 * p.trunk.axial),
+            "{side}_lower_arm": (0.0, 0.0, p.upper_arm.length_m),
+        },
+        shapes={
+            "{side}_uarm1": _along("upper arm", p.upper_arm, p.forearm.radius_m),
+            "{side}_larm": _along("forearm", p.forearm, p.hand.half_thickness_m),
+        },
+        anchors={"robot:{side}_shoulder_horizontal": (0.0, -p.upper_arm.radius_m, 0.0)},
+    )
+
+
+def _leg_dimensions(p: Proportions) -> Dimensions:
+    thigh, shank = p.thigh, p.shank
+    depth = p.trunk.pelvis[0] / 0.048
+    into_foot_m = shank.length_m + 0.6 * p.foot.half_height_m
+    lower_start_m, lower_end_m = 0.6 * shank.length_m, into_foot_m - p.ankle_radius_m
+    if lower_end_m <= lower_start_m:
+        raise GeometryError(
+            f"a shank {shank.length_m:.3f} m long cannot have an ankle {2 * p.ankle_radius_m:.3f} m thick"
+        )
+    return Dimensions(
+        origins={
+            "{side}_upper_leg": (0.005 * depth, -p.trunk.hip_y_m, -0.007 * p.trunk.axial),
+            "{side}_lower_leg": (0.0, 0.0, -thigh.length_m),
+            "{side}_foot": (0.0, 0.0, -shank.length_m),
+        },
+        shapes={
+            "{side}_upper_leg1": _flip(_along("thigh", thigh, shank.radius_m)),
+            "{side}_lower_leg1": Shape(
+                (shank.radius_m, 0.044 / 0.177 * shank.length_m), (0.0, 0.0, -0.044 / 0.177 * shank.length_m)
+            ),
+            "{side}_lower_leg2": Shape(
+                (p.ankle_radius_m, (lower_end_m - lower_start_m) / 2), (0.0, 0.0, -(lower_start_m + lower_end_m) / 2)
+            ),
+        },
+    )
+
+
+def _across(section: tuple[float, float], x_m: float, z_m: float) -> Shape:
+    """Return a capsule along y from its radius and half width."""
+    radius_m, half_width_m = section
+    if half_width_m <= radius_m:
+        raise GeometryError(f"a trunk {2 * half_width_m:.3f} m wide cannot be {2 * radius_m:.3f} m deep")
+    return Shape((radius_m, half_width_m - radius_m), (x_m, 0.0, z_m))
+
+
+def _along(what: str, limb: Limb, embed_m: float) -> Shape:
+    """Return a capsule along +z whose axis starts at its joint and which ends *embed_m* past the next one."""
+    axis_m = limb.length_m + embed_m - limb.radius_m
+    if axis_m <= 0:
+        raise GeometryError(f"{what}: a limb {limb.length_m:.3f} m long cannot be {2 * limb.radius_m:.3f} m thick")
+    return Shape((limb.radius_m, axis_m / 2), (0.0, 0.0, axis_m / 2))
+
+
+def _flip(solid: Shape) -> Shape:
+    """Return the same solid hanging down instead of standing up."""
+    x_m, y_m, z_m = solid.pos_m
+    return Shape(solid.size_m, (x_m, y_m, -z_m))

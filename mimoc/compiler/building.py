@@ -1,0 +1,219 @@
+"""From a spec to a builder of its bundles, one for each seed of the scene."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc import body, fits
+from mimoc.actuation.setup import ActuationSetup, build_actuation
+from mimoc.body.provenance import Entry, trace_body
+from mimoc.bundle.arrays import ARRAYS, pack_arrays
+from mimoc.bundle.io import Bundle, seal
+from mimoc.bundle.json_text import render_json
+from mimoc.bundle.manifest import Manifest, ToyEntry
+from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.compose import compose, place_senses
+from mimoc.compiler.describe import describe, describe_toys, used_plugins
+from mimoc.compiler.diagnosis import diagnose
+from mimoc.compiler.furnish import FurnishedScene, covered_floor, furnish, set_up_task
+from mimoc.compiler.model_check import compile_model, trace_model_error
+from mimoc.compiler.notes import notes
+from mimoc.compiler.provenance.actuation import trace_actuation
+from mimoc.compiler.provenance.child import trace_child, who_percentiles
+from mimoc.compiler.provenance.delays import trace_delays
+from mimoc.compiler.provenance.plugins import trace_plugins
+from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
+from mimoc.compiler.provenance.task import trace_task
+from mimoc.compiler.provenance.world import trace_world
+from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
+from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError, UnplayableError
+from mimoc.fits.tables import data_files
+from mimoc.mjcf import printing
+from mimoc.mjcf.compatibility import CompatibilityTarget, find_target
+from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import SceneTree
+from mimoc.rounding import rounded, rounded_array
+from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
+from mimoc.schema.yaml_scalars import dump
+from mimoc.tasks.setup import TaskSetup
+from mimoc.units import ms_to_s
+from mimoc.version import __version__
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Builder:
+    """A spec whose infant is built: what is left is the world that a seed draws."""
+
+    spec: InfantSpec
+    """What is built."""
+    target: str | None
+    """Other software that it is built for, by name."""
+    tree: body.BodyTree
+    """The infant's body."""
+    infant: SceneTree
+    """The infant with senses and actuators, its poses at the origin, before it is put into a world."""
+    task_setup: TaskSetup
+    """What its task needs."""
+    footprint: npt.NDArray[np.float64]
+    """The floor that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
+    scene_assets: SceneAssets
+    """The toys and wallpapers that scenes are drawn from."""
+    files: Mapping[str, bytes]
+    """The infant's files, by path in the bundle."""
+    manifest: Manifest
+    """The manifest, but for what depends on the seed."""
+    origins: Mapping[str, Any]
+    """Where the infant's numbers come from, by key in `provenance.json`."""
+
+    def __repr__(self) -> str:
+        """Return which infant it builds, in a line."""
+        return f"Builder({self.spec.name!r}, {self.spec.age_months:g} months)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it be copied and sent to other processes, which build the infant anew."""
+        return builder, (self.spec, self.target)
+
+    def __call__(self, seed: int, *, check: bool = True) -> Bundle:
+        """Return the bundle of a seed.
+
+        Args:
+            seed: Of the scene.
+            check: Whether to have MuJoCo check the model; what loads it next does so too.
+
+        Raises:
+            SpecError: If there is no room for the toys, or nothing can be made of one.
+            ModelError: If MuJoCo refuses the model.
+        """
+        spec = _with_seed(self.spec, seed)
+        furnished = self.furnished(seed)
+        world_origins = {**trace_spec(spec, as_written(spec)), **trace_world(spec, furnished)}
+        manifest = self._manifest_of(spec, furnished)
+        files = self._files(spec, furnished, manifest, world_origins)
+        try:
+            if check:
+                compile_model(files)
+        except ModelError as error:
+            raise trace_model_error(error, as_written(spec), {**world_origins, **self.origins}) from None
+        return seal(files, {"mimoc": __version__}, data_files(), manifest)
+
+    def furnished(self, seed: int) -> FurnishedScene:
+        """Return the scene of a seed, before it is written.
+
+        Raises:
+            SpecError: If there is no room for the toys, or nothing can be made of one.
+        """
+        spec = _with_seed(self.spec, seed)
+        try:
+            found = furnish(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
+        except (NoRoomError, ToyError) as error:
+            written = as_written(spec)
+            raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
+        return replace(found, scene=find_target(self.target).world(found.scene))
+
+    def _manifest_of(self, spec: InfantSpec, furnished: FurnishedScene) -> Manifest:
+        toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished.toys))
+        told = notes(spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
+        return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": told})
+
+    def _files(
+        self, spec: InfantSpec, furnished: FurnishedScene, manifest: Manifest, world_origins: Mapping[str, Entry]
+    ) -> dict[str, bytes]:
+        return {
+            **self.files,
+            **printing.render_world(furnished.scene),
+            SPEC_FILE: as_written(spec).text.encode(),
+            "resolved.yaml": dump(rounded(to_data(spec))).encode(),
+            "provenance.json": render_json({**world_origins, **self.origins}),
+            "manifest.json": render_json(manifest.model_dump()),
+            "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
+        }
+
+
+def builder(spec: InfantSpec, target: str | None = None) -> Builder:
+    """Return what compiles a spec for any seed of its scene; the infant, which is always the same, is built now.
+
+    Raises:
+        UnknownNameError: If there is no such target.
+        SpecError: As `build`.
+    """
+    compatibility = find_target(target)
+    spec = validated(spec)
+    refuse_unavailable(spec)
+    anatomy, measurements, tree = _grow(spec, compatibility)
+    actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
+    origins = {
+        **trace_body(measurements, anatomy, tree, _scaled_parts(spec, tree)),
+        **trace_actuation(spec.actuation.model, anatomy, tree, replace(actuation, actuators=infant.actuators)),
+        **dict(trace_delays(spec, manifest.delays)),
+        **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
+        **trace_task(manifest.task),
+        **trace_plugins(manifest.plugins),
+        **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
+    }
+    return Builder(
+        spec=spec,
+        target=target,
+        tree=tree,
+        infant=infant,
+        task_setup=task_setup,
+        footprint=covered_floor(infant, spec.scene, tree),
+        scene_assets=load_scene_assets(spec, as_written(spec)),
+        files={**printing.render_infant(infant), **_arrays(senses)},
+        manifest=manifest,
+        origins=origins,
+    )
+
+
+def _grow(
+    spec: InfantSpec, compatibility: CompatibilityTarget
+) -> tuple[body.Anatomy, fits.Measurements, body.BodyTree]:
+    """Return anatomy, measurements and body of a spec's child."""
+    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
+    try:
+        measurements = body.measure_child(spec, anatomy)
+        return anatomy, measurements, compatibility.body(body.grow_child(spec, measurements, anatomy))
+    except (GeometryError, IndividualError) as error:
+        raise SpecError([diagnose(error, spec, as_written(spec))]) from None
+
+
+def _equip(
+    spec: InfantSpec, tree: body.BodyTree, compatibility: CompatibilityTarget
+) -> tuple[ActuationSetup, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
+    """Return actuators and senses of a body, what its task needs, the infant with all of them, and its manifest."""
+    try:
+        actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
+        senses = place_senses(spec, tree)
+        scene, task_setup = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
+        infant = compatibility.infant(scene, spec.actuation.model)
+        described = describe(spec, tree, infant, senses, task_setup)
+    except UnplayableError as error:
+        raise SpecError([as_written(spec).problem(error.key, str(error))]) from None
+    data = {**described.model_dump(), "plugins": used_plugins(spec)}
+    return actuation, senses, task_setup, infant, Manifest.model_validate(rounded(data))
+
+
+def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:
+    """Return the file that holds the large arrays of all senses, if there are any."""
+    arrays = {
+        f"{sense}/{name}": rounded_array(array)
+        for sense, placed in senses.items()
+        for name, array in placed.arrays.items()
+    }
+    return {ARRAYS: pack_arrays(arrays)} if arrays else {}
+
+
+def _scaled_parts(spec: InfantSpec, tree: body.BodyTree) -> dict[str, tuple[str, ...]]:
+    """Return the keys of the spec that scale each part, by its name in the body."""
+    scaled: dict[str, tuple[str, ...]] = {}
+    for name, part in spec.body.parts.items():
+        keys = (f"spec.body.parts.{name}.{key}" for key, _ in part)
+        scaled[tree.home(name)] = (*scaled.get(tree.home(name), ()), *keys)
+    return scaled
+
+
+def _with_seed(spec: InfantSpec, seed: int) -> InfantSpec:
+    """Return a spec whose scene has another seed."""
+    return spec if seed == spec.scene.seed else spec.with_(scene={"seed": seed})

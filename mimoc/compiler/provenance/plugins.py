@@ -1,0 +1,27 @@
+"""Where the kinds that are not mimoc's own come from."""
+
+from collections.abc import Mapping
+
+from mimoc.body.provenance import Entry
+
+SOURCES = {
+    "actuation": ["spec.actuation.model"],
+    "tasks": ["spec.task.kind"],
+    "scenes": ["spec.scene.kind"],
+    "toys": ["spec.scene.toys.source"],
+}
+"""Key of the spec that asks for a kind; a sense is a section, which has none of its own."""
+
+
+def trace_plugins(plugins: Mapping[str, str]) -> dict[str, Entry]:
+    """Return an entry for each kind that is not mimoc's own: the distribution that it comes from.
+
+    Args:
+        plugins: Distributions by kind, such as `senses.sound`; empty for a kind that a script registered.
+    """
+    return {f"plugins.{kind}": _entry(kind, distribution) for kind, distribution in plugins.items()}
+
+
+def _entry(kind: str, distribution: str) -> Entry:
+    rule = "the installed distribution that declares this kind" if distribution else "registered by a script"
+    return {"value": distribution, "rule": rule, "from": SOURCES.get(kind.split(".")[0], [])}

@@ -1,0 +1,130 @@
+"""BabyBench's senses."""
+
+from typing import Any
+
+from mimoc.importers.babybench.regions import (
+    SINGLE_GROUPS,
+    enabled_groups,
+    named,
+    note_coarser_groups,
+    switches,
+)
+from mimoc.importers.settings import Settings, plain
+
+PROPRIOCEPTION = ("velocity", "torque", "limits", "actuation")
+QUANTITIES = {
+    "force_vector": "force_vector",
+    "force": "force_vector",
+    "force_vector_global": "force_vector_global",
+    "normal": "normal",
+    "normal_force": "normal",
+}
+RESPONSES = {
+    "linear": "linear",
+    "nearest": "nearest",
+    "spread_linear": "linear",
+    "spread_exponential": "linear",
+}
+"""MIMo's response functions."""
+NO_RESPONSE = {"spread_exponential": "no counterpart; converted to spread_linear"}
+DENSITIES = (0.1, 10.0)
+"""Range of the density of skin points in mimoc."""
+MAX_PX = 2048
+FOVY_DEG = (1.0, 170.0)
+
+
+def read_senses(settings: Settings) -> dict[str, Any]:
+    """Return the section `senses` of a spec."""
+    readers = {
+        "proprioception": _proprioception,
+        "vestibular": _vestibular,
+        "touch": _touch,
+        "vision": _vision,
+    }
+    found = {name: read_sense(settings) for name, read_sense in readers.items()}
+    return {name: sense for name, sense in found.items() if sense is not None}
+
+
+def _switch(settings: Settings, *names: str) -> bool | None:
+    """Return whether a sense is on, by any of the keys for it."""
+    forms = [form for name in names for form in (name, f"{name}_active", f"{name}_on", f"{name}_enabled")]
+    return settings.flag(*forms, *(f"use_{name}" for name in names))
+
+
+def _proprioception(settings: Settings) -> dict[str, Any] | None:
+    if _switch(settings, "proprioception", "proprio") is False:
+        settings.ignore("proprioception_", "proprio_")
+        return None
+    felt = {name: settings.flag(f"proprio_{name}", f"proprioception_{name}") for name in PROPRIOCEPTION}
+    for name, wanted in felt.items():
+        if wanted is False and (key := settings.find(f"proprio_{name}")):
+            settings.note(key, "excluded here; BabyBench's code ignores this key and includes it")
+    include = [name for name, wanted in felt.items() if wanted is not False]
+    return {} if len(include) == len(PROPRIOCEPTION) else {"include": include}
+
+
+def _vestibular(settings: Settings) -> dict[str, Any] | None:
+    return {} if _switch(settings, "vestibular") else None
+
+
+def _touch(settings: Settings) -> dict[str, Any] | None:
+    on = _switch(settings, "touch")
+    scale = settings.find("touch_scale")
+    if on is False or (scale and settings.value(scale) in (0, 0.0) and settings.value(scale) is not False):
+        settings.ignore("touch_")
+        return None
+    density = _density(settings)
+    quantity = settings.choice("touch_function", "touch_quantity", meanings=QUANTITIES)
+    response = _response(settings)
+    regions = _skin(settings)
+    said = {"density": density, "quantity": quantity, "response": response, "regions": regions}
+    given = {key: value for key, value in said.items() if value is not None}
+    return None if regions == [] or not (on or given) else given
+
+
+def _density(settings: Settings) -> float | None:
+    """Return the density of skin points that corresponds to a scale of their distances."""
+    key = settings.find("touch_scale", "touch_scales")
+    scale = settings.number(key, low=0.001, high=1000) if key else None
+    if key is None or scale is None or scale == 1:
+        return None
+    lowest, highest = DENSITIES
+    density = float(f"{min(max(scale**-2, lowest), highest):.4g}")
+    limit = "" if lowest <= scale**-2 <= highest else f", mimoc's {'minimum' if scale > 1 else 'maximum'}"
+    settings.note(key, f"interpreted as a factor of the distance between skin points: density {density:g}{limit}")
+    return density
+
+
+def _response(settings: Settings) -> str | None:
+    key = settings.find("touch_response", "touch_response_function")
+    response = settings.choice(key, meanings=RESPONSES) if key else None
+    if key and (word := plain(settings.value(key))) in NO_RESPONSE:
+        settings.note(key, NO_RESPONSE[word])
+    return response
+
+
+def _skin(settings: Settings) -> list[str] | None:
+    """Return the groups with skin, None if all have skin."""
+    beside = {"touch_function", "touch_quantity", "touch_scale", "touch_scales"}
+    beside |= {"touch_response", "touch_response_function", "touch_active", "touch_on", "touch_enabled"}
+    found = switches(settings, "touch_", beside)
+    bare = enabled_groups(found, default=True, merge=any)
+    note_coarser_groups(settings, found, bare, {True: "which has skin", False: "which has none"})
+    return named(bare) if found and bare != set(SINGLE_GROUPS) else None
+
+
+def _vision(settings: Settings) -> dict[str, Any] | None:
+    on = _switch(settings, "vision")
+    if on is False:
+        settings.ignore("vision_")
+        return None
+    size_px = settings.whole("vision_resolution", "vision_size", low=1, high=MAX_PX)
+    width_px = settings.whole("vision_width", low=1, high=MAX_PX)
+    height_px = settings.whole("vision_height", low=1, high=MAX_PX)
+    said = {
+        "width_px": width_px or size_px,
+        "height_px": height_px or size_px,
+        "fovy_deg": settings.number("vision_fovy", "vision_fov", low=FOVY_DEG[0], high=FOVY_DEG[1]),
+    }
+    given = {key: value for key, value in said.items() if value is not None}
+    return {**given, "acuity": "off"} if on or given else None

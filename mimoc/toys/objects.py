@@ -1,0 +1,153 @@
+"""Toys as objects in MJCF: scaled, coloured, weighed and placed."""
+
+import re
+import unicodedata
+from collections.abc import Iterator, Sequence
+
+from mimoc.geometry.rotations import quaternion_from_axis
+from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED
+from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.objects import FreeObject, MeshFile, ObjectGeom
+from mimoc.toys.choosing import Toy
+from mimoc.toys.model import Mesh, Solid
+from mimoc.toys.solids import solid_volume
+
+FRICTION = (1.0, 0.005, 0.0005)
+CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
+"""`condim`: 3 is sliding friction, 4 adds spinning and 6 rolling friction.
+
+Each costs time, so capsules have 3: they are axles, legs and rings, which touch at several points.
+"""
+BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
+"""Mass (of the toy's), distance and radius (in sizes of the toy) of the ballast in a toy with cylinders.
+
+It makes the toy lean by a millionth: now and then MuJoCo (3.17) finds no contact between a plane and a cylinder that is
+upright but for rounding, and a bottle that stood still for seconds would suddenly fall.
+"""
+LONGEST_NAME = 40
+"""Characters of a toy's name in the names of its elements."""
+LOOKS_GROUP = 1
+SOLIDS_GROUP = 3
+"""MuJoCo does not draw this group by default."""
+
+
+def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
+    """Return a toy that stands on the floor.
+
+    Args:
+        toy: What it is.
+        number: Which of the toys, from 1.
+        place_m: x and y.
+    """
+    name = f"toy{number}_{mjcf_name(toy.model.name)}"
+    x_m, y_m = map(float, place_m)
+    materials = {part.tint: WorldMaterial(f"{name}_{part.tint}", toy.colours[part.tint]) for part in toy.model.parts}
+    looks = list(_looks(toy, name, number))
+    solids = list(_solids(toy, name, number))
+    return FreeObject(
+        name=name,
+        object=toy.model.name,
+        category=toy.model.category,
+        source=toy.model.source,
+        joint=f"{name}_free",
+        pos_m=(x_m, y_m, 0.0),
+        quat=quaternion_from_axis((0.0, 0.0, 1.0), toy.yaw_rad),
+        size_m=toy.size_m,
+        mass_kg=toy.mass_kg,
+        density_kg_m3=toy.model.density_kg_m3,
+        geoms=tuple(geom for geom, _ in (*looks, *solids)),
+        materials=tuple(materials.values()),
+        meshes=tuple(mesh for _, mesh in (*looks, *solids) if mesh),
+    )
+
+
+def mjcf_name(text: str) -> str:
+    """Return a name that is safe in MJCF and in what reads it, as near to a text as can be: `Würfel 3` is Wurfel_3."""
+    letters = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
+
+
+def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
+    """Yield the visual geoms of a toy, which touch nothing, and their meshes."""
+    for part in toy.model.parts:
+        mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
+        yield (
+            ObjectGeom(
+                name=f"{name}_looks_{part.tint}",
+                type="mesh",
+                names=(("mesh", mesh.name),),
+                sizes=(),
+                pos_m=(0.0, 0.0, 0.0),
+                quat=(1.0, 0.0, 0.0, 0.0),
+                mass_kg=0.0,
+                material=f"{name}_{part.tint}",
+                contype=UNTOUCHED,
+                conaffinity=UNTOUCHED,
+                condim=1,
+                friction=FRICTION,
+                solmix=DOMINANT_SOLMIX,
+                group=LOOKS_GROUP,
+            ),
+            mesh,
+        )
+
+
+def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
+    """Yield the collision geoms of a toy, which share its mass by volume, and their meshes."""
+    volumes = [solid_volume(solid) for solid in toy.model.solids]
+    ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
+    for index, (solid, volume) in enumerate(zip(toy.model.solids, volumes, strict=True), start=1):
+        mesh = _mesh(f"toy{number}_solid{index}", solid.mesh, toy.size_m, "convex") if solid.mesh else None
+        x, y, z = (toy.size_m * offset for offset in solid.pos)
+        yield (
+            ObjectGeom(
+                name=f"{name}_solid{index}",
+                type=solid.type,
+                names=(("mesh", mesh.name),) if mesh else (),
+                sizes=() if mesh else (("size", _scaled(solid, toy.size_m)),),
+                pos_m=(x, y, z),
+                quat=solid.quat,
+                mass_kg=(toy.mass_kg - ballast_kg) * volume / sum(volumes),
+                material=f"{name}_{toy.model.parts[0].tint}",
+                contype=SOLID,
+                conaffinity=SOLID,
+                condim=CONDIM[solid.type],
+                friction=FRICTION,
+                solmix=DOMINANT_SOLMIX,
+                group=SOLIDS_GROUP,
+            ),
+            mesh,
+        )
+    if ballast_kg:
+        yield _ballast(toy, name, ballast_kg), None
+
+
+def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
+    """Return an invisible geom without contacts that moves the centre of mass of a toy a little to one side."""
+    return ObjectGeom(
+        name=f"{name}_ballast",
+        type="sphere",
+        names=(),
+        sizes=(("size", (BALLAST_RADIUS * toy.size_m,)),),
+        pos_m=(BALLAST_AT * toy.size_m, 0.0, toy.model.solids[0].pos[2] * toy.size_m),
+        quat=(1.0, 0.0, 0.0, 0.0),
+        mass_kg=mass_kg,
+        material=f"{name}_{toy.model.parts[0].tint}",
+        contype=UNTOUCHED,
+        conaffinity=UNTOUCHED,
+        condim=1,
+        friction=FRICTION,
+        solmix=DOMINANT_SOLMIX,
+        group=SOLIDS_GROUP,
+    )
+
+
+def _scaled(solid: Solid, size_m: float) -> tuple[float, ...]:
+    return tuple(size_m * length for length in solid.size)
+
+
+def _mesh(name: str, mesh: Mesh, size_m: float, inertia: str) -> MeshFile:
+    """Return an OBJ of a mesh at its size."""
+    vertices = "\n".join(map("v {0[0]:.6f} {0[1]:.6f} {0[2]:.6f}".format, (mesh.vertices * size_m).tolist()))
+    faces = "\n".join(map("f {0[0]} {0[1]} {0[2]}".format, (mesh.faces + 1).tolist()))
+    return MeshFile(name, f"assets/{name}.obj", f"{vertices}\n{faces}\n".encode(), inertia)

@@ -1,0 +1,44 @@
+"""What moves each joint, and with what its strength grows."""
+
+import pytest
+
+from mimoc.body import assemble, grow
+from mimoc.fits import measure
+from mimoc.geometry.primitives import volume
+
+COUNTS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
+
+
+@pytest.fixture(scope="module", params=COUNTS, ids=str)
+def anatomy(request):
+    return assemble(*request.param)
+
+
+def test_motors_move_hinges_and_grow_with_geoms_that_exist(anatomy):
+    hinges = {joint.name for _, part in anatomy.parts for joint in part.joints}
+    for _, figures in anatomy.motors:
+        assert figures.joint in hinges, figures.name
+        assert figures.mover in anatomy.geoms, figures.name
+
+
+def test_no_joint_has_two_motors(hands_and_chest):
+    motors = grow(measure(18), assemble(*hands_and_chest)).motors
+    assert len({motor.joint for motor in motors}) == len(motors) == COUNTS[hands_and_chest]
+
+
+def test_a_gear_grows_with_its_mover_and_with_nothing_else(anatomy):
+    """One part after another made thicker."""
+    before = grow(measure(18), anatomy)
+    for body in before.bodies:
+        after = grow(measure(18), anatomy, {body.name: (1.0, 1.1)})
+        for motor, thicker in zip(before.motors, after.motors, strict=True):
+            small, large = (
+                volume(tree.geoms[motor.mover].type, tree.geoms[motor.mover].size_m) for tree in (before, after)
+            )
+            assert thicker.gear_nm == pytest.approx(motor.gear_nm * large / small, rel=1e-12), (body.name, motor.name)
+            assert (small != large) == (motor.mover in {geom.name for geom in body.geoms})
+
+
+def test_force_ranges_do_not_grow(anatomy):
+    young, old = grow(measure(0), anatomy), grow(measure(24), anatomy)
+    assert [motor.force_range for motor in young.motors] == [motor.force_range for motor in old.motors]

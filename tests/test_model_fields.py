@@ -1,0 +1,34 @@
+"""What is declared of a model is saved and restored, and nothing else."""
+
+import mujoco
+import numpy as np
+
+from mimoc.model_fields import ModelField, ModelFields
+
+XML = """
+<mujoco>
+  <worldbody>
+    <body name="a"><geom size=".1"/></body>
+    <body name="b"><geom size=".2"/></body>
+  </worldbody>
+</mujoco>"""
+
+
+def test_rows_that_are_declared_are_restored():
+    model = mujoco.MjModel.from_xml_string(XML)
+    fields = ModelFields(model, [ModelField("body_mass", np.array([1])), ModelField("geom_size", np.array([0, 1]))])
+    before, sizes = fields.state, model.geom_size.copy()
+    model.body_mass[:] = 7.0
+    model.geom_size[:] = 0.5
+    fields.state = before
+    assert model.body_mass[1] == before[0][0] != 7.0
+    assert model.body_mass[2] == 7.0
+    assert np.array_equal(model.geom_size, sizes)
+
+
+def test_a_state_is_a_copy():
+    model = mujoco.MjModel.from_xml_string(XML)
+    fields = ModelFields(model, [ModelField("body_mass", np.array([1, 2]))])
+    state = fields.state
+    model.body_mass[:] = 7.0
+    assert not (state[0] == 7.0).any()
