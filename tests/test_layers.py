@@ -93,10 +93,10 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 
 RUN_MODULES = {
     "senses": "binding custom sense nothing touch.contacts touch.receptors vision.eyes vision.blur vision.foveation "
-    "vision.preview",
+    "vision.preview touch.preview",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
-    "delays": "line schedule",
+    "delays": "line schedule signals",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""
 
