@@ -94,7 +94,7 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 
 RUN_MODULES = {
     "senses": "binding custom sense nothing touch.contacts touch.receptors vision.eyes vision.blur vision.foveation "
-    "vision.preview",
+    "vision.preview touch.preview",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "line schedule signals",

@@ -1,4 +1,4 @@
-"""What whole infants feel with their skin: at rest, on the move, and tangled."""
+"""Touch of whole infants: at rest, moving, and tangled."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -13,15 +13,15 @@ from support.touch_oracle import touch_loop
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.senses.spec import TouchQuantity, TouchResponse
 from mimoc.senses.touch.run import QUANTITIES, RESPONSES, Touch, bind
+from mimoc.senses.touch.spec import TouchQuantity, TouchResponse
 
 G_M_S2 = 9.81
 
 
-def points(reading):
-    """Return a reading of vectors point by point."""
-    return reading.reshape(-1, 3)
+def points(sample):
+    """Return a sample of vectors point by point."""
+    return sample.reshape(-1, 3)
 
 
 def contact_forces(data):
@@ -42,7 +42,7 @@ def built(age_months, hands, pose, **touch) -> mimoc.Bundle:
 
 
 def infant(age_months=9, hands="mitten", pose="supine", quantity="force_vector", response="linear"):
-    """Return the touch of an infant, its simulation in a pose, and the loop that should feel the same."""
+    """Return the touch of an infant, its simulation in a pose, and the loop that it should equal."""
     bundle = built(age_months, hands, pose)
     model = load_model(bundle)
     data = mujoco.MjData(model)
@@ -74,7 +74,7 @@ def moving(data, count) -> Iterator[mujoco.MjData]:
 
 
 def by_body(touch, data):
-    """Return what the points of each body feel together, shape (nbody, 3), in the world."""
+    """Return the sum of the forces on the points of each body, shape (nbody, 3), in the world."""
     total = np.zeros((data.model.nbody, 3))
     np.add.at(total, touch.receptors.bodies, touch.skin_state(data).forces)
     return total
@@ -91,7 +91,7 @@ def child(request):
 @pytest.mark.parametrize(
     ("age_months", "hands", "pose"), [(0, "mitten", "supine"), (9, "five_finger", "sitting"), (24, "mitten", "prone")]
 )
-def test_it_feels_what_a_loop_over_all_points_feels(age_months, hands, pose, quantity, response):
+def test_it_equals_a_loop_over_all_points(age_months, hands, pose, quantity, response):
     touch, data, loop = infant(age_months, hands, pose, quantity=quantity, response=response)
     touched = 0
     for states in (moving(data, 40), tangled(data, 15)):
@@ -103,7 +103,7 @@ def test_it_feels_what_a_loop_over_all_points_feels(age_months, hands, pose, qua
 
 
 @pytest.mark.matrix
-def test_the_points_of_a_body_feel_together_what_touches_it(child):
+def test_the_forces_on_the_points_of_a_body_add_up_to_the_contact_forces_on_it(child):
     """In every direction, to the last digits."""
     touch, data = child
     skinned = np.unique(touch.bodies)
@@ -119,7 +119,7 @@ def test_the_points_of_a_body_feel_together_what_touches_it(child):
     assert (touched > 60).all()
 
 
-def test_touching_oneself_is_felt_twice_and_opposite(child):
+def test_a_touch_of_oneself_is_sensed_twice_with_opposite_forces(child):
     touch, data = child
     touched = 0
     for state in tangled(data, 30, height_m=10):
@@ -145,7 +145,7 @@ def test_reading_changes_nothing(child):
 
 @pytest.mark.matrix
 @pytest.mark.parametrize("pose", ["supine", "prone"])
-def test_an_infant_at_rest_feels_its_weight(pose):
+def test_an_infant_at_rest_senses_its_weight(pose):
     touch, data, _ = infant(pose=pose)
     mujoco.mj_step(data.model, data, 1500)
     weight_n = data.model.body_mass.sum() * G_M_S2
@@ -154,7 +154,7 @@ def test_an_infant_at_rest_feels_its_weight(pose):
 
 def test_pressures_add_up_to_the_normal_forces(child):
     touch, data = child
-    normal = Touch(touch.receptors, touch.feeling, QUANTITIES["normal"], touch.spread)
+    normal = Touch(touch.receptors, data.model, QUANTITIES["normal"], RESPONSES["linear"])
     skinned = np.isin(np.arange(data.model.nbody), touch.bodies)
     for state in tangled(data, 20):
         sides = skinned[state.model.geom_bodyid[state.contact.geom]].sum(axis=1)
@@ -165,21 +165,23 @@ def test_pressures_add_up_to_the_normal_forces(child):
 def test_every_number_has_a_name_a_unit_and_a_body(child):
     touch, data = child
     for quantity in QUANTITIES.values():
-        felt = Touch(touch.receptors, touch.feeling, quantity, touch.spread)
-        layout = felt.layout
-        assert len(set(layout)) == len(layout) == len(felt.bodies) == felt.spaces["touch"].shape[0] == len(felt(data))
+        other = Touch(touch.receptors, data.model, quantity, RESPONSES["linear"])
+        layout = other.layout
+        assert (
+            len(set(layout)) == len(layout) == len(other.bodies) == other.spaces["touch"].shape[0] == len(other(data))
+        )
         assert all(name.endswith(" [N]") for name in layout)
-        assert [name.split()[0] for name in layout] == [data.model.body(body).name for body in felt.bodies]
+        assert [name.split()[0] for name in layout] == [data.model.body(body).name for body in other.bodies]
 
 
 def test_what_is_observed_is_fresh_and_within_its_space(child):
     touch, data = child
     for state in moving(data, 10):
-        reading = touch(state)
-        observed = touch.observe(reading)["touch"]
+        sample = touch(state)
+        observed = touch.observe(sample)["touch"]
         assert observed in touch.spaces["touch"]
-        assert_allclose(observed, reading, rtol=1e-6)
-        assert not np.shares_memory(observed, touch.observe(reading)["touch"])
+        assert_allclose(observed, sample, rtol=1e-6)
+        assert not np.shares_memory(observed, touch.observe(sample)["touch"])
 
 
 def test_the_skin_moves_with_the_body(child):
@@ -195,7 +197,7 @@ def test_the_skin_moves_with_the_body(child):
     assert_allclose(in_body[0], touch.receptors.points_m, atol=1e-12)
 
 
-def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
+def test_the_state_of_the_skin_is_in_the_world_whatever_is_observed():
     states = [touch.skin_state(data) for touch, data, _ in (infant(quantity=quantity) for quantity in QUANTITIES)]
     for state in states:
         assert state.forces.any()
@@ -204,13 +206,13 @@ def test_the_state_of_the_skin_is_in_the_world_whatever_is_felt():
         assert {"head", "hip", "left_foot"} <= set(state.bodies.tolist())
 
 
-def test_a_denser_skin_feels_more():
+def test_a_denser_skin_has_more_points():
     coarse, fine = (built(9, "mitten", "supine", density=density) for density in (0.5, 2))
-    points = [len(bind(each.manifest.senses.touch, each, load_model(each)).skin.names) for each in (coarse, fine)]
+    points = [len(bind(each.manifest.senses.touch, load_model(each), each).receptors.names) for each in (coarse, fine)]
     assert points[1] == pytest.approx(4 * points[0], rel=0.1)
 
 
-def test_every_quantity_and_response_of_the_spec_can_be_felt():
+def test_every_quantity_and_response_of_the_spec_exists():
     assert QUANTITIES.keys() == set(get_args(TouchQuantity))
     assert RESPONSES.keys() == set(get_args(TouchResponse))
 
