@@ -1,6 +1,5 @@
 """Textures and materials of an infant, as the MJCF lists them."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -15,47 +14,12 @@ from mimoc.looks.drawing import (
     draw_stripes,
 )
 from mimoc.looks.expressions import FACES
+from mimoc.mjcf.materials import Appearance, Material, Texture
 from mimoc.mjcf.mimo.lookups import face_texture
 
-Rgba = tuple[float, float, float, float]
-
-UNTINTED: Rgba = (1.0, 1.0, 1.0, 1.0)
-"""MuJoCo multiplies a texture by its material's colour."""
 TOP: Colour = (247, 204, 112)
 TOP_STRIPE: Colour = (252, 236, 196)
 PANTS: Colour = (112, 160, 172)
-
-
-@dataclass(frozen=True, slots=True)
-class Texture:
-    """One cube `<texture>`, all six sides in one file (2D ones look different on capsules in MuJoCo 3.5 and 3.17)."""
-
-    name: str
-    """Name that a material refers to."""
-    file: str
-    """Path inside the bundle, a key of `Appearance.assets`."""
-    gridsize: str = GRID_SIZE
-    """Rows and columns of the cube's grid."""
-    gridlayout: str = GRID_LAYOUT
-    """MuJoCo's letter for each cell, row by row."""
-
-
-@dataclass(frozen=True, slots=True)
-class Material:
-    """One `<material>`; every attribute is written out, so that no MuJoCo default matters."""
-
-    name: str
-    """Name that a geom refers to."""
-    rgba: Rgba
-    """Colour, or what the texture is multiplied by; 0 to 1."""
-    texture: str | None = None
-    """Name of a texture, or None for plain colour."""
-    specular: float = 0.1
-    """Strength of highlights, 0 to 1; skin and cloth are dull."""
-    shininess: float = 0.2
-    """Narrowness of highlights, 0 to 1."""
-    reflectance: float = 0.0
-    """0: nothing on an infant mirrors the room."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,18 +38,6 @@ class HeadFeature:
     """Rotations about x, y and z in turn, in [deg]."""
     material: str
     """Name of its material."""
-
-
-@dataclass(frozen=True, slots=True)
-class Appearance:
-    """All that an infant wears."""
-
-    textures: tuple[Texture, ...]
-    """In the order they are written."""
-    materials: tuple[Material, ...]
-    """In the order they are written."""
-    assets: Mapping[str, bytes]
-    """Path inside the bundle to the bytes of a PNG."""
 
 
 GEOM_MATERIALS = {
@@ -118,10 +70,10 @@ def dress(expression: str) -> Appearance:
     Args:
         expression: One of `mimoc.looks.expressions.FACES`.
     """
-    faces = {name: Texture(face_texture(name), f"assets/face_{name}.png") for name in FACES}
-    eye = Texture("eye", "assets/eye.png")
-    ear = Texture("ear", "assets/ear.png")
-    stripes = Texture("stripes", "assets/stripes.png")
+    faces = {name: _cube(face_texture(name), f"assets/face_{name}.png") for name in FACES}
+    eye = _cube("eye", "assets/eye.png")
+    ear = _cube("ear", "assets/ear.png")
+    stripes = _cube("stripes", "assets/stripes.png")
     assets = {
         **{texture.file: draw_face(name) for name, texture in faces.items()},
         eye.file: draw_eye(),
@@ -134,6 +86,11 @@ def dress(expression: str) -> Appearance:
 def face_material(expression: str) -> str:
     """Return the name of the material that shows an expression, whichever the infant starts with."""
     return f"head_{expression}"
+
+
+def _cube(name: str, file: str) -> Texture:
+    """Return a texture whose picture is cut as all of ours are."""
+    return Texture(name, file, GRID_SIZE, GRID_LAYOUT)
 
 
 def _materials(expression: str) -> tuple[Material, ...]:

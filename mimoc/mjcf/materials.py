@@ -1,8 +1,13 @@
-"""Materials and textures of the world in MJCF."""
+"""Materials and textures in MJCF: those of the world, and those of the infant."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.looks.appearance import Rgba
+Rgba = tuple[float, float, float, float]
+"""Red, green, blue and opacity, 0 to 1."""
+
+UNTINTED: Rgba = (1.0, 1.0, 1.0, 1.0)
+"""MuJoCo multiplies a texture by its material's colour."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,3 +39,47 @@ class WorldMaterial:
     reflectance: float = 0.0
     emission: float = 0.0
     """Emission of light, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Texture:
+    """One cube `<texture>`, all six sides in one file (2D ones look different on capsules in MuJoCo 3.5 and 3.17)."""
+
+    name: str
+    """Name that a material refers to."""
+    file: str
+    """Path inside the bundle, a key of `Appearance.assets`."""
+    gridsize: str
+    """Rows and columns of the cube's grid."""
+    gridlayout: str
+    """MuJoCo's letter for each cell, row by row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """One `<material>`; every attribute is written out, so that no MuJoCo default matters."""
+
+    name: str
+    """Name that a geom refers to."""
+    rgba: Rgba
+    """Colour, or what the texture is multiplied by; 0 to 1."""
+    texture: str | None = None
+    """Name of a texture, or None for plain colour."""
+    specular: float = 0.1
+    """Strength of highlights, 0 to 1; skin and cloth are dull."""
+    shininess: float = 0.2
+    """Narrowness of highlights, 0 to 1."""
+    reflectance: float = 0.0
+    """0: nothing on an infant mirrors the room."""
+
+
+@dataclass(frozen=True, slots=True)
+class Appearance:
+    """All that an infant wears."""
+
+    textures: tuple[Texture, ...]
+    """In the order they are written."""
+    materials: tuple[Material, ...]
+    """In the order they are written."""
+    assets: Mapping[str, bytes]
+    """Path inside the bundle to the bytes of a PNG."""

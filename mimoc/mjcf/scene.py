@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from mimoc.looks.appearance import Appearance, Material
 from mimoc.mjcf.infant import Actuator, Node, PrintedTendon, Sensor
+from mimoc.mjcf.materials import Appearance, Material
 from mimoc.mjcf.world import World
 
 

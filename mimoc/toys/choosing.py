@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.looks.appearance import Rgba
+from mimoc.mjcf.materials import Rgba
 from mimoc.random_streams import between, pick, stream, whole_between
 from mimoc.toys.model import Tint, ToyModel
 from mimoc.toys.solids import radius

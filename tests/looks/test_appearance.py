@@ -4,8 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, Appearance, dress, face_material
+from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, dress, face_material
 from mimoc.looks.expressions import FACES
+from mimoc.mjcf.materials import Appearance
 from mimoc.mjcf.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
 

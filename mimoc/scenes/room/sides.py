@@ -4,10 +4,9 @@ import math
 from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.looks.appearance import UNTINTED
 from mimoc.looks.wallpaper import Wallpaper
 from mimoc.mjcf.furniture import SOLID, UNTOUCHED, WorldGeom
-from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.materials import UNTINTED, WorldMaterial
 
 QUADS = 16
 """Facets along a side: MuJoCo computes light at their corners only."""
