@@ -20,7 +20,8 @@ OF_BUILDING = {"ball.py", "setup.py", "base.py"}
 """Helpers of tasks and actuation models that build."""
 
 CAMERAS = {"eye_left", "eye_right"}
-PARTS = {*TRUNK_BODIES, *ALL_LIMB_BODIES, *STRENGTH_GROUPS, *PAIRED_GROUPS, *CAMERAS}
+PARTS = {*TRUNK_BODIES, *ALL_LIMB_BODIES, *(set(STRENGTH_GROUPS) - set(PAIRED_GROUPS)), *CAMERAS}
+"""Groups of both sides, such as `legs`, are also words for what a manifest has."""
 SIDED = re.compile(r"\b(robot:|act:|(left|right)_[a-z])")
 
 

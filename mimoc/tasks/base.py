@@ -12,7 +12,7 @@ Range = tuple[float, float]
 
 
 class TaskSpec(Model):
-    """A goal with its reward and its end."""
+    """A task: its goal, reward and termination."""
 
     kind: Any
     """Which task this is: a `Literal` of its name."""
@@ -26,7 +26,7 @@ class TaskEntry(Model):
     kind: Any
     """Which task this is: a `Literal` of its name."""
     steps: int | None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None is never."""
 
 
 class BallEntry(Model):

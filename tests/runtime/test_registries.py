@@ -1,27 +1,33 @@
 from typing import get_args
 
+import pytest
+
 from mimoc.actuation import ACTUATIONS
+from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.bundle.model import load_model
+from mimoc.policies import POLICIES
 from mimoc.runtime.check import check_stability
-from mimoc.runtime.rollout import POLICIES
+from mimoc.runtime.rollout import policy_of
 
 
-def test_every_actuation_of_the_manifest_can_be_bound():
+def test_every_actuation_of_the_manifest_is_in_the_table():
     assert list(ACTUATIONS) == list(get_args(ActuationEntry.model_fields["model"].annotation))
 
 
-def test_every_actuation_says_its_range(env):
-    for bind in ACTUATIONS.values():
-        actuation = bind(env.manifest.actuation, env.model)
-        actuators = env.manifest.actuation.actuators
-        assert list(actuation.low) == [actuator.action_low for actuator in actuators]
-        assert list(actuation.high) == [actuator.action_high for actuator in actuators]
+@pytest.mark.parametrize("model", ACTUATIONS)
+def test_every_actuation_says_its_range(built, model):
+    bundle = built(actuation={"model": model})
+    actuation = bind_actuation(bundle.manifest.actuation, load_model(bundle))
+    actuators = bundle.manifest.actuation.actuators
+    assert list(actuation.low) == [actuator.action_low for actuator in actuators]
+    assert list(actuation.high) == [actuator.action_high for actuator in actuators]
 
 
-def test_every_policy_acts_within_the_space(env):
-    for policy in POLICIES.values():
-        act, (observation, _) = policy(env), env.reset()
-        assert all(act(env.np_random, observation) in env.action_space for _ in range(20))
+@pytest.mark.parametrize("name", POLICIES)
+def test_every_policy_acts_within_the_space(env, name):
+    act, (observation, _) = policy_of(env, name), env.reset()
+    assert all(act(env.np_random, observation) in env.action_space for _ in range(20))
 
 
 def test_every_pose_of_the_manifest_is_checked(bundle):

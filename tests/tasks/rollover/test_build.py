@@ -41,15 +41,15 @@ def test_an_infant_without_limbs_can_play():
     [
         (
             "{kind: empty}",
-            "x.yaml:4:15: scene.kind: 'rollover' has no place in such a scene; use flat, crib or room, or another task",
+            "x.yaml:4:15: scene.kind: task 'rollover' requires scene.kind: flat or crib or room; change one of them",
         ),
         (
             "{pose: sitting}",
-            "x.yaml:4:15: scene.pose: 'rollover' starts supine or prone, not sitting; use one of these",
+            "x.yaml:4:15: scene.pose: task 'rollover' requires scene.pose: supine or prone; change one of them",
         ),
         (
             "{pose: standing}",
-            "x.yaml:4:15: scene.pose: 'rollover' starts supine or prone, not standing; use one of these",
+            "x.yaml:4:15: scene.pose: task 'rollover' requires scene.pose: supine or prone; change one of them",
         ),
     ],
 )

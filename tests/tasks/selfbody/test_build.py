@@ -82,5 +82,5 @@ def test_it_can_be_played_anywhere(kind):
 
 
 def test_an_infant_without_the_hand_is_refused():
-    with pytest.raises(SpecError, match="'selfbody' needs right_fingers"):
+    with pytest.raises(SpecError, match="task 'selfbody' requires right_fingers"):
         mimoc.build(selfbody(remove=("right_hand",)))
