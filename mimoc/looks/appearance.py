@@ -14,7 +14,7 @@ from mimoc.looks.drawing import (
     draw_stripes,
 )
 from mimoc.looks.expressions import FACES
-from mimoc.mjcf.materials import Appearance, Material, Texture
+from mimoc.mjcf.materials import UNTINTED, Appearance, Material, Rgba, Texture
 from mimoc.mjcf.mimo.lookups import face_texture
 
 TOP: Colour = (247, 204, 112)
