@@ -51,7 +51,7 @@ def test_an_infant_without_any_strength_is_an_environment_too(model, hands):
 
 @cache
 def checks(model, hands, age_months):
-    return check_stability(infant(model, hands, age_months))
+    return tuple(check_stability(infant(model, hands, age_months)))
 
 
 @pytest.mark.parametrize(("age_months", "hands"), CHILDREN)
