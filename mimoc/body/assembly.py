@@ -1,6 +1,6 @@
 """One whole anatomy, put together from the tables: which hands, and whether the chest moves."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
@@ -25,7 +25,7 @@ class Anatomy:
     hands: str
     """`mitten` or `five_finger`."""
     parts: Sided
-    """Parents first, in MIMo's order."""
+    """Each followed by all that is attached to it, in MIMo's order."""
     motors: tuple[tuple[str, MotorFigures], ...]
     """Side and motor, in MIMo's order."""
     excluded: tuple[tuple[str, str], ...]
@@ -46,19 +46,22 @@ class Anatomy:
 @cache
 def assemble(hands: str, chest_joint: bool) -> Anatomy:
     """Return the anatomy with these hands, and with or without MIMo's two joints of the chest."""
-    regions = _regions(hands == "five_finger", chest_joint)
-    motors = ((side, motor) for region in IN_ORDER_OF_MOTORS for side, part in regions[region] for motor in part.motors)
+    sections = _sections(hands == "five_finger", chest_joint)
+    motors = (
+        (side, motor) for section in IN_ORDER_OF_MOTORS for side, part in sections[section] for motor in part.motors
+    )
     rooted = five_finger.EXCLUDED if hands == "five_finger" else ()
     sided = tuple((a.format(side=side), b.format(side=side)) for side in RIGHT_THEN_LEFT for a, b in rooted)
-    return Anatomy(hands, sum(regions.values(), ()), tuple(motors), (*anatomy.EXCLUDED, *sided))
+    parts = tuple(_attached_to("", sum(sections.values(), ())))
+    return Anatomy(hands, parts, tuple(motors), (*anatomy.EXCLUDED, *sided))
 
 
-def _regions(five: bool, chest_joint: bool) -> dict[str, Sided]:
-    """Return the parts of each region, in MIMo's order of bodies."""
+def _sections(five: bool, chest_joint: bool) -> dict[str, Sided]:
+    """Return the parts of each section of the body, in MIMo's order of bodies."""
     hand = five_finger.HAND if five else mitten.HAND
     foot = five_finger.FOOT if five else mitten.FOOT
     toes = five_finger.TOES if five else dict.fromkeys(RIGHT_THEN_LEFT, mitten.TOES)
-    regions = {
+    sections = {
         "trunk": tuple(("", _with_joints(part) if chest_joint else part) for part in anatomy.TRUNK),
         "arms": _sided((*anatomy.ARM, *hand), RIGHT_THEN_LEFT),
         "head": tuple(("", part) for part in anatomy.HEAD),
@@ -67,14 +70,22 @@ def _regions(five: bool, chest_joint: bool) -> dict[str, Sided]:
     }
     masses_kg = five_finger.MASSES_KG if five else {}
     return {
-        region: tuple((side, _with_masses(part, masses_kg)) for side, part in parts)
-        for region, parts in regions.items()
+        section: tuple((side, _with_masses(part, masses_kg)) for side, part in parts)
+        for section, parts in sections.items()
     }
 
 
 def _sided(parts: Iterable[Part], sides: Iterable[str]) -> Sided:
     parts = tuple(parts)
     return tuple((side, part) for side in sides for part in parts)
+
+
+def _attached_to(parent: str, parts: Sided) -> Iterator[tuple[str, Part]]:
+    """Yield the parts on a parent, each followed by all on it: MuJoCo numbers bodies and joints like that."""
+    for side, part in parts:
+        if (part.parent or "").format(side=side) == parent:
+            yield side, part
+            yield from _attached_to(part.name.format(side=side), parts)
 
 
 def _with_joints(part: Part) -> Part:

@@ -1,0 +1,229 @@
+"""A part that is added is one entry among the parts and one shape: nothing else knows of it.
+
+Two are: a tail, which hangs on the hip, and a wing on each side of the chest.
+"""
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import mimoc
+from mimoc.body import anatomy, assembly, density, growth, segments
+from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
+from mimoc.body.poses import CONTACT_DEPTH_M, POSES
+from mimoc.bundle.model import load_model
+from mimoc.compiler.explain import explain
+from mimoc.errors import SpecError
+from mimoc.schema.infant import read_spec
+from mimoc.schema.source import parse
+from mimoc.senses.touch import skin_points
+
+TAIL = Part(
+    "tail",
+    "hip",
+    (
+        GeomFigures(
+            "tail1",
+            "capsule",
+            0.05,
+            ("hip_circumference",),
+            "in proportion to hip_circumference",
+            material="pants_up",
+        ),
+    ),
+    (JointFigures("robot:tail", (0, 1, 0), (-30, 30), 0.2, 0.05, 0.001, 0.001),),
+    follows=("hip_circumference",),
+    rule="on the back of the pelvis",
+    motors=(MotorFigures("act:tail", "robot:tail", 0.8, (-1, 1), 1.5, "tail1"),),
+    skin_spacing_m=0.01,
+    torque_site="torque_tail",
+)
+WING = Part(
+    "{side}_wing",
+    "chest",
+    (GeomFigures("{side}_wing1", "box", 0.03, ("chest_circumference",), "in proportion to chest_circumference"),),
+    (JointFigures("robot:{side}_wing", (1, 0, 0), (-20, 40), 0.2, 0.05, 0.001, 0.001),),
+    follows=("chest_circumference",),
+    rule="on the back of the chest",
+    motors=(MotorFigures("act:{side}_wing", "robot:{side}_wing", 0.5, (-0.5, 1), 1.5, "{side}_wing1"),),
+    group="{side}_arm",
+    skin_spacing_m=0.02,
+    torque_site="torque_{side}_wing",
+)
+SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {}, "touch": {}}
+SENSES["vision"] = {"width_px": 16, "height_px": 16}
+CACHES = (assembly.assemble, density.reference_volumes, growth.grow_reference, skin_points._patches)
+
+
+def shapes(p) -> Dimensions:
+    """Return where tail and wing are, and how large."""
+    hip, chest = p.trunk.pelvis[0], p.trunk.girdle[0]
+    return Dimensions(
+        origins={"tail": (-1.1 * hip, 0.0, 0.0), "{side}_wing": (-1.3 * chest, -0.5 * chest, 0.0)},
+        shapes={
+            "tail1": Shape((0.2 * hip, 0.4 * hip), (0.0, 0.0, 0.5 * hip)),
+            "{side}_wing1": Shape((0.1 * chest, 0.5 * chest, 0.7 * chest), (0.0, -0.5 * chest, 0.0)),
+        },
+    )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def added() -> Iterator[None]:
+    """Add both, as a maintainer would: to the table of parts, and to that of shapes."""
+    with pytest.MonkeyPatch.context() as tables:
+        tables.setattr(anatomy, "TRUNK", (*anatomy.TRUNK, TAIL))
+        tables.setattr(anatomy, "ARM", (*anatomy.ARM, WING))
+        tables.setattr(segments, "SHAPES", (*segments.SHAPES, shapes))
+        forget()
+        yield
+    forget()
+
+
+def forget() -> None:
+    """Forget the bodies that were made of other tables."""
+    for cached in CACHES:
+        cached.cache_clear()
+
+
+def spec(age_months=9, **keys):
+    data = {"mimoc": 1, "name": "x", "age_months": age_months, "senses": SENSES, "scene": {"kind": "flat"}}
+    return mimoc.InfantSpec.model_validate({**data, **keys})
+
+
+@pytest.fixture(scope="module")
+def bundle(added) -> mimoc.Bundle:
+    return mimoc.build(spec())
+
+
+@pytest.fixture(scope="module")
+def model(bundle) -> mujoco.MjModel:
+    return load_model(bundle)
+
+
+@pytest.mark.parametrize("actuation", ["torque", "muscle", "position"])
+@pytest.mark.parametrize(("age_months", "hands", "target"), [(0, "mitten", None), (24, "five_finger", "mimo")])
+def test_an_infant_of_any_age_has_it(age_months, hands, target, actuation):
+    wanted = spec(age_months, body={"hands": hands}, actuation={"model": actuation})
+    model = load_model(mimoc.build(wanted, target))
+    moved = {model.joint(model.actuator(index).trnid[0]).name for index in range(model.nu)}
+    assert {"robot:tail", "robot:left_wing", "robot:right_wing"} <= moved
+    assert model.body(model.body("tail").parentid[0]).name == "hip"
+
+
+def test_it_runs_with_every_sense(bundle, open_env):
+    env = open_env(bundle=bundle)
+    check_env(env, skip_render_check=True)
+    observation, _ = env.reset(seed=0)
+    assert {"proprioception", "vestibular", "touch"} < observation.keys()
+    joints = env.layout("proprioception")
+    assert {"robot:tail angle [rad]", "robot:left_wing velocity [rad/s]"} <= set(joints)
+    assert {f"proprio:{part}.x torque [N m]" for part in ("tail", "left_wing", "right_wing")} <= set(joints)
+
+
+def test_the_check_of_a_bundle_passes(bundle, tmp_path, invoke):
+    assert invoke("check", mimoc.write_bundle(bundle, tmp_path / "infant")).code == 0
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_it_rests_on_the_ground_in_every_pose(model, pose):
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    depths_m = [-contact.dist for contact in data.contact if 0 in model.geom_bodyid[contact.geom]]
+    assert max(depths_m) == pytest.approx(CONTACT_DEPTH_M, abs=1e-8)
+
+
+def test_it_has_skin_at_its_own_distance(bundle):
+    skin = {part.body: part for part in bundle.manifest.senses.touch.skin}
+    assert skin["tail"].points > 10
+    assert skin["left_wing"].points == skin["right_wing"].points > 10
+    only_arms = mimoc.build(spec(senses={"touch": {"regions": ["arms"]}})).manifest.senses.touch.skin
+    bodies = {part.body for part in only_arms}
+    assert {"left_wing", "right_wing"} < bodies
+    assert "tail" not in bodies
+
+
+def test_what_touches_it_is_felt_there(open_env):
+    env = open_env(bundle=mimoc.build(spec(scene={"kind": "flat", "pose": "supine"})))
+    env.reset(seed=0)
+    for _ in range(20):
+        env.step(np.zeros(env.action_space.shape, np.float32))
+    assert np.abs(env.skin.forces[env.skin.bodies == "tail"]).max() > 0
+
+
+def test_left_mirrors_right(model):
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    left, right = (data.geom(f"{side}_wing1").xpos for side in ("left", "right"))
+    assert left == pytest.approx(right * (1, -1, 1))
+    assert model.joint("robot:left_wing").axis == pytest.approx(-model.joint("robot:right_wing").axis)
+
+
+def test_it_grows_with_what_it_follows():
+    young, old = (load_model(mimoc.build(spec(age_months))) for age_months in (0, 24))
+    assert np.all(young.geom("tail1").size[:2] < old.geom("tail1").size[:2])
+    assert young.body("left_wing").mass < old.body("left_wing").mass
+    assert young.actuator("act:tail").gear[0] < old.actuator("act:tail").gear[0]
+    then = load_model(mimoc.build(spec(18)))
+    assert then.actuator("act:tail").gear[0] == pytest.approx(0.8)
+    assert then.body("tail").mass[0] == pytest.approx(0.05)
+
+
+def test_it_belongs_to_a_group_of_muscles(bundle):
+    groups = bundle.manifest.anatomy.groups
+    assert "robot:tail" in groups["trunk"]
+    assert "robot:left_wing" in groups["left_arm"]
+    strong = load_model(mimoc.build(spec(actuation={"strength": {"trunk": 2, "left_arm": 0.5}})))
+    usual = load_model(bundle)
+    for motor, factor in {"act:tail": 2, "act:left_wing": 0.5, "act:right_wing": 1}.items():
+        assert strong.actuator(motor).gear[0] == pytest.approx(factor * usual.actuator(motor).gear[0])
+
+
+def test_it_is_locked_with_its_group():
+    locked = mimoc.build(spec(actuation={"locked": ["trunk"]})).manifest.constraints.locks
+    assert "robot:tail" in {lock.joint for lock in locked}
+
+
+def test_it_can_be_held():
+    assert "tail" in {weld.body for weld in mimoc.build(spec(scene={"held": ["tail"]})).manifest.constraints.welds}
+
+
+def test_it_can_be_scaled(model):
+    longer = load_model(mimoc.build(spec(body={"parts": {"tail": {"length": 1.2}, "left_wing": {"girth": 1.5}}})))
+    assert longer.geom("tail1").size[1] == pytest.approx(1.2 * model.geom("tail1").size[1])
+    assert longer.geom("tail1").size[0] == pytest.approx(model.geom("tail1").size[0])
+    assert longer.geom("left_wing1").size[0] == pytest.approx(1.5 * model.geom("left_wing1").size[0])
+    assert longer.geom("right_wing1").size == pytest.approx(model.geom("right_wing1").size)
+
+
+def test_it_can_be_removed():
+    removed = mimoc.build(spec(body={"remove": ["tail", "left_wing"]}))
+    model = load_model(removed)
+    names = {model.body(index).name for index in range(model.nbody)}
+    assert names & {"tail", "left_wing", "right_wing"} == {"right_wing"}
+    assert "tail" not in removed.files["scene.xml"].decode() + removed.files["infant.xml"].decode()
+
+
+def test_its_numbers_are_explained(bundle):
+    lines = explain(bundle, "geom.tail1.mass").lines
+    assert any("the average child of 18 months has 0.05 kg there" in line for line in lines), lines
+    assert any("in proportion to hip_circumference" in line for line in explain(bundle, "geom.tail1.size").lines)
+    assert explain(bundle, "skin.tail.spacing").lines
+    assert explain(bundle, "actuator.act:left_wing.gear").lines
+
+
+def test_it_has_its_material(model):
+    materials = {geom: model.mat(model.geom(geom).matid[0]).name for geom in ("tail1", "left_wing1")}
+    assert materials == {"tail1": "pants_up", "left_wing1": "skin"}
+
+
+def test_the_spec_language_knows_its_name():
+    text = "mimoc: 1\nname: x\nage_months: 9\nbody: {parts: {tial: {length: 1.2}}, remove: [left_win]}"
+    with pytest.raises(SpecError) as error:
+        read_spec(parse(text, "spec.yaml"))
+    assert "did you mean 'tail'" in str(error.value)
+    assert "did you mean 'left_wing'" in str(error.value)
