@@ -2,10 +2,9 @@
 
 import math
 
-from mimoc.mjcf.tree import Prop, PropGeom
-
 from mimoc.body import BodyTree
 from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.objects import FreeObject, ObjectGeom
 from mimoc.tasks.setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 
@@ -29,9 +28,9 @@ def build(spec: KickSpec, body: BodyTree) -> TaskSetup:
     return TaskSetup(KickEntry(steps=spec.steps or STEPS, foot=foot, mobile="mobile"), props=(_mobile(),))
 
 
-def _mobile() -> Prop:
+def _mobile() -> FreeObject:
     """Return a ball that touches nothing; it hangs where it starts."""
-    geom = PropGeom(
+    geom = ObjectGeom(
         name="mobile",
         type="sphere",
         names=(),
@@ -47,7 +46,7 @@ def _mobile() -> Prop:
         solmix=1.0,
         group=0,
     )
-    return Prop(
+    return FreeObject(
         name="mobile",
         object="mobile",
         category="mobile",
