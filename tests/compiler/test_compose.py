@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 import pytest
-from mimoc.actuation.setup import build_actuation
 
+from mimoc.actuation.setup import build_actuation
 from mimoc.body import assemble, grow
 from mimoc.compiler.building import builder
 from mimoc.compiler.compose import compose, place_senses

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import root_scalar
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames, pose
@@ -13,6 +12,7 @@ from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
 from mimoc.body.stature import stature
 from mimoc.errors import UnplayableError
 from mimoc.geometry.rotations import Vec3, matrix_from_axis
+from mimoc.geometry.solvers import root
 from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
@@ -149,7 +149,7 @@ def _flat_foot(
 
     if not too_deep_m(low) < 0 < too_deep_m(high):
         raise UnplayableError(f"task 'standup' starts with flat feet; this infant's {side} leg has the wrong length")
-    knee_deg = root_scalar(too_deep_m, bracket=(low, high), xtol=_PRECISION_DEG).root
+    knee_deg = root(too_deep_m, low, high, _PRECISION_DEG)
     return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
 
 
