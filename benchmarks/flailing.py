@@ -22,7 +22,7 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.errors import SpecError
 from mimoc.runtime.check import COMMANDS, Flailing, flail
-from mimoc.schema.names import LIMB_BODIES, TRUNK_BODIES
+from mimoc.schema.names import limb_bodies, trunk_bodies
 
 STEP_S = 0.01
 MODELS, HANDS = ("torque", "muscle", "position"), ("mitten", "five_finger")
@@ -40,7 +40,7 @@ def draw(generator: np.random.Generator, number: int) -> dict[str, Any]:
         percentiles = {key: float(generator.choice([1, 99, generator.uniform(1, 99)])) for key in MEASURES}
         body["individual"] = {"sex": str(generator.choice(["male", "female"])), **percentiles}
     if unusual & 2:
-        names = generator.choice([*TRUNK_BODIES, *LIMB_BODIES[hands]], generator.integers(1, 5), replace=False)
+        names = generator.choice([*trunk_bodies(), *limb_bodies(hands)], generator.integers(1, 5), replace=False)
         body["parts"] = {str(name): {key: _factor(generator) for key in ("length", "girth")} for name in names}
     if unusual & 4:
         groups = generator.choice(GROUPS, 2, replace=False)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import mimoc
-from mimoc.schema.names import ALL_LIMB_BODIES, PAIRED_GROUPS, STRENGTH_GROUPS, TRUNK_BODIES
+from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS, all_limb_bodies, trunk_bodies
 
 ROOT = Path(mimoc.__file__).parent
 RUNNING = (
@@ -20,7 +20,7 @@ OF_BUILDING = {"ball.py", "setup.py", "base.py"}
 """Helpers of tasks and actuation models that build."""
 
 CAMERAS = {"eye_left", "eye_right"}
-PARTS = {*TRUNK_BODIES, *ALL_LIMB_BODIES, *(set(STRENGTH_GROUPS) - set(PAIRED_GROUPS)), *CAMERAS}
+PARTS = {*trunk_bodies(), *all_limb_bodies(), *(set(STRENGTH_GROUPS) - set(PAIRED_GROUPS)), *CAMERAS}
 """Groups of both sides, such as `legs`, are also words for what a manifest has."""
 SIDED = re.compile(r"\b(robot:|act:|(left|right)_[a-z])")
 

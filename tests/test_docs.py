@@ -1,4 +1,4 @@
-"""What the pages in docs print as commands and programs works; the README and `own_scene.md` have tests of their own."""
+"""Commands, programs and links that the pages in docs print; README and `own_scene.md` have tests of their own."""
 
 import re
 import shlex

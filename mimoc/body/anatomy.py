@@ -1,10 +1,11 @@
-"""The reference body but for hands and feet: its parts and joints, and MIMo's figures for them at 18 months.
+"""The reference body but for hands and feet: its parts, joints and motors, and MIMo's figures for them at 18 months.
 
 Names with `{side}` stand for a right and a left part; figures are those of the right side (the left is
 its mirror image in y). Sizes and positions are not here: they follow from measurements (`segments`, `extremities`).
 Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 """
 
+from mimoc.body import motors
 from mimoc.body.figures import (
     ALONG_Y,
     LEG_LENGTH,
@@ -33,8 +34,12 @@ TRUNK = (
                 "as wide as hip_breadth, radius in proportion to hip_circumference",
                 ALONG_Y,
                 placed_by=TRUNK_HEIGHT,
+                material="pants_down",
             ),
         ),
+        region="trunk",
+        group="trunk",
+        skin_spacing_m=0.025,
     ),
     Part(
         "lower_body",
@@ -50,6 +55,7 @@ TRUNK = (
                 placed_by=TRUNK_HEIGHT,
                 contype=0,
                 conaffinity=1,
+                material="pants_up",
             ),
         ),
         (
@@ -59,6 +65,10 @@ TRUNK = (
         ),
         follows=TRUNK_HEIGHT,
         rule=_AXIAL,
+        motors=motors.LOWER_BODY_MOTORS,
+        region="trunk",
+        skin_spacing_m=0.025,
+        torque_site="torque_lb",
     ),
     Part(
         "upper_body",
@@ -71,6 +81,7 @@ TRUNK = (
                 ("chest_breadth", "chest_circumference", *TRUNK_HEIGHT),
                 "as wide as chest_breadth, radius in proportion to chest_circumference as far as there is room",
                 ALONG_Y,
+                material="top_down",
             ),
             GeomFigures(
                 "ub2",
@@ -80,6 +91,7 @@ TRUNK = (
                 "as wide as chest_breadth, radius in proportion to chest_circumference",
                 ALONG_Y,
                 placed_by=TRUNK_HEIGHT,
+                material="top_middle",
             ),
             GeomFigures(
                 "neck",
@@ -98,6 +110,9 @@ TRUNK = (
         ),
         follows=TRUNK_HEIGHT,
         rule=_AXIAL,
+        region="trunk",
+        skin_spacing_m=0.030,
+        torque_site="torque_ub",
     ),
     Part(
         "chest",
@@ -110,10 +125,14 @@ TRUNK = (
                 ("shoulder_breadth", "upper_arm_circumference", "chest_circumference"),
                 "from shoulder to shoulder between the upper arms, radius in proportion to chest_circumference",
                 ALONG_Y,
+                material="top_up",
             ),
         ),
         follows=TRUNK_HEIGHT,
         rule=_AXIAL,
+        region="trunk",
+        skin_spacing_m=0.030,
+        torque_site="torque_chest",
     ),
 )
 
@@ -128,6 +147,7 @@ ARM = (
                 0.2684,
                 ("upper_arm_circumference", "shoulder_elbow_length", "forearm_circumference"),
                 "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow",
+                material="top_sleeve",
             ),
         ),
         (
@@ -138,6 +158,10 @@ ARM = (
         euler_deg=(170.0, 0.0, 0.0),
         follows=("shoulder_breadth", "chest_circumference", *TRUNK_HEIGHT),
         rule="half of shoulder_breadth to the side, in the reference body's place on the chest",
+        motors=motors.UPPER_ARM_MOTORS,
+        group="{side}_arm",
+        skin_spacing_m=0.024,
+        torque_site="torque_{side}_shoulder",
     ),
     Part(
         "{side}_lower_arm",
@@ -154,6 +178,9 @@ ARM = (
         (JointFigures("robot:{side}_elbow", (0, -1, 0), (-146, 5), 0.13, 0.11, 0.030, 0.002, -20),),
         follows=("shoulder_elbow_length",),
         rule="elbow at .699 x shoulder_elbow_length, the reference body's share between the joints",
+        motors=motors.LOWER_ARM_MOTORS,
+        skin_spacing_m=0.024,
+        torque_site="torque_{side}_elbow",
     ),
 )
 
@@ -161,7 +188,11 @@ HEAD = (
     Part(
         "head",
         "upper_body",
-        (GeomFigures("head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi"),),
+        (
+            GeomFigures(
+                "head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi", material="head"
+            ),
+        ),
         (
             JointFigures("robot:head_swivel", (0, 0, 1), (-111, 111), 0.23, 0.29, 0.018, 0.005),
             JointFigures("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
@@ -169,6 +200,11 @@ HEAD = (
         ),
         follows=TRUNK_HEIGHT,
         rule=_AXIAL,
+        motors=motors.HEAD_MOTORS,
+        region="head",
+        group="neck",
+        skin_spacing_m=0.013,
+        torque_site="torque_neck",
     ),
 )
 
@@ -176,7 +212,16 @@ EYE = (
     Part(
         "{side}_eye",
         "head",
-        (GeomFigures("{side}_eye1", "sphere", 0.006275, ("head_circumference",), "in proportion to the head"),),
+        (
+            GeomFigures(
+                "{side}_eye1",
+                "sphere",
+                0.006275,
+                ("head_circumference",),
+                "in proportion to the head",
+                material="eye_{side}",
+            ),
+        ),
         (
             JointFigures("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
             JointFigures("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
@@ -184,6 +229,10 @@ EYE = (
         ),
         follows=("head_circumference",),
         rule="in proportion to the head",
+        motors=motors.EYE_MOTORS,
+        group="eyes",
+        skin_spacing_m=None,
+        torque_site="torque_{side}_eye",
     ),
 )
 
@@ -200,6 +249,7 @@ LEG = (
                 "radius = mid_thigh_circumference / 2 pi, from the hip to one calf radius past the knee",
                 contype=2,
                 conaffinity=3,
+                material="pants_leg",
             ),
         ),
         (
@@ -209,6 +259,10 @@ LEG = (
         ),
         follows=("hip_breadth", *TRUNK_HEIGHT),
         rule="in proportion to the pelvis",
+        motors=motors.UPPER_LEG_MOTORS,
+        group="{side}_leg",
+        skin_spacing_m=0.027,
+        torque_site="torque_{side}_hip",
     ),
     Part(
         "{side}_lower_leg",
@@ -232,6 +286,9 @@ LEG = (
         (JointFigures("robot:{side}_knee", (0, -1, 0), (-145, 4), 1.63, 0.53, 0.065, 0.003, -30),),
         follows=LEG_LENGTH,
         rule=LEG_SHARE,
+        motors=motors.LOWER_LEG_MOTORS,
+        skin_spacing_m=0.038,
+        torque_site="torque_{side}_knee",
     ),
 )
 

@@ -1,14 +1,21 @@
 """One whole anatomy, put together from the tables: which hands, and whether the chest moves."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
 
-from mimoc.body import anatomy, five_finger, mitten, motors
+from mimoc.body import anatomy, five_finger, mitten
 from mimoc.body.figures import GeomFigures, MotorFigures, Part
+from mimoc.body.motors import CHEST_MOTORS
+
+Sided = tuple[tuple[str, Part], ...]
+"""Side (empty for the middle) and part."""
 
 RIGHT_THEN_LEFT = ("right", "left")
+LEFT_THEN_RIGHT = ("left", "right")
+IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs")
+"""MIMo lists the motors of the head and the eyes before those of the arms."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,8 +24,8 @@ class Anatomy:
 
     hands: str
     """`mitten` or `five_finger`."""
-    parts: tuple[tuple[str, Part], ...]
-    """Side (empty for the middle) and part, parents first, in MIMo's order."""
+    parts: Sided
+    """Parents first, in MIMo's order."""
     motors: tuple[tuple[str, MotorFigures], ...]
     """Side and motor, in MIMo's order."""
     excluded: tuple[tuple[str, str], ...]
@@ -39,41 +46,40 @@ class Anatomy:
 @cache
 def assemble(hands: str, chest_joint: bool) -> Anatomy:
     """Return the anatomy with these hands, and with or without MIMo's two joints of the chest."""
-    five = hands == "five_finger"
-    masses_kg = five_finger.MASSES_KG if five else {}
-    parts = tuple((side, _with_masses(part, masses_kg)) for side, part in _parts(five, chest_joint))
-    rooted = five_finger.EXCLUDED if five else ()
+    regions = _regions(hands == "five_finger", chest_joint)
+    motors = ((side, motor) for region in IN_ORDER_OF_MOTORS for side, part in regions[region] for motor in part.motors)
+    rooted = five_finger.EXCLUDED if hands == "five_finger" else ()
     sided = tuple((a.format(side=side), b.format(side=side)) for side in RIGHT_THEN_LEFT for a, b in rooted)
-    return Anatomy(hands, parts, tuple(_motors(five, chest_joint)), (*anatomy.EXCLUDED, *sided))
+    return Anatomy(hands, sum(regions.values(), ()), tuple(motors), (*anatomy.EXCLUDED, *sided))
 
 
-def _parts(five: bool, chest_joint: bool) -> Iterator[tuple[str, Part]]:
-    *trunk, chest = anatomy.TRUNK
-    chest = replace(chest, joints=anatomy.CHEST_JOINTS) if chest_joint else chest
+def _regions(five: bool, chest_joint: bool) -> dict[str, Sided]:
+    """Return the parts of each region, in MIMo's order of bodies."""
     hand = five_finger.HAND if five else mitten.HAND
     foot = five_finger.FOOT if five else mitten.FOOT
-    yield from (("", part) for part in (*trunk, chest))
-    for side in RIGHT_THEN_LEFT:
-        yield from ((side, part) for part in (*anatomy.ARM, *hand))
-    yield from (("", part) for part in anatomy.HEAD)
-    for side in ("left", "right"):
-        yield from ((side, part) for part in anatomy.EYE)
-    for side in RIGHT_THEN_LEFT:
-        toes = five_finger.TOES[side] if five else mitten.TOES
-        yield from ((side, part) for part in (*anatomy.LEG, *foot, *toes))
+    toes = five_finger.TOES if five else dict.fromkeys(RIGHT_THEN_LEFT, mitten.TOES)
+    regions = {
+        "trunk": tuple(("", _with_joints(part) if chest_joint else part) for part in anatomy.TRUNK),
+        "arms": _sided((*anatomy.ARM, *hand), RIGHT_THEN_LEFT),
+        "head": tuple(("", part) for part in anatomy.HEAD),
+        "eyes": _sided(anatomy.EYE, LEFT_THEN_RIGHT),
+        "legs": sum((_sided((*anatomy.LEG, *foot, *toes[side]), (side,)) for side in RIGHT_THEN_LEFT), ()),
+    }
+    masses_kg = five_finger.MASSES_KG if five else {}
+    return {
+        region: tuple((side, _with_masses(part, masses_kg)) for side, part in parts)
+        for region, parts in regions.items()
+    }
 
 
-def _motors(five: bool, chest_joint: bool) -> Iterator[tuple[str, MotorFigures]]:
-    chest = motors.CHEST_MOTORS if chest_joint else ()
-    hand = five_finger.HAND_MOTORS if five else mitten.HAND_MOTORS
-    yield from (("", motor) for motor in (*motors.TRUNK_MOTORS, *chest, *motors.HEAD_MOTORS))
-    for side in ("left", "right"):
-        yield from ((side, motor) for motor in motors.EYE_MOTORS)
-    for side in RIGHT_THEN_LEFT:
-        yield from ((side, motor) for motor in (*motors.ARM_MOTORS, *hand))
-    for side in RIGHT_THEN_LEFT:
-        toes = five_finger.TOE_MOTORS[side] if five else mitten.TOE_MOTORS
-        yield from ((side, motor) for motor in (*motors.LEG_MOTORS, *toes))
+def _sided(parts: Iterable[Part], sides: Iterable[str]) -> Sided:
+    parts = tuple(parts)
+    return tuple((side, part) for side in sides for part in parts)
+
+
+def _with_joints(part: Part) -> Part:
+    """Return the chest with its joints, and any other part as it is."""
+    return replace(part, joints=anatomy.CHEST_JOINTS, motors=CHEST_MOTORS) if part.name == "chest" else part
 
 
 def _with_masses(part: Part, masses_kg: Mapping[str, float]) -> Part:

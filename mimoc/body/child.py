@@ -2,7 +2,7 @@
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.damping import scale_damping
-from mimoc.body.grow import grow
+from mimoc.body.growth import grow
 from mimoc.body.individual import individualise
 from mimoc.body.prune import prune
 from mimoc.body.strength import scale_strength

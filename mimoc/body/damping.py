@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mimoc.body.assembly import Anatomy
-from mimoc.body.grow import grow
+from mimoc.body.growth import grow
 from mimoc.body.tree import Body, BodyTree, Joint
 from mimoc.fits import measure
 

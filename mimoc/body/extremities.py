@@ -6,7 +6,6 @@ from mimoc.body.proportions import (
     FINGER_ROOM,
     REFERENCE_M,
     THUMB_ROOM,
-    Foot,
     Hand,
     Limb,
     Proportions,
@@ -18,8 +17,9 @@ FINGERS = {"ff": (0.95, 0.9), "mf": (1.0, 1.0), "rf": (0.95, 0.9), "lf": (0.91, 
 """Radius and length of each finger against the middle finger's (MIMo v2)."""
 
 
-def mitten_dimensions(h: Hand, forearm: Limb) -> Dimensions:
+def mitten_dimensions(p: Proportions) -> Dimensions:
     """Return palm and fingers, which end at the hand's length in a tip as round as the hand is thick."""
+    h = p.hand
     tip_m = h.half_thickness_m + 2 * CLEARANCE_M
     palm_m = (h.length_m - tip_m) * 0.0416 / 0.083
     fingers_m = h.length_m - tip_m - palm_m
@@ -30,7 +30,7 @@ def mitten_dimensions(h: Hand, forearm: Limb) -> Dimensions:
     rim_m = h.half_fist_m - 2 * CLEARANCE_M
     return Dimensions(
         origins={
-            "{side}_hand": (0.0, -0.7 * h.half_thickness_m, forearm.length_m),
+            "{side}_hand": (0.0, -0.7 * h.half_thickness_m, p.forearm.length_m),
             "{side}_fingers": (0.0, 0.0, palm_m),
         },
         shapes={
@@ -50,8 +50,9 @@ def _check_hand(h: Hand, half_width_m: float) -> None:
         raise GeometryError(f"a hand {h.length_m:.3f} m long cannot be {2 * half_width_m:.3f} m wide")
 
 
-def flat_foot_dimensions(f: Foot) -> Dimensions:
+def flat_foot_dimensions(p: Proportions) -> Dimensions:
     """Return heel, sole and toes, spread along x so that the foot has its length."""
+    f = p.foot
     heel_m, toe_m = f.half_breadth_m - CLEARANCE_M, f.half_height_m
     s = (f.length_m - heel_m - toe_m) / 0.084
     if f.length_m <= 2 * f.half_breadth_m:

@@ -1,8 +1,13 @@
 """What the tables of the reference body hold: all about a part that does not grow, and what its size follows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Literal
 
-from mimoc.body.tree import GeomType, Vec3
+from mimoc.geometry.rotations import Vec3
+
+GeomType = Literal["sphere", "capsule", "cylinder", "box"]
+Region = Literal["trunk", "head", "limb"]
+"""Bodies that limbs hang on, the head, and all others, which an infant may lack."""
 
 ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
 ALONG_X: Vec3 = (0.0, 90.0, 0.0)
@@ -35,6 +40,8 @@ class GeomFigures:
     condim: int = 3
     placed_by: tuple[str, ...] = ()
     """The measurements that only its place comes from."""
+    material: str = "skin"
+    """Name of its material (`mimoc.looks.appearance`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,21 +61,6 @@ class JointFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
-    """A body of the reference model."""
-
-    name: str
-    parent: str | None
-    geoms: tuple[GeomFigures, ...]
-    joints: tuple[JointFigures, ...] = ()
-    euler_deg: Vec3 = UPRIGHT
-    follows: tuple[str, ...] = ()
-    """The measurements its place in its parent comes from."""
-    rule: str = "at the origin of its parent"
-    """How its place comes from them, for people."""
-
-
-@dataclass(frozen=True, slots=True)
 class MotorFigures:
     """What moves a joint, at 18 months."""
 
@@ -79,3 +71,30 @@ class MotorFigures:
     vmax_lengths_per_s: float
     """The fastest that its muscles shorten, in optimal lengths a second; it does not grow."""
     mover: str
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A body of the reference model: all that there is to say of it but its shape."""
+
+    name: str
+    parent: str | None
+    geoms: tuple[GeomFigures, ...]
+    joints: tuple[JointFigures, ...] = ()
+    euler_deg: Vec3 = UPRIGHT
+    follows: tuple[str, ...] = ()
+    """The measurements its place in its parent comes from."""
+    rule: str = "at the origin of its parent"
+    """How its place comes from them, for people."""
+    motors: tuple[MotorFigures, ...] = ()
+    """What moves its joints, in MIMo's order."""
+    region: Region = "limb"
+    group: str = ""
+    """Muscle group of its joints, and of the parts below it that have none of their own; empty is its parent's."""
+    skin_spacing_m: float | None = field(kw_only=True)
+    """Distance of neighbouring skin points of the average child of 18 months: its two-point discrimination (MIMo).
+    None is a single point, at its front."""
+    torque_site: str = ""
+    """MIMo's name of the site that measures the torque between it and its parent; empty is none."""
+    lies: bool = False
+    """Whether its length runs along x; that of other parts runs along z."""

@@ -14,11 +14,15 @@ from mimoc.body.figures import (
     LEG_LENGTH,
     LEG_SHARE,
     GeomFigures,
+    GeomType,
     JointFigures,
     MotorFigures,
     Part,
 )
-from mimoc.body.tree import GeomType, Vec3
+from mimoc.body.motors import ANKLE_MOTORS, WRIST_MOTORS
+from mimoc.geometry.rotations import Vec3
+
+Figures = tuple[float, ...]
 
 _PALM = ("hand_breadth", "hand_length")
 _FINGER = ("hand_length", "middle_finger_diameter")
@@ -35,8 +39,43 @@ def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigure
     return GeomFigures(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM)
 
 
+_FLEXORS = (-0.345, 1.0)
+"""Fingers close with more force than they open (MIMo)."""
+_EVEN = (-1.0, 1.0)
+_TOE_FORCE = (-1.0, 0.3)
+
+
+def _motor(
+    name: str, joint: str, gear_nm: float, force_range: tuple[float, float], vmax_lengths_per_s: float, mover: str
+) -> MotorFigures:
+    names = (f"act:{{side}}_{name}", f"robot:{{side}}_{joint}")
+    return MotorFigures(*names, gear_nm, force_range, vmax_lengths_per_s, f"{{side}}_{mover}1")
+
+
+def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) -> tuple[MotorFigures, ...]:
+    """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
+    return tuple(
+        _motor(f"{name}_{joint}", f"{name}_{joint}", gear_nm, force_range, vmax, f"{name}{mover}")
+        for (joint, force_range, mover), gear_nm, vmax in zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
+    )
+
+
+_FINGER_JOINTS = (
+    ("side", _EVEN, "knuckle"),
+    ("knuckle", _FLEXORS, "knuckle"),
+    ("middle", _FLEXORS, "middle"),
+    ("distal", _FLEXORS, "distal"),
+)
+"""Joint, force range, and the phalanx whose size its strength follows."""
+
+
 def _phalanx(
-    name: str, parent: str, mass_kg: float, joints: tuple[JointFigures, ...], follows: tuple[str, ...]
+    name: str,
+    parent: str,
+    mass_kg: float,
+    joints: tuple[JointFigures, ...],
+    follows: tuple[str, ...],
+    motors: tuple[MotorFigures, ...],
 ) -> Part:
     geom = GeomFigures(
         f"{{side}}_{name}1",
@@ -47,7 +86,17 @@ def _phalanx(
         condim=_GRIP_CONDIM,
     )
     place = ("where the palm ends", _PALM) if name.endswith("knuckle") else ("where the one before it ends", _PALM[1:])
-    return Part(f"{{side}}_{name}", f"{{side}}_{parent}", (geom,), joints, follows=place[1], rule=place[0])
+    return Part(
+        f"{{side}}_{name}",
+        f"{{side}}_{parent}",
+        (geom,),
+        joints,
+        follows=place[1],
+        rule=place[0],
+        motors=motors,
+        skin_spacing_m=0.002 if name.endswith("distal") else 0.004,
+        torque_site=f"torque_{{side}}_{name[:2]}_{name[2:]}",
+    )
 
 
 def _hinge(
@@ -57,7 +106,7 @@ def _hinge(
 
 
 def _finger(
-    name: str, parent: str, masses_kg: tuple[float, float, float], stiffness: tuple[float, float, float]
+    name: str, parent: str, masses_kg: Figures, stiffness: Figures, motors: tuple[MotorFigures, ...]
 ) -> tuple[Part, Part, Part]:
     """Return the three phalanges of a finger, whose first one also moves sideways."""
     side = _hinge(f"{name}_side", (0, 1, 0), (-25, 25), 0.003, 0.001)
@@ -65,11 +114,16 @@ def _finger(
     middle = _hinge(f"{name}_middle", (1, 0, 0), (-5, 100), stiffness[1], 0.0005, 45)
     distal = _hinge(f"{name}_distal", (1, 0, 0), (-5, 80), stiffness[2], 0.0005, 30)
     return (
-        _phalanx(f"{name}knuckle", parent, masses_kg[0], (side, knuckle), _FINGER),
-        _phalanx(f"{name}middle", f"{name}knuckle", masses_kg[1], (middle,), _FINGER),
-        _phalanx(f"{name}distal", f"{name}middle", masses_kg[2], (distal,), _FINGER),
+        _phalanx(f"{name}knuckle", parent, masses_kg[0], (side, knuckle), _FINGER, motors[:-2]),
+        _phalanx(f"{name}middle", f"{name}knuckle", masses_kg[1], (middle,), _FINGER, motors[-2:-1]),
+        _phalanx(f"{name}distal", f"{name}middle", masses_kg[2], (distal,), _FINGER, motors[-1:]),
     )
 
+
+_FIRST = _finger_motors("ff", (0.05, 0.0619, 0.02063, 0.01548), (6.217, 4.368, 3.493, 2.539))
+_MIDDLE = _finger_motors("mf", (0.05, 0.117, 0.039, 0.02925), (5.375, 4.325, 3.375, 2.577))
+_RING = _finger_motors("rf", (0.05, 0.078, 0.026, 0.0195), (4.984, 2.817, 3.007, 2.313))
+_LITTLE = _finger_motors("lf", (0.05, 0.0196, 0.00653, 0.00490), (5.282, 2.337, 2.566, 2.001))
 
 _METACARPAL = Part(
     "{side}_lfmetacarpal",
@@ -96,6 +150,9 @@ _METACARPAL = Part(
     (replace(_hinge("lf_meta", (0.571, 0, 0.821), (0, 40), 0.01, 0.001), left_axis=(-0.571, 0, 0.821)),),
     follows=_PALM,
     rule="on the little finger's side of the palm",
+    motors=(_LITTLE[0], _motor("lf_meta", "lf_meta", 0.064, _FLEXORS, 6.855, "lfmetacarpal")),
+    skin_spacing_m=0.007,
+    torque_site="torque_{side}_lf_meta",
 )
 
 _THUMB_BASE = Part(
@@ -118,6 +175,12 @@ _THUMB_BASE = Part(
     euler_deg=(0.0, 80.0, 30.0),
     follows=_PALM,
     rule="on the first finger's side of the palm, near the wrist",
+    motors=(
+        _motor("thumb_side", "th_swivel", 0.373, _FLEXORS, 3.491, "thbase"),
+        _motor("thumb_add", "th_adduction", 0.134, _EVEN, 5.646, "thbase"),
+    ),
+    skin_spacing_m=0.004,
+    torque_site="torque_{side}_th_base",
 )
 
 HAND = (
@@ -133,12 +196,34 @@ HAND = (
         WRIST_JOINTS,
         follows=("elbow_hand_length", "hand_length", "hand_breadth"),
         rule="palm's middle, a quarter of hand_length past the wrist",
+        motors=WRIST_MOTORS,
+        group="{side}_hand",
+        skin_spacing_m=0.007,
+        torque_site="torque_{side}_wrist",
     ),
-    *_finger("ff", "hand", (0.002692, 0.001497, 0.001291), (0.0008, 0.0006, 0.0006)),
-    *_finger("mf", "hand", (0.003284, 0.001757, 0.001563), (0.0010, 0.0007, 0.0006)),
-    *_finger("rf", "hand", (0.002664, 0.001476, 0.001316), (0.0009, 0.0007, 0.0006)),
+    *_finger(
+        "ff",
+        "hand",
+        (0.002692, 0.001497, 0.001291),
+        (0.0008, 0.0006, 0.0006),
+        _finger_motors("ff", (0.05, 0.0619, 0.02063, 0.01548), (6.217, 4.368, 3.493, 2.539)),
+    ),
+    *_finger(
+        "mf",
+        "hand",
+        (0.003284, 0.001757, 0.001563),
+        (0.0010, 0.0007, 0.0006),
+        _finger_motors("mf", (0.05, 0.117, 0.039, 0.02925), (5.375, 4.325, 3.375, 2.577)),
+    ),
+    *_finger(
+        "rf",
+        "hand",
+        (0.002664, 0.001476, 0.001316),
+        (0.0009, 0.0007, 0.0006),
+        _finger_motors("rf", (0.05, 0.078, 0.026, 0.0195), (4.984, 2.817, 3.007, 2.313)),
+    ),
     _METACARPAL,
-    *_finger("lf", "lfmetacarpal", (0.002143, 0.001276, 0.001113), (0.0007, 0.0006, 0.0006)),
+    *_finger("lf", "lfmetacarpal", (0.002143, 0.001276, 0.001113), (0.0007, 0.0006, 0.0006), _LITTLE[1:]),
     _THUMB_BASE,
     _phalanx(
         "thhub",
@@ -149,8 +234,19 @@ HAND = (
             _hinge("th_middle", (0, -1, 0), (0, 90), 0.004, 0.001, 30),
         ),
         _THUMB,
+        (
+            _motor("thumb_pivot", "th_pivot", 0.1, _EVEN, 9.055, "thhub"),
+            _motor("thumb_middle", "th_middle", 0.126, _FLEXORS, 3.877, "thhub"),
+        ),
     ),
-    _phalanx("thdistal", "thhub", 0.002509, (_hinge("th_distal", (0, -1, 0), (0, 90), 0.004, 0.001, 20),), _THUMB),
+    _phalanx(
+        "thdistal",
+        "thhub",
+        0.002509,
+        (_hinge("th_distal", (0, -1, 0), (0, 90), 0.004, 0.001, 20),),
+        _THUMB,
+        (_motor("thumb_distal", "th_distal", 0.0945, _FLEXORS, 3.392, "thdistal"),),
+    ),
 )
 """Palm and fingers, in MIMo's order."""
 
@@ -174,12 +270,16 @@ FOOT = (
         ANKLE_JOINTS,
         follows=LEG_LENGTH,
         rule=LEG_SHARE,
+        motors=ANKLE_MOTORS,
+        skin_spacing_m=0.015,
+        torque_site="torque_{side}_ankle",
+        lies=True,
     ),
 )
 """The foot without its toes."""
 
 
-def _toes(name: str, masses_kg: tuple[float, float]) -> Part:
+def _toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) -> Part:
     box, tip = masses_kg
     return Part(
         f"{{side}}_{name}",
@@ -199,13 +299,16 @@ def _toes(name: str, masses_kg: tuple[float, float]) -> Part:
         (JointFigures(f"robot:{{side}}_{name}", (0, -1, 0), (-60, 80), 0.053, 0.02, 0.002, 0.0001),),
         follows=_FOOT,
         rule="at the ball of the foot",
+        motors=(_motor(name, name, 0.165, _TOE_FORCE, vmax_lengths_per_s, name),),
+        skin_spacing_m=0.010,
+        torque_site=f"torque_{{side}}_{name}",
+        lies=True,
     )
 
 
-TOES: Mapping[str, tuple[Part, ...]] = {
-    "right": (_toes("big_toe", (0.004425, 0.003934)), _toes("toes", (0.01006, 0.008612))),
-    "left": (_toes("toes", (0.01006, 0.008612)), _toes("big_toe", (0.004425, 0.003934))),
-}
+_BIG_TOE = _toes("big_toe", (0.004425, 0.003934), 1.774)
+_OTHER_TOES = _toes("toes", (0.01006, 0.008612), 1.805)
+TOES: Mapping[str, tuple[Part, ...]] = {"right": (_BIG_TOE, _OTHER_TOES), "left": (_OTHER_TOES, _BIG_TOE)}
 """Big toe and the others; MIMo lists them the other way round on the left."""
 
 MASSES_KG: Mapping[str, float] = {
@@ -230,54 +333,3 @@ EXCLUDED = (
     ("{side}_thbase", "{side}_lfmetacarpal"),
 )
 """The roots of thumb and little finger pass through their own forearm and each other (MIMo says so with bit masks)."""
-
-_FLEXORS = (-0.345, 1.0)
-"""Fingers close with more force than they open (MIMo)."""
-_EVEN = (-1.0, 1.0)
-
-
-def _finger_motors(
-    name: str, gears_nm: tuple[float, ...], vmax_lengths_per_s: tuple[float, ...]
-) -> tuple[MotorFigures, ...]:
-    """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
-    figures = zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
-    return tuple(
-        MotorFigures(
-            f"act:{{side}}_{name}_{joint}",
-            f"robot:{{side}}_{name}_{joint}",
-            gear_nm,
-            force,
-            vmax,
-            f"{{side}}_{name}{mover}1",
-        )
-        for (joint, force, mover), gear_nm, vmax in figures
-    )
-
-
-_FINGER_JOINTS = (
-    ("side", _EVEN, "knuckle"),
-    ("knuckle", _FLEXORS, "knuckle"),
-    ("middle", _FLEXORS, "middle"),
-    ("distal", _FLEXORS, "distal"),
-)
-"""Joint, force range, and the phalanx whose size its strength follows."""
-_LITTLE = _finger_motors("lf", (0.05, 0.0196, 0.00653, 0.00490), (5.282, 2.337, 2.566, 2.001))
-
-HAND_MOTORS = (
-    *_finger_motors("ff", (0.05, 0.0619, 0.02063, 0.01548), (6.217, 4.368, 3.493, 2.539)),
-    *_finger_motors("mf", (0.05, 0.117, 0.039, 0.02925), (5.375, 4.325, 3.375, 2.577)),
-    *_finger_motors("rf", (0.05, 0.078, 0.026, 0.0195), (4.984, 2.817, 3.007, 2.313)),
-    _LITTLE[0],
-    MotorFigures("act:{side}_lf_meta", "robot:{side}_lf_meta", 0.064, _FLEXORS, 6.855, "{side}_lfmetacarpal1"),
-    *_LITTLE[1:],
-    MotorFigures("act:{side}_thumb_side", "robot:{side}_th_swivel", 0.373, _FLEXORS, 3.491, "{side}_thbase1"),
-    MotorFigures("act:{side}_thumb_add", "robot:{side}_th_adduction", 0.134, _EVEN, 5.646, "{side}_thbase1"),
-    MotorFigures("act:{side}_thumb_pivot", "robot:{side}_th_pivot", 0.1, _EVEN, 9.055, "{side}_thhub1"),
-    MotorFigures("act:{side}_thumb_middle", "robot:{side}_th_middle", 0.126, _FLEXORS, 3.877, "{side}_thhub1"),
-    MotorFigures("act:{side}_thumb_distal", "robot:{side}_th_distal", 0.0945, _FLEXORS, 3.392, "{side}_thdistal1"),
-)
-_TOE_FORCE = (-1.0, 0.3)
-_BIG_TOE = MotorFigures("act:{side}_big_toe", "robot:{side}_big_toe", 0.165, _TOE_FORCE, 1.774, "{side}_big_toe1")
-_TOES = MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.165, _TOE_FORCE, 1.805, "{side}_toes1")
-TOE_MOTORS: Mapping[str, tuple[MotorFigures, ...]] = {"right": (_BIG_TOE, _TOES), "left": (_TOES, _BIG_TOE)}
-"""In the order of each side's toes."""

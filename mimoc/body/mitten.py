@@ -14,9 +14,13 @@ from mimoc.body.figures import (
     MotorFigures,
     Part,
 )
+from mimoc.body.motors import ANKLE_MOTORS, WRIST_MOTORS
 
 _HAND_GRIP = (5.0, 0.02, 0.01)
 _SOLE_GRIP = (2.0, 0.02, 0.01)
+
+FINGER_MOTORS = (MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "{side}_hand1"),)
+TOE_MOTORS = (MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), 1.29, "{side}_foot2"),)
 
 HAND = (
     Part(
@@ -42,6 +46,10 @@ HAND = (
         WRIST_JOINTS,
         follows=("elbow_hand_length", "hand_length", "hand_breadth"),
         rule="wrist at .763 x (elbow_hand_length - hand_length), the reference body's share between the joints",
+        motors=WRIST_MOTORS,
+        group="{side}_hand",
+        skin_spacing_m=0.007,
+        torque_site="torque_{side}_wrist",
     ),
     Part(
         "{side}_fingers",
@@ -68,6 +76,9 @@ HAND = (
         (JointFigures("robot:{side}_fingers", (-1, 0, 0), (-160, 8), 0.017, 0.018, 0.0023, 0.0001, -40),),
         follows=("hand_length", "hand_breadth"),
         rule="at the knuckles, half of hand_length less the fingertip's radius",
+        motors=FINGER_MOTORS,
+        skin_spacing_m=0.002,
+        torque_site="torque_{side}_fingers",
     ),
 )
 
@@ -104,6 +115,10 @@ FOOT = (
         ANKLE_JOINTS,
         follows=LEG_LENGTH,
         rule=LEG_SHARE,
+        motors=ANKLE_MOTORS,
+        skin_spacing_m=0.015,
+        torque_site="torque_{side}_ankle",
+        lies=True,
     ),
 )
 
@@ -133,8 +148,9 @@ TOES = (
         (JointFigures("robot:{side}_toes", (0, -1, 0), (-60, 80), 0.106, 0.04, 0.005, 0.0005),),
         follows=("foot_length", "foot_breadth"),
         rule="in proportion to the foot",
+        motors=TOE_MOTORS,
+        skin_spacing_m=0.010,
+        torque_site="torque_{side}_toes",
+        lies=True,
     ),
 )
-
-HAND_MOTORS = (MotorFigures("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "{side}_hand1"),)
-TOE_MOTORS = (MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), 1.29, "{side}_foot2"),)

@@ -1,11 +1,11 @@
-"""Motors of all joints but those of fingers and toes: their gear, and the part whose growth it follows.
+"""Motors of all joints but those of fingers and toes, by the part they move: their gear, and the geom it grows with.
 
 Figures are MIMo's (Mattern et al. 2024). `{side}` stands for a right and a left one.
 """
 
 from mimoc.body.figures import MotorFigures
 
-TRUNK_MOTORS = (
+LOWER_BODY_MOTORS = (
     MotorFigures("act:hip_bend", "robot:hip_bend1", 10.58, (-1, 0.765), 0.8574, "cb"),
     MotorFigures("act:hip_twist", "robot:hip_rot1", 3.63, (-1, 1), 1.699, "cb"),
     MotorFigures("act:hip_lean", "robot:hip_lean1", 7.25, (-1, 1), 1.278, "cb"),
@@ -24,7 +24,7 @@ EYE_MOTORS = (
     MotorFigures("act:{side}_eye_vertical", "robot:{side}_eye_vertical", 0.0054, (-1, 1), 6.179, "{side}_eye1"),
     MotorFigures("act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), 25.03, "{side}_eye1"),
 )
-ARM_MOTORS = (
+UPPER_ARM_MOTORS = (
     MotorFigures(
         "act:{side}_shoulder_horizontal", "robot:{side}_shoulder_horizontal", 1.8, (-1, 1), 1.811, "{side}_uarm1"
     ),
@@ -34,16 +34,20 @@ ARM_MOTORS = (
     MotorFigures(
         "act:{side}_shoulder_internal", "robot:{side}_shoulder_rotation", 2.5, (-1, 0.64), 1.498, "{side}_uarm1"
     ),
-    MotorFigures("act:{side}_elbow", "robot:{side}_elbow", 3.6, (-1, 0.83), 1.566, "{side}_larm"),
+)
+LOWER_ARM_MOTORS = (MotorFigures("act:{side}_elbow", "robot:{side}_elbow", 3.6, (-1, 0.83), 1.566, "{side}_larm"),)
+WRIST_MOTORS = (
     MotorFigures("act:{side}_wrist_rotation", "robot:{side}_hand1", 0.7, (-1, 1), 1.513, "{side}_hand1"),
     MotorFigures("act:{side}_wrist_flexion", "robot:{side}_hand2", 1.24, (-1, 0.57), 1.455, "{side}_hand1"),
     MotorFigures("act:{side}_wrist_ulnar", "robot:{side}_hand3", 0.95, (-0.87, 1), 2.254, "{side}_hand1"),
 )
-LEG_MOTORS = (
+UPPER_LEG_MOTORS = (
     MotorFigures("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
     MotorFigures("act:{side}_hip_abduction", "robot:{side}_hip2", 6.24, (-1, 1), 1.488, "{side}_upper_leg1"),
     MotorFigures("act:{side}_hip_rotation", "robot:{side}_hip3", 3.54, (-0.75, 1), 1.86, "{side}_upper_leg1"),
-    MotorFigures("act:{side}_knee", "robot:{side}_knee", 10, (-0.65, 1), 1.45, "{side}_lower_leg1"),
+)
+LOWER_LEG_MOTORS = (MotorFigures("act:{side}_knee", "robot:{side}_knee", 10, (-0.65, 1), 1.45, "{side}_lower_leg1"),)
+ANKLE_MOTORS = (
     MotorFigures("act:{side}_foot_flexion", "robot:{side}_foot1", 3.78, (-1, 0.5), 1.43, "{side}_foot2"),
     MotorFigures("act:{side}_foot_inversion", "robot:{side}_foot2", 1.16, (-0.91, 1), 1.988, "{side}_foot2"),
     MotorFigures("act:{side}_foot_rotation", "robot:{side}_foot3", 1.2, (-1, 1), 2.688, "{side}_foot2"),

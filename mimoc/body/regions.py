@@ -1,4 +1,4 @@
-"""The parts of the body by what they are for: trunk, head, arms, legs and eyes (MIMo's names)."""
+"""Names of parts of the body that the runtime needs: head, arms, legs and eyes (MIMo's)."""
 
 from typing import Literal
 
@@ -6,8 +6,6 @@ Side = Literal["left", "right"]
 Ends = tuple[str, str]
 """Names of two things, with `{side}`."""
 
-TRUNK = ("hip", "lower_body", "upper_body", "chest")
-"""Bodies that limbs hang on, from the first to the last."""
 HEAD = "head"
 ARM: Ends = ("{side}_upper_arm", "{side}_hand")
 """First and last body; fingers are parts of the hand."""

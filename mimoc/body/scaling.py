@@ -8,10 +8,6 @@ from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, Part
 from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 
-LYING_PARTS = ("{side}_foot", "{side}_toes", "{side}_big_toe")
-"""Parts whose length runs along x; that of all others runs along z."""
-
-
 LIMBS = (
     ("{side}_uarm1", "{side}_lower_arm"),
     ("{side}_larm", "{side}_hand"),
@@ -66,9 +62,9 @@ def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length:
         length: Factor along the part.
         girth: Factor across it.
     """
-    scale = (length, girth, girth) if name in LYING_PARTS else (girth, girth, length)
     children = [part.name for part in parts if part.parent == name]
     (part,) = (part for part in parts if part.name == name)
+    scale = (length, girth, girth) if part.lies else (girth, girth, length)
     joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
     return dimensions | Dimensions(
         origins={child: _scaled(dimensions.origins[child], scale) for child in children},

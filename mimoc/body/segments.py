@@ -4,12 +4,19 @@ Everything is written for the right side, in MIMo's frames: x forward, y left, z
 along the limb on the arms. Numbers are the reference body's, in m.
 """
 
+from collections.abc import Callable, Mapping
+from functools import reduce
+from operator import or_
+
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.extremities import fingers_dimensions, flat_foot_dimensions, mitten_dimensions, toes_dimensions
-from mimoc.body.proportions import Limb, Proportions, Trunk
+from mimoc.body.proportions import Limb, Proportions
 from mimoc.errors import GeometryError
 
 REFERENCE_HEAD_RADIUS_M = 0.0735
+
+ShapeRule = Callable[[Proportions], Dimensions]
+"""From proportions to the dimensions of some parts."""
 
 
 def body_dimensions(p: Proportions, hands: str) -> Dimensions:
@@ -18,21 +25,13 @@ def body_dimensions(p: Proportions, hands: str) -> Dimensions:
     Raises:
         GeometryError: If a segment is wider than it is long.
     """
-    trunk_and_limbs = (
-        _trunk_dimensions(p.trunk, p.head_radius_m)
-        | _head_dimensions(p.trunk, p.head_radius_m)
-        | _arm_dimensions(p)
-        | _leg_dimensions(p)
-    )
-    if hands == "five_finger":
-        return trunk_and_limbs | fingers_dimensions(p) | toes_dimensions(p)
-    return trunk_and_limbs | mitten_dimensions(p.hand, p.forearm) | flat_foot_dimensions(p.foot)
+    return reduce(or_, (shape(p) for shape in (*SHAPES, *HANDS_AND_FEET[hands])))
 
 
-def _trunk_dimensions(t: Trunk, head_radius_m: float) -> Dimensions:
-    z = t.axial
+def _trunk_dimensions(p: Proportions) -> Dimensions:
+    t, z = p.trunk, p.trunk.axial
     depth = t.pelvis[0] / 0.048
-    neck = head_radius_m / REFERENCE_HEAD_RADIUS_M
+    neck = p.head_radius_m / REFERENCE_HEAD_RADIUS_M
     bend = {
         f"robot:hip_{motion}{level}": (0.0, 0.0, -0.05 * z) for motion in ("lean", "rot", "bend") for level in (1, 2)
     }
@@ -55,10 +54,11 @@ def _trunk_dimensions(t: Trunk, head_radius_m: float) -> Dimensions:
     )
 
 
-def _head_dimensions(t: Trunk, radius_m: float) -> Dimensions:
+def _head_dimensions(p: Proportions) -> Dimensions:
+    radius_m = p.head_radius_m
     s = radius_m / REFERENCE_HEAD_RADIUS_M
     return Dimensions(
-        origins={"head": (0.0, 0.0, 0.135 * t.axial), "{side}_eye": (0.07 * s, -0.0245 * s, 0.067375 * s)},
+        origins={"head": (0.0, 0.0, 0.135 * p.trunk.axial), "{side}_eye": (0.07 * s, -0.0245 * s, 0.067375 * s)},
         shapes={
             "head": Shape((radius_m,), (0.01 * s, 0.0, radius_m)),
             "{side}_eye1": Shape((0.01125 * s,), (0.0, 0.0, 0.0)),
@@ -129,3 +129,12 @@ def _flip(solid: Shape) -> Shape:
     """Return the same solid hanging down instead of standing up."""
     x_m, y_m, z_m = solid.pos_m
     return Shape(solid.size_m, (x_m, y_m, -z_m))
+
+
+SHAPES: tuple[ShapeRule, ...] = (_trunk_dimensions, _head_dimensions, _arm_dimensions, _leg_dimensions)
+"""The shapes of all parts but those of hands and feet."""
+HANDS_AND_FEET: Mapping[str, tuple[ShapeRule, ...]] = {
+    "mitten": (mitten_dimensions, flat_foot_dimensions),
+    "five_finger": (fingers_dimensions, toes_dimensions),
+}
+"""The shapes of hands and feet, by kind of hands."""

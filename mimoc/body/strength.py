@@ -6,19 +6,10 @@ from math import prod
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body.assembly import Anatomy
-from mimoc.body.grow import grow
+from mimoc.body.growth import grow
 from mimoc.body.tree import BodyTree
 from mimoc.fits import measure
-from mimoc.schema.names import PAIRED_GROUPS, SIDES
-
-_SIDED_GROUPS = {"upper_arm": "arm", "hand": "hand", "upper_leg": "leg"}
-GROUPS = {
-    "lower_body": "trunk",
-    "head": "neck",
-    **{f"{side}_eye": "eyes" for side in SIDES},
-    **{f"{side}_{body}": f"{side}_{group}" for side in SIDES for body, group in _SIDED_GROUPS.items()},
-}
-"""Muscle group by the first body that it moves; it includes all bodies below, up to where the next group begins."""
+from mimoc.schema.names import PAIRED_GROUPS
 
 STRENGTH_KEY = "spec.actuation.strength"
 AGE_KEY = "spec.actuation.strength_age_months"
@@ -50,10 +41,10 @@ def muscle_groups(tree: BodyTree) -> Mapping[str, str]:
 
 def body_groups(tree: BodyTree) -> Mapping[str, str]:
     """Return the muscle group that moves each body."""
-    found: dict[str | None, str] = {}
+    found: dict[str, str] = {}
     for body in tree.bodies:
-        found[body.name] = GROUPS.get(body.name) or found.get(body.parent, "trunk")
-    return {body.name: found[body.name] for body in tree.bodies}
+        found[body.name] = body.group or found[body.parent or body.name]
+    return found
 
 
 def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, float]]:

@@ -2,11 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
+from mimoc.body.figures import GeomType, Region
 from mimoc.geometry.rotations import Vec3
-
-GeomType = Literal["sphere", "capsule", "cylinder", "box"]
 
 FREE_JOINT = "mimo_location"
 """MIMo's name for the joint between the world and the hip."""
@@ -31,6 +29,8 @@ class Geom:
     conaffinity: int
     condim: int
     """1, 3, 4 or 6: which relative motions friction resists."""
+    material: str = "skin"
+    """Name of its material."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +62,14 @@ class Body:
     """Intrinsic x-y-z angles in the frame of its parent."""
     joints: tuple[Joint, ...]
     geoms: tuple[Geom, ...]
+    region: Region
+    """Whether it is of the trunk, the head or a limb."""
+    group: str
+    """Muscle group that begins with it; empty is its parent's."""
+    skin_spacing_m: float | None
+    """Distance of neighbouring skin points at 18 months; None is a single point, at its front."""
+    torque_site: str
+    """Name of the site that measures the torque between it and its parent; empty is none."""
 
     @property
     def mass_kg(self) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.body import BodyTree
-from mimoc.body.regions import ARM, EYE, EYE_SIDES, HEAD, LEG, LIMB_SIDES, TRUNK, Ends
+from mimoc.body.regions import ARM, EYE, EYE_SIDES, HEAD, LEG, LIMB_SIDES, Ends
 from mimoc.body.strength import muscle_groups
 from mimoc.bundle.manifest import AnatomyEntry, EyeEntry, LimbEntry
 
@@ -16,7 +16,7 @@ def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
         groups.setdefault(group, []).append(joint)
     return AnatomyEntry(
         head=HEAD if HEAD in here else None,
-        trunk=tuple(part for part in TRUNK if part in here),
+        trunk=tuple(body.name for body in tree.bodies if body.region == "trunk"),
         arms=tuple(_limbs(ARM, here)),
         legs=tuple(_limbs(LEG, here)),
         eyes=tuple(_eyes(here)),

@@ -6,7 +6,7 @@ from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.poses import standing_height
 from mimoc.kinds import function_of
-from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, HeadFeature, dress
+from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.keyframes import keyframes
@@ -115,7 +115,7 @@ def _geom(geom: Geom) -> PrintedGeom:
         pos_m=geom.pos_m,
         euler_rad=_radians(geom.euler_deg),
         mass_kg=geom.mass_kg,
-        material=GEOM_MATERIALS.get(geom.name, "skin"),
+        material=geom.material,
         friction=geom.friction,
         contype=geom.contype,
         conaffinity=geom.conaffinity,

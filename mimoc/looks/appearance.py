@@ -40,22 +40,6 @@ class HeadFeature:
     """Name of its material."""
 
 
-GEOM_MATERIALS = {
-    "head": "head",
-    "left_eye1": "eye_left",
-    "right_eye1": "eye_right",
-    "ub3": "top_up",
-    "ub2": "top_middle",
-    "ub1": "top_down",
-    "left_uarm1": "top_sleeve",
-    "right_uarm1": "top_sleeve",
-    "cb": "pants_up",
-    "lb": "pants_down",
-    "left_upper_leg1": "pants_leg",
-    "right_upper_leg1": "pants_leg",
-}
-"""Name of a body's geom to its material; any other geom is `skin`."""
-
 HEAD_FEATURES = (
     HeadFeature("left_ear", "ellipsoid", (0.13, 0.055, 0.19), (-0.05, 1.02, -0.13), (0, 10, -35), "ear"),
     HeadFeature("right_ear", "ellipsoid", (0.13, 0.055, 0.19), (-0.05, -1.02, -0.13), (0, 10, 35), "ear"),

@@ -17,63 +17,33 @@ FOVY_DEG = 60.0
 CENTRE_SITE = "lowerBody_center"
 VESTIBULAR_SITE = "vestibular"
 
-TORQUE_SITES = {
-    "lower_body": "torque_lb",
-    "upper_body": "torque_ub",
-    "chest": "torque_chest",
-    "head": "torque_neck",
-    "{side}_eye": "torque_{side}_eye",
-    "{side}_upper_arm": "torque_{side}_shoulder",
-    "{side}_lower_arm": "torque_{side}_elbow",
-    "{side}_hand": "torque_{side}_wrist",
-    "{side}_fingers": "torque_{side}_fingers",
-    "{side}_upper_leg": "torque_{side}_hip",
-    "{side}_lower_leg": "torque_{side}_knee",
-    "{side}_foot": "torque_{side}_ankle",
-    "{side}_toes": "torque_{side}_toes",
-    "{side}_big_toe": "torque_{side}_big_toe",
-    **{
-        f"{{side}}_{finger}{bone}": f"torque_{{side}}_{finger}_{bone}"
-        for finger in ("ff", "mf", "rf", "lf")
-        for bone in ("knuckle", "middle", "distal")
-    },
-    "{side}_lfmetacarpal": "torque_{side}_lf_meta",
-    "{side}_thbase": "torque_{side}_th_base",
-    "{side}_thhub": "torque_{side}_th_hub",
-    "{side}_thdistal": "torque_{side}_th_distal",
-}
-"""MIMo's names of the sites that measure the torque between a body and its parent, by body."""
-
 VESTIBULAR_SENSORS = (
     Sensor("accelerometer", "vestibular_acc", VESTIBULAR_SITE),
     Sensor("gyro", "vestibular_gyro", VESTIBULAR_SITE),
 )
 
-_TRUNK_AND_HEAD = {
-    "neck": "head",
-    "left_eye": "left_eye",
-    "right_eye": "right_eye",
-    "trunk_upper": "upper_body",
-    "trunk_lower": "lower_body",
-}
-_ARM = ("upper_arm", "lower_arm", "hand", "fingers")
+_OTHER_NAMES = {"torque_ub": "trunk_upper", "torque_lb": "trunk_lower"}
+"""Of sensors that are not named as their sites are."""
 _FINGERS = (
     *(f"{finger}{bone}" for finger in ("ff", "mf", "rf") for bone in ("knuckle", "middle", "distal")),
     *("lfmetacarpal", "lfknuckle", "lfmiddle", "lfdistal", "thbase", "thhub", "thdistal"),
 )
+_ARM = ("upper_arm", "lower_arm", "hand", "fingers", *_FINGERS)
 _LEG = ("upper_leg", "lower_leg", "foot", "toes", "big_toe")
-_LIMBS = tuple(f"{side}_{body}" for limb in ((*_ARM, *_FINGERS), _LEG) for side in ("right", "left") for body in limb)
+_IN_ORDER_OF_SENSORS = (
+    *("head", "left_eye", "right_eye", "upper_body", "lower_body"),
+    *(f"{side}_{body}" for limb in (_ARM, _LEG) for side in ("right", "left") for body in limb),
+    "chest",
+)
+"""MIMo's bodies; any others come after them."""
 
 
 def torque_sensors(tree: BodyTree) -> tuple[Sensor, ...]:
     """Return MIMo's three-axis torque sensors, in MIMo's order, for the bodies that this infant has."""
-    site = _both_sides(TORQUE_SITES)
-    names = {
-        **{name: site[body] for name, body in _TRUNK_AND_HEAD.items()},
-        **{site[body].removeprefix("torque_"): site[body] for body in (*_LIMBS, "chest")},
-    }
-    here = {site[body.name] for body in tree.bodies if body.name in site}
-    return tuple(Sensor("torque", f"proprio:{name}", place) for name, place in names.items() if place in here)
+    places = {body.name: body.torque_site for body in tree.bodies if body.torque_site}
+    known = [name for name in _IN_ORDER_OF_SENSORS if name in places]
+    in_order = (places[name] for name in dict.fromkeys((*known, *places)))
+    return tuple(Sensor("torque", f"proprio:{_sensor_name(place)}", place) for place in in_order)
 
 
 def sites(tree: BodyTree) -> dict[str, tuple[Site, ...]]:
@@ -82,8 +52,11 @@ def sites(tree: BodyTree) -> dict[str, tuple[Site, ...]]:
     fine = {f"{side}_{finger}" for side in ("right", "left") for finger in _FINGERS}
     fine |= {"right_hand", "left_hand"} if tree.hands == "five_finger" else set()
     torque = {
-        body: (Site(name, (0.0, 0.0, 0.0), FINGER_SITE_RADIUS_M if body in fine else SITE_RADIUS_M),)
-        for body, name in _both_sides(TORQUE_SITES).items()
+        body.name: (
+            Site(body.torque_site, (0.0, 0.0, 0.0), FINGER_SITE_RADIUS_M if body.name in fine else SITE_RADIUS_M),
+        )
+        for body in tree.bodies
+        if body.torque_site
     }
     vestibular = {"head": (Site(VESTIBULAR_SITE, tree.geoms["head"].pos_m, SITE_RADIUS_M), *torque["head"])}
     return centre | torque | vestibular
@@ -99,7 +72,5 @@ def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camer
     }
 
 
-def _both_sides(names: dict[str, str]) -> dict[str, str]:
-    return {
-        body.format(side=side): site.format(side=side) for body, site in names.items() for side in ("right", "left")
-    }
+def _sensor_name(site: str) -> str:
+    return _OTHER_NAMES.get(site, site.removeprefix("torque_"))

@@ -9,12 +9,12 @@ from pydantic import AfterValidator, Field, model_validator
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.names import (
-    ALL_LIMB_BODIES,
-    LIMB_BODIES,
     MEASUREMENT_KEYS,
     SIDED_MEASUREMENT_KEYS,
     SIDES,
-    TRUNK_BODIES,
+    all_limb_bodies,
+    limb_bodies,
+    trunk_bodies,
 )
 from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real
 
@@ -35,16 +35,16 @@ def _known_measurement(key: str) -> str:
 
 
 def _known_part(name: str) -> str:
-    if name in TRUNK_BODIES or name in ALL_LIMB_BODIES:
+    if name in trunk_bodies() or name in all_limb_bodies():
         return name
-    raise ValueError(f"unknown part of the body; {suggestion(name, TRUNK_BODIES + ALL_LIMB_BODIES)}")
+    raise ValueError(f"unknown part of the body; {suggestion(name, trunk_bodies() + all_limb_bodies())}")
 
 
 def _removable(name: str) -> str:
-    if name in TRUNK_BODIES:
+    if name in trunk_bodies():
         raise ValueError(f"no infant is without '{name}'; remove only limbs and eyes")
-    if name not in ALL_LIMB_BODIES:
-        raise ValueError(f"'{name}' is not a limb; {suggestion(name, ALL_LIMB_BODIES)}")
+    if name not in all_limb_bodies():
+        raise ValueError(f"'{name}' is not a limb; {suggestion(name, all_limb_bodies())}")
     return name
 
 
@@ -128,11 +128,11 @@ class BodySpec(Model):
 
     @model_validator(mode="after")
     def _names_parts_it_has(self) -> Self:
-        here = LIMB_BODIES[self.hands]
+        here = limb_bodies(self.hands)
         named = [*(("parts", name) for name in self.parts), *(("remove", index) for index in range(len(self.remove)))]
         for key in named:
             name = self.remove[key[1]] if isinstance(key[1], int) else key[1]
-            if name not in here and name not in TRUNK_BODIES:
+            if name not in here and name not in trunk_bodies():
                 message = f"a body with {self.hands} hands has no '{name}'; {suggestion(name, here)}"
                 raise KeyedError(key, message, against=("hands",))
         return self

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 
+from mimoc.body.assembly import assemble
+
 SIDES = ("left", "right")
 
 TRUNK_MEASUREMENTS = (
@@ -42,25 +44,7 @@ MEASUREMENTS = tuple(sorted(TRUNK_MEASUREMENTS + LIMB_MEASUREMENTS))
 MEASUREMENT_KEYS = tuple(f"{name}_cm" for name in MEASUREMENTS)
 SIDED_MEASUREMENT_KEYS = tuple(f"{side}_{name}_cm" for side in SIDES for name in LIMB_MEASUREMENTS)
 
-TRUNK_BODIES = ("hip", "lower_body", "upper_body", "chest", "head")
-"""What no infant is without."""
-
-_LIMBS = ("eye", "upper_arm", "lower_arm", "hand", "upper_leg", "lower_leg", "foot", "toes")
-_FIVE_FINGERS = (
-    *("ffknuckle", "ffmiddle", "ffdistal"),
-    *("mfknuckle", "mfmiddle", "mfdistal"),
-    *("rfknuckle", "rfmiddle", "rfdistal"),
-    *("lfmetacarpal", "lfknuckle", "lfmiddle", "lfdistal"),
-    *("thbase", "thhub", "thdistal"),
-    "big_toe",
-)
-
-LIMB_BODIES = {
-    "mitten": tuple(f"{side}_{limb}" for side in SIDES for limb in (*_LIMBS, "fingers")),
-    "five_finger": tuple(f"{side}_{limb}" for side in SIDES for limb in (*_LIMBS, *_FIVE_FINGERS)),
-}
-"""The bodies below the trunk, by kind of hands."""
-ALL_LIMB_BODIES = tuple(sorted({body for bodies in LIMB_BODIES.values() for body in bodies}))
+KINDS_OF_HANDS = ("mitten", "five_finger")
 
 PAIRED_GROUPS = {f"{limb}s": (f"left_{limb}", f"right_{limb}") for limb in ("arm", "hand", "leg")}
 """The strength groups that mean both sides."""
@@ -79,3 +63,18 @@ def single_groups(names: Iterable[str]) -> set[str]:
 def unsided(key: str) -> str:
     """Return the measurement that a key of a spec is of: `foot_length` of `left_foot_length_cm`."""
     return key.removesuffix("_cm").removeprefix("left_").removeprefix("right_")
+
+
+def trunk_bodies() -> tuple[str, ...]:
+    """Return the bodies of trunk and head, which no infant is without."""
+    return tuple(part.name for _, part in assemble(KINDS_OF_HANDS[0], False).parts if part.region != "limb")
+
+
+def limb_bodies(hands: str) -> tuple[str, ...]:
+    """Return the other bodies of an infant with hands of some kind."""
+    return tuple(part.name.format(side=side) for side, part in assemble(hands, False).parts if part.region == "limb")
+
+
+def all_limb_bodies() -> tuple[str, ...]:
+    """Return the bodies of all kinds of infants but for trunk and head, sorted."""
+    return tuple(sorted({name for hands in KINDS_OF_HANDS for name in limb_bodies(hands)}))

@@ -14,7 +14,7 @@ from mimoc.body import assemble, grow_child, measure_child
 from mimoc.fits import measure
 from mimoc.geometry.primitives import volume
 from mimoc.schema import InfantSpec
-from mimoc.schema.names import LIMB_BODIES, LIMB_MEASUREMENTS, MEASUREMENTS, TRUNK_BODIES
+from mimoc.schema.names import LIMB_MEASUREMENTS, MEASUREMENTS, limb_bodies, trunk_bodies
 
 HANDS = ("mitten", "five_finger")
 UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
@@ -367,7 +367,7 @@ def test_any_mild_change_builds_and_mujoco_takes_it(data, hands, age_months, inf
     changed = data.draw(st.dictionaries(st.sampled_from(keys), st.floats(0.92, 1.08), max_size=4))
     factor = st.floats(0.85, 1.15)
     scale = st.fixed_dictionaries({}, optional={"length": factor, "girth": factor})
-    parts = data.draw(st.dictionaries(st.sampled_from(TRUNK_BODIES + LIMB_BODIES[hands]), scale, max_size=4))
+    parts = data.draw(st.dictionaries(st.sampled_from(trunk_bodies() + limb_bodies(hands)), scale, max_size=4))
     values_cm = {f"{name}_cm": 100 * average[name] * factor for name, factor in changed.items()}
     infant = infant_with(age_months, hands=hands, measurements=values_cm, parts=parts)
     assert infant.model.nu == {"mitten": 44, "five_finger": 88}[hands]

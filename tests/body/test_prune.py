@@ -14,10 +14,10 @@ from lxml import etree
 import mimoc
 from mimoc.body import assemble
 from mimoc.schema import InfantSpec
-from mimoc.schema.names import LIMB_BODIES
+from mimoc.schema.names import limb_bodies
 
 HANDS = ("mitten", "five_finger")
-SINGLE = [(hands, limb) for hands in HANDS for limb in LIMB_BODIES[hands]]
+SINGLE = [(hands, limb) for hands in HANDS for limb in limb_bodies(hands)]
 FEW = [
     ("mitten", ["left_upper_arm"]),
     ("mitten", ["left_eye", "right_eye"]),
@@ -121,7 +121,7 @@ def _check_rest(bundle: mimoc.Bundle, remove) -> None:
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("hands", HANDS)
 def test_any_one_limb_can_be_missing(whole, hands, side):
-    for limb in LIMB_BODIES[hands]:
+    for limb in limb_bodies(hands):
         if limb.startswith(side):
             bundle = check(whole[hands], hands, [limb])
             here = gone_with(hands, [limb])
@@ -132,7 +132,7 @@ def mjcf_bodies(xml: etree._Element) -> set[str]:
     return {body.get("name") for body in xml.iter("body")}
 
 
-PAIRS = [(hands, pair) for hands in HANDS for pair in combinations(LIMB_BODIES[hands], 2)]
+PAIRS = [(hands, pair) for hands in HANDS for pair in combinations(limb_bodies(hands), 2)]
 
 
 @settings(max_examples=30)

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.looks.appearance import GEOM_MATERIALS, HEAD_FEATURES, dress, face_material
+from mimoc.body import grow_reference
+from mimoc.looks.appearance import HEAD_FEATURES, dress, face_material
 from mimoc.looks.expressions import FACES
 from mimoc.mjcf.materials import Appearance
 from mimoc.mjcf.mimo.lookups import face_texture
@@ -48,7 +49,8 @@ def test_every_material_of_the_reference_body_exists():
 
 def test_geoms_and_features_name_materials_that_exist():
     names = {material.name for material in dress("neutral").materials}
-    assert set(GEOM_MATERIALS.values()) == REFERENCE_MATERIALS - {"skin"}
+    geoms = grow_reference("mitten").geoms.values()
+    assert {geom.material for geom in geoms} == REFERENCE_MATERIALS
     assert {feature.material for feature in HEAD_FEATURES} <= names
 
 

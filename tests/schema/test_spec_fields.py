@@ -12,7 +12,7 @@ from mimoc import schema
 from mimoc.errors import SpecError
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.key_paths import KeyPath
-from mimoc.schema.names import LIMB_BODIES, MEASUREMENTS, TRUNK_BODIES
+from mimoc.schema.names import KINDS_OF_HANDS, MEASUREMENTS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import outline
 from mimoc.schema.source import parse
 from mimoc.tasks import TASKS
@@ -111,9 +111,9 @@ def test_measurements_are_those_of_the_tables():
 
 
 def test_hands_are_the_kinds_that_bodies_are_known_for():
-    assert set(outline(("body", "hands")).choices) == LIMB_BODIES.keys()
-    assert len(TRUNK_BODIES + LIMB_BODIES["mitten"]) == 23
-    assert len(TRUNK_BODIES + LIMB_BODIES["five_finger"]) == 55
+    assert set(outline(("body", "hands")).choices) == set(KINDS_OF_HANDS)
+    assert len(trunk_bodies() + limb_bodies("mitten")) == 23
+    assert len(trunk_bodies() + limb_bodies("five_finger")) == 55
 
 
 def test_the_least_spec_needs_three_keys():

@@ -10,11 +10,12 @@ from pydantic import ValidationError
 from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec, PartSpec, VisionSpec, read_spec, to_data
 from mimoc.schema.names import (
-    LIMB_BODIES,
+    KINDS_OF_HANDS,
     MEASUREMENT_KEYS,
     SIDED_MEASUREMENT_KEYS,
     STRENGTH_GROUPS,
-    TRUNK_BODIES,
+    limb_bodies,
+    trunk_bodies,
 )
 from mimoc.schema.source import parse, read
 from mimoc.schema.yaml_scalars import dump
@@ -68,7 +69,7 @@ task: {kind: reach}
 
 def specs() -> st.SearchStrategy[InfantSpec]:
     """Specs that say a little of everything."""
-    hands = st.sampled_from(tuple(LIMB_BODIES))
+    hands = st.sampled_from(KINDS_OF_HANDS)
     timesteps_ms = st.sampled_from((1.0, 2.0, 2.5, 5.0))
     return st.builds(_spec, hands, timesteps_ms, st.data(), st.floats(0, 24))
 
@@ -78,8 +79,8 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
     factors = st.floats(0.5, 2)
     delays_ms = st.none() | st.integers(0, 100).map(lambda steps: steps * timestep_ms)
     acuity = st.sampled_from(("off", "age", {"cpd": 4.2})) | st.floats(0, 36)
-    bodies = st.sampled_from(TRUNK_BODIES + LIMB_BODIES[hands])
-    removable = [name for name in LIMB_BODIES[hands] if name != "left_eye"]  # With an eye, it can see.
+    bodies = st.sampled_from(trunk_bodies() + limb_bodies(hands))
+    removable = [name for name in limb_bodies(hands) if name != "left_eye"]  # With an eye, it can see.
     parts = st.dictionaries(bodies, st.builds(PartSpec, length=factors, girth=factors), max_size=3)
     return InfantSpec.model_validate(
         {

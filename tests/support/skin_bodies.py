@@ -12,7 +12,7 @@ from mimoc.body import Body, BodyTree, Geom, assemble, grow, grow_child, measure
 from mimoc.errors import GeometryError
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
-from mimoc.schema.names import LIMB_BODIES, MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, TRUNK_BODIES
+from mimoc.schema.names import MEASUREMENT_KEYS, SIDED_MEASUREMENT_KEYS, limb_bodies, trunk_bodies
 from mimoc.senses.touch.skin_points import SkinPoints
 
 HANDS = ("mitten", "five_finger")
@@ -44,7 +44,7 @@ def child(age_months: float = 9, hands: str = "mitten", **body) -> BodyTree:
 def children(draw) -> BodyTree:
     """Children of any age, with parts and measurements that a spec changes at will."""
     hands, age_months = draw(st.sampled_from(HANDS)), draw(st.floats(0, 24))
-    parts = st.sampled_from((*TRUNK_BODIES, *LIMB_BODIES[hands]))
+    parts = st.sampled_from((*trunk_bodies(), *limb_bodies(hands)))
     factors = st.fixed_dictionaries({"length": st.floats(0.5, 2), "girth": st.floats(0.5, 2)})
     changes = draw(st.dictionaries(st.sampled_from((*MEASUREMENT_KEYS, *SIDED_MEASUREMENT_KEYS)), st.floats(0.8, 1.3)))
     base = measure(age_months).base

@@ -9,33 +9,11 @@ from types import MappingProxyType
 import numpy as np
 
 from mimoc.body import Body, BodyTree, Geom, grow_reference
-from mimoc.body.strength import GROUPS, body_groups
+from mimoc.body.strength import body_groups
 from mimoc.geometry.primitives import area
 from mimoc.schema.names import single_groups
 from mimoc.senses.touch.exposed import Layout, lay_out, move_with_geoms
 from mimoc.senses.touch.surface import FloatArray
-
-SPACING_M = {
-    "head": 0.013,
-    **dict.fromkeys(("hip", "lower_body"), 0.025),
-    **dict.fromkeys(("upper_body", "chest"), 0.030),
-    **dict.fromkeys(("upper_arm", "lower_arm"), 0.024),
-    **dict.fromkeys(("hand", "lfmetacarpal"), 0.007),
-    "fingers": 0.002,
-    "upper_leg": 0.027,
-    "lower_leg": 0.038,
-    "foot": 0.015,
-    **dict.fromkeys(("toes", "big_toe"), 0.010),
-    **{
-        f"{finger}{bone}": spacing_m
-        for finger in ("ff", "mf", "rf", "lf")
-        for bone, spacing_m in (("knuckle", 0.004), ("middle", 0.004), ("distal", 0.002))
-    },
-    "thbase": 0.004,
-    "thhub": 0.004,
-    "thdistal": 0.002,
-}
-"""Distance of neighbours by body, of the average child of 18 months: its two-point discrimination (MIMo)."""
 
 PUPIL = np.array([[1.0, 0.0, 0.0, 0.0]])
 """The one point of an eye, at its front."""
@@ -77,10 +55,10 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
         regions: The groups of muscles whose parts have skin; None is all.
     """
     patches = _patches(tree.hands, density)
-    groups, bare = body_groups(tree), set() if regions is None else {*GROUPS.values()} - single_groups(regions)
+    groups, covered = body_groups(tree), None if regions is None else single_groups(regions)
     points_m, spacing_m = {}, {}
     for body in tree.bodies:
-        if groups[body.name] in bare:
+        if covered is not None and groups[body.name] not in covered:
             continue
         parts = (body.name, *(part for part, home in tree.merged if home == body.name))
         patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
@@ -98,9 +76,9 @@ def _patches(hands: str, density: float) -> Mapping[str, _Patch]:
 
 def _patch(body: Body, density: float) -> _Patch:
     area_m2 = _area_m2(body)
-    if body.name == "right_eye":
+    if body.skin_spacing_m is None:
         return _Patch((PUPIL,), math.sqrt(area_m2), area_m2)
-    spacing_m = SPACING_M[body.name.removeprefix("right_")] / math.sqrt(density)
+    spacing_m = body.skin_spacing_m / math.sqrt(density)
     return _Patch(lay_out(body.geoms, spacing_m), spacing_m, area_m2)
 
 

@@ -22,7 +22,7 @@ from support.skin_bodies import (
 
 from mimoc.body import grow_reference
 from mimoc.mjcf.sensor_sites import cameras
-from mimoc.schema.names import TRUNK_BODIES
+from mimoc.schema.names import trunk_bodies
 from mimoc.senses.touch.skin_points import skin_points
 
 # Where the points are.
@@ -156,7 +156,7 @@ def test_left_mirrors_right_exactly(hands, age_months):
 @pytest.mark.parametrize("density", [0.7, 1, 3])
 def test_trunk_and_head_are_the_same_in_a_mirror(hands, density):
     skin = skin_points(average(4, hands), density)
-    for body in TRUNK_BODIES:
+    for body in trunk_bodies():
         points_m = skin.points_m[body]
         gaps_m, images = KDTree(points_m).query(points_m * MIRROR)
         assert gaps_m.max() < 1e-11

@@ -98,6 +98,10 @@ def _body(part: Part, side: str, dimensions: Dimensions, hands: str) -> Body:
         euler_deg=_mirror_turn(part.euler_deg, left),
         joints=tuple(_joint(figures, side, dimensions.anchors) for figures in part.joints),
         geoms=tuple(_geom(figures, side, dimensions, hands) for figures in part.geoms),
+        region=part.region,
+        group=part.group.format(side=side),
+        skin_spacing_m=part.skin_spacing_m,
+        torque_site=part.torque_site.format(side=side),
     )
 
 
@@ -115,6 +119,7 @@ def _geom(figures: GeomFigures, side: str, dimensions: Dimensions, hands: str) -
         contype=figures.contype,
         conaffinity=figures.conaffinity,
         condim=figures.condim,
+        material=figures.material.format(side=side),
     )
 
 
