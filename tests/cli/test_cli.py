@@ -63,7 +63,7 @@ def test_validate_fails_outside_one_sd(invoke, monkeypatch):
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))
     done = invoke("validate")
     assert done.code == 1
-    assert re.search(r"\+1\.20\* .*outside *│$", done.out, re.MULTILINE)
+    assert re.search(r"\+1\.20\* .*beyond 1 SD *│$", done.out, re.MULTILINE)
     verdict = "failed: not within one SD of the mean of WHO's boys and girls at every age: weight_kg"
     assert " ".join(done.out.split()).endswith(verdict)
     assert invoke("validate", "--json").code == 1
@@ -159,7 +159,7 @@ BAD_INPUT = {
     "a bad spec": ("build bad.yaml -o new", "bad.yaml:3:13: age_months: "),
     "a task for another body": (
         "build handless.yaml -o new",
-        "handless.yaml:5:14: task.kind: 'reach' needs right_fingers",
+        "handless.yaml:5:14: task.kind: task 'reach' requires right_fingers",
     ),
     "a missing spec": ("build nowhere.yaml -o new", "nowhere.yaml:1:1: the file does not exist"),
     "a spec that is a folder": ("build folder -o new", "folder:1:1: "),
