@@ -21,7 +21,7 @@ def build(spec: KickSpec, body: BodyTree) -> TaskSetup:
     """Return the mobile and what ties it to the foot.
 
     Raises:
-        UnplayableError: If the infant lacks that foot.
+        UnsupportedTaskError: If the infant lacks that foot.
     """
     foot = f"{spec.foot}_foot"
     require(body, "kick", foot)
