@@ -46,17 +46,17 @@ class IndividualError(MimocError):
     """No child matches the requested measures."""
 
 
-class NoRoomError(MimocError):
-    """There is not enough room for the toys in the scene."""
+class NoSpaceError(MimocError):
+    """There is not enough space for the toys in the scene."""
 
 
-class UnplayableError(MimocError):
-    """A spec asks for something that its body or scene does not allow."""
+class UnsupportedTaskError(MimocError):
+    """A task, or a constraint of the scene, cannot be realised with the body of the spec."""
 
     def __init__(self, message: str, key: tuple[str, ...] = ("task", "kind")):
         super().__init__(message)
         self.key = key
-        """Key of the spec that asks for it."""
+        """Key of the spec that requires it."""
 
 
 class DataError(MimocError):
@@ -64,11 +64,11 @@ class DataError(MimocError):
 
 
 class KindError(MimocError):
-    """A sense, a task or another kind that cannot be registered or passed."""
+    """A sense, task or other kind cannot be registered or used."""
 
 
 class BundleError(MimocError):
-    """A folder is not a bundle, or its files were changed."""
+    """A folder is not a bundle, or its files were modified."""
 
 
 class TextureError(MimocError):
@@ -98,12 +98,12 @@ class ToyError(MimocError):
 
 
 class UnknownToysError(ToyError):
-    """Toys that are not among those of a source."""
+    """Requested toys do not exist in the source."""
 
     def __init__(self, messages: Mapping[str, str]):
         super().__init__("\n".join(messages.values()))
         self.messages = messages
-        """What is wrong with each name."""
+        """Error message of each name."""
 
 
 class TrainingError(MimocError):
@@ -137,7 +137,7 @@ class UnknownNameError(MimocError):
 
 
 def suggestion(name: str, known: Collection[str]) -> str:
-    """Return the second half of an error message: which of the *known* names may be meant by *name*."""
+    """Return the advice of an error message: the *known* names that *name* may be a misspelling of."""
     near = get_close_matches(name, known, n=3, cutoff=0.6)
     if near:
         return f"did you mean {_alternatives(near)}?"

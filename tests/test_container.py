@@ -179,4 +179,4 @@ def test_the_hosts_python_packages_stay_outside(container):
 def test_make_says_what_it_lacks_to_build_it():
     done = subprocess.run(["make", "container", "APPTAINER="], cwd=CHECKOUT, capture_output=True, text=True, timeout=60)
     assert done.returncode == 2
-    assert "make container needs Apptainer or Singularity, and there is none; install one" in done.stdout
+    assert "make container needs Apptainer or Singularity; install one of them" in done.stdout

@@ -16,58 +16,61 @@ from mimoc.schema.quantities import Age, Real
 
 def _fields() -> dict[str, FieldInfo]:
     about = (
-        "Torque on a spring and damper, two muscles a joint, or a commanded angle that muscles of that strength go to."
+        "Joint torques (`torque`), two muscles per joint (`muscle`), or servos that track a commanded joint angle, as "
+        "strong as the muscles (`position`)."
     )
     return {"model": choice_field(ACTUATIONS, "torque", about), **own_sections(ACTUATIONS)}
 
 
 @composed(_fields)
 class ActuationSpec(Model):
-    """What moves the joints."""
+    """How the joints are actuated."""
 
     model: str = "torque"
     """Actuation model."""
     strength_age_months: Age | None = None
-    """Age that strength is taken from; left out, that of the body."""
+    """Age for which strength is computed; by default that of the infant."""
     strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(default_factory=dict)
-    """Factors on strength by group of muscles; `arms` means both, but an arm named as well goes by its own factor.
-    The wrist is the hand's, ankle and toes are the leg's."""
+    """Strength factors by muscle group. `arms` applies to both arms; a factor for one arm takes precedence over it.
+    The wrist belongs to the hand, ankle and toes to the leg."""
     regions: Groups | None = None
-    """Groups of muscles that take commands; the others rest. Left out, all do."""
+    """Muscle groups that the action controls; the others stay at rest. By default, all groups."""
     locked: Groups = ()
-    """Groups of muscles whose joints stay at the angles that the infant starts with."""
+    """Muscle groups whose joints are locked at the angles of the starting pose."""
 
     @model_validator(mode="after")
     def _what_is_locked_takes_no_commands(self) -> Self:
         for index, group in enumerate(self.regions or ()):
             if both := single_groups([group]) & single_groups(self.locked):
-                message = f"{' and '.join(sorted(both))} cannot be moved and locked; leave it out here or in 'locked'"
+                message = (
+                    f"{' and '.join(sorted(both))} cannot be both commanded and locked; remove it here or from 'locked'"
+                )
                 raise KeyedError(("regions", index), message, against=("locked",))
         return self
 
 
 class ActuatorEntry(Model):
-    """One actuator of the model, as the action sees it."""
+    """One actuator of the model."""
 
     name: str
     """Name in the model."""
     mimo_actuator: str
-    """The actuator of MIMo that it stands for, alone or with others."""
+    """The actuator of MIMo that it replaces, alone or with others."""
     joint: str
-    """The hinge it moves."""
+    """The hinge joint that it drives."""
     action_low: float
-    """Least command."""
+    """Smallest command."""
     action_high: float
     """Largest command."""
     commanded: bool = True
-    """Whether the action has a command for it; else it rests."""
+    """Whether the action has an entry for it; otherwise it stays at rest."""
 
 
 @composed(lambda: {"model": choice_field(ACTUATIONS, "torque", "Actuation model.")})
 class ActuationEntry(Model):
-    """How the infant is moved."""
+    """The infant's actuation."""
 
     model: str = "torque"
     """Actuation model."""
     actuators: tuple[ActuatorEntry, ...]
-    """In the order of the model; of those that are commanded, of the action."""
+    """Actuators in the order of the model; the action has an entry for each commanded one, in this order."""

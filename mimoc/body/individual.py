@@ -5,12 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import NormalDist
 
-from scipy.optimize import root_scalar
-
 from mimoc.body.tree import BodyTree
 from mimoc.errors import IndividualError
 from mimoc.fits import Measurements, load_tables
 from mimoc.fits.who import Sex
+from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.units import cm_to_m, m_to_cm
 
@@ -122,7 +121,7 @@ def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, ch
     if not lightest_kg <= wanted_kg <= heaviest_kg:
         possible = _range((lightest_kg, heaviest_kg), WEIGHTS_KG, "kg")
         raise IndividualError(f"a child of {child} does not weigh {wanted_kg:.1f} kg; {possible}")
-    return root_scalar(lambda factor: weigh(factor) - wanted_kg, bracket=(low, high), xtol=_PRECISION).root
+    return root(lambda factor: weigh(factor) - wanted_kg, low, high, _PRECISION)
 
 
 def _range(bounds: Bounds, limits: Bounds, unit: str) -> str:

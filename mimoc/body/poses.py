@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, Posed, pose
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
+from mimoc.geometry.solvers import minimum
 from mimoc.units import deg_to_rad
 
 
@@ -121,8 +121,7 @@ def _resting_pitch(posed: Posed, start_rad: float) -> float:
     while height(start_rad + step) < height(start_rad):
         start_rad += step
     low, high = sorted((start_rad - step, start_rad + step))
-    lowest = minimize_scalar(height, bounds=(low, high), method="bounded", options={"xatol": _PRECISION_RAD})
-    return round(float(lowest.x), 6)  # What follows is noise.
+    return round(minimum(height, low, high, _PRECISION_RAD), 6)  # What follows is noise.
 
 
 def _down(pitch_rad: float) -> FloatArray:

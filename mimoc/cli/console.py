@@ -61,8 +61,8 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
     table.add_column("measure")
     table.add_column("value", justify="right")
-    among = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
-    table.add_column(f"WHO percentile, {among}", justify="right")
+    population = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
+    table.add_column(f"WHO percentile, {population}", justify="right")
     for name, value in percentiles.items():
         table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
     _console().print(table)
@@ -106,8 +106,8 @@ def print_growth(report: GrowthReport) -> None:
     if report.within_one_sd:
         console.print(Text(f"ok: {verdict}", style="green"))
     else:
-        outside = sorted({row.indicator for row in report.rows if row.outside})
-        console.print(Text(f"failed: not {verdict}: {', '.join(outside)}", style="red"))
+        failing = sorted({row.indicator for row in report.rows if row.outside_one_sd})
+        console.print(Text(f"failed: not {verdict}: {', '.join(failing)}", style="red"))
 
 
 SEXES: Mapping[str, Reference] = {"boys": "male", "girls": "female"}
@@ -129,7 +129,7 @@ def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:
             f"{row.value:.2f}",
             *(_z_text(z[reference]) for reference in ("male", "female", "mean")),
             *(f"{percentile[reference]:.0f}" for reference in ("male", "female", "mean")),
-            "outside" if row.outside else "",
+            "beyond 1 SD" if row.outside_one_sd else "",
         )
     return table
 
@@ -143,7 +143,7 @@ METRICS = {
     "hand_error_m": "distance from hand to target after 1.5 s, median [m]",
     "fell_after_s": "too weak or too unsteady to sit unsupported: fell over after [s]",
 }
-"""What some metrics of policies are, by name."""
+"""Labels of some metrics of policies, by name."""
 
 
 def print_run(summary: Summary) -> None:
@@ -242,19 +242,19 @@ def print_explanation(explanation: Explanation) -> None:
 
 
 def print_contents(contents: Mapping[str, Sequence[str]]) -> None:
-    """Print the names of numbers, one line per object, for `grep`."""
+    """Print the names of numbers, one line per object, so that they can be searched with `grep`."""
     for thing, names in contents.items():
         print(f"{thing}: {' '.join(names)}")
     if sys.stdout.isatty():
-        print("\nAdd one to see where it comes from, body.head.mass, or a part of its name to find it: weight")
+        print("\nGive a name such as body.head.mass to see where the number comes from, or part of a name to search")
 
 
 def print_numbers(numbers: Mapping[str, str]) -> None:
-    """Print numbers, a line each."""
+    """Print numbers, one per line."""
     for key, value in numbers.items():
         print(f"{key} = {value}")
     if sys.stdout.isatty():
-        print("\nGive the whole name of one to see where it comes from")
+        print("\nGive the full name of a number to see where it comes from")
 
 
 def _branch(explanation: Explanation) -> Tree:

@@ -12,6 +12,9 @@ from mimoc.cli.infants import load_infant
 
 EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
 
+CheckpointEvery = Annotated[
+    int, typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints: the most that a kill can lose.")
+]
 Assignments = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Set a hyperparameter, as in gamma=0.99; repeatable."),
@@ -40,10 +43,7 @@ def train(
     ] = 500_000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed; the same seed gives the same result.")] = 0,
     envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
-    every: Annotated[
-        int,
-        typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints: the most that a kill can lose."),
-    ] = 20_480,
+    every: CheckpointEvery = 20_480,
     assignments: Assignments = None,
     processes: Processes = None,
     task: OwnTask = None,

@@ -29,7 +29,15 @@ from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
 from mimoc.compiler.provenance.task import trace_task
 from mimoc.compiler.provenance.world import trace_world
 from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
-from mimoc.errors import GeometryError, IndividualError, ModelError, NoRoomError, SpecError, ToyError, UnplayableError
+from mimoc.errors import (
+    GeometryError,
+    IndividualError,
+    ModelError,
+    NoSpaceError,
+    SpecError,
+    ToyError,
+    UnsupportedTaskError,
+)
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.compatibility import CompatibilityTarget, find_target
@@ -108,7 +116,7 @@ class Builder:
         spec = _with_seed(self.spec, seed)
         try:
             found = furnish(self.infant, spec, self.tree, self.scene_assets, self.task_setup, self.footprint)
-        except (NoRoomError, ToyError) as error:
+        except (NoSpaceError, ToyError) as error:
             written = as_written(spec)
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
         return replace(found, scene=find_target(self.target).world(found.scene))
@@ -189,7 +197,7 @@ def _equip(
         scene, task_setup = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
         infant = compatibility.infant(scene, spec.actuation.model)
         described = describe(spec, tree, infant, senses, task_setup)
-    except UnplayableError as error:
+    except UnsupportedTaskError as error:
         raise SpecError([as_written(spec).problem(error.key, str(error))]) from None
     data = {**described.model_dump(), "plugins": used_plugins(spec)}
     return actuation, senses, task_setup, infant, Manifest.model_validate(rounded(data))

@@ -7,7 +7,7 @@ import numpy as np
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world
 from mimoc.body.strength import muscle_groups
-from mimoc.errors import UnplayableError
+from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import quaternion_from_matrix
 from mimoc.mjcf.constraints import Lock, Weld
 from mimoc.mjcf.mimo.lookups import lock_name
@@ -31,7 +31,7 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Coll
     """Return the hinges that take commands: of the spec's regions, those of its task that are not locked.
 
     Raises:
-        UnplayableError: If the task is left without any.
+        UnsupportedTaskError: If the task is left without any.
     """
     regions = spec.actuation.regions
     groups = None if regions is None else single_groups(regions)
@@ -45,7 +45,7 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Coll
     }
     if setup.commanded is not None and found.isdisjoint(motor.joint for motor in tree.motors):
         key = "locked" if regions is None else "regions"
-        raise UnplayableError(
+        raise UnsupportedTaskError(
             f"none of this infant's commanded actuators moves a joint of task '{setup.entry.kind}'; "
             + ("name other groups" if regions is not None else "lock fewer groups"),
             ("actuation", key),
@@ -57,13 +57,13 @@ def holds(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[Hold, ...
     """Return the parts that are held, for the task or by the spec, each once.
 
     Raises:
-        UnplayableError: If the spec holds a part that this infant does not have.
+        UnsupportedTaskError: If the spec holds a part that this infant does not have.
     """
     here = {body.name for body in tree.bodies}
     homes = {tree.home(name): name for name in spec.scene.held}
     for home, name in homes.items():
         if home not in here:
-            raise UnplayableError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
+            raise UnsupportedTaskError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
     by_task = {hold.body for hold in setup.holds}
     return (*setup.holds, *(Hold(home) for home in homes if home not in by_task))
 

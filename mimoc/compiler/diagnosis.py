@@ -4,11 +4,10 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from scipy.optimize import root_scalar
-
 from mimoc.body import assemble, grow_child, measure_child
 from mimoc.body.child import replace_given
 from mimoc.errors import GeometryError, IndividualError, Problem
+from mimoc.geometry.solvers import root
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.names import unsided
@@ -116,5 +115,5 @@ def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Possibl
     def sign(share: float) -> float:
         return -1.0 if is_possible(suspect.replaced(spec, value(share))) else 1.0
 
-    change = root_scalar(sign, bracket=(0.0, 1.0), method="bisect", xtol=PRECISION).root
+    change = root(sign, 0.0, 1.0, PRECISION, method="bisect")
     return value(change - PRECISION)

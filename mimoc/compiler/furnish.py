@@ -11,7 +11,7 @@ from mimoc.body.kinematics import FloatArray
 from mimoc.body.provenance import Entry
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.scene_assets import SceneAssets
-from mimoc.errors import NoRoomError
+from mimoc.errors import NoSpaceError
 from mimoc.kinds import function_of
 from mimoc.mjcf.contact_pairs import barrier_pairs
 from mimoc.mjcf.objects import FreeObject
@@ -53,7 +53,7 @@ def set_up_task(
     them.
 
     Raises:
-        UnplayableError: If the infant lacks what the task is about, or a part that the spec holds.
+        UnsupportedTaskError: If the infant lacks what the task is about, or a part that the spec holds.
     """
     setup = build_task(spec.task, tree)
     poses = scene.keyframes
@@ -97,9 +97,9 @@ def furnish(
         discs: The infant's `covered_floor`, if it is known already: it is the same for every seed.
 
     Raises:
-        NoRoomError: If there is no room for a toy.
+        NoSpaceError: If there is no room for a toy.
         ToyError: If nothing can be made of a toy.
-        UnplayableError: If the spec holds a part that the infant does not have.
+        UnsupportedTaskError: If the spec holds a part that the infant does not have.
     """
     discs = covered_floor(scene, spec.scene, tree) if discs is None else discs
     build = function_of(SCENES[spec.scene.kind].build, "build")
@@ -150,7 +150,7 @@ def _toys(
         [toy.radius_m for toy in toys], reach, Floor(built.half_size_m, taken), stream(spec.seed, "toys.place")
     )
     if places is None:
-        raise NoRoomError(
+        raise NoSpaceError(
             f"there is no room for {len(toys)} toys around the infant; use fewer, smaller ones or a larger room"
         )
     return tuple(

@@ -66,7 +66,7 @@ class Row:
         return {reference: percentile(z) for reference, z in self.z.items()}
 
     @property
-    def outside(self) -> bool:
+    def outside_one_sd(self) -> bool:
         """Whether it lies more than one standard deviation off the mean of boys and girls."""
         return abs(self.z["mean"]) > 1
 
@@ -81,7 +81,7 @@ class GrowthReport:
     @property
     def within_one_sd(self) -> bool:
         """Whether every row lies within one standard deviation of the mean of boys and girls."""
-        return not any(row.outside for row in self.rows)
+        return not any(row.outside_one_sd for row in self.rows)
 
     @property
     def worst(self) -> Mapping[str, Row]:
@@ -105,8 +105,8 @@ class GrowthReport:
     def to_data(self) -> dict[str, Any]:
         """Return the report as plain data, numbers rounded as in files.
 
-        `rows` are as in `Row`, with `outside_one_sd` for `outside`; `worst` holds one of them for each
-        indicator; `z` and `percentile` have the keys `male`, `female` and `mean`.
+        `rows` are as in `Row`; `worst` holds one of them for each indicator; `z` and `percentile` have the keys
+        `male`, `female` and `mean`.
         """
         return rounded(
             {
@@ -197,7 +197,7 @@ def _row_data(row: Row) -> dict[str, Any]:
         "value": row.value,
         "z": row.z,
         "percentile": row.percentile,
-        "outside_one_sd": row.outside,
+        "outside_one_sd": row.outside_one_sd,
     }
 
 

@@ -1,4 +1,4 @@
-"""The `delays` of a spec and of a manifest: one for each sense there is, and one for the motors."""
+"""The `delays` of a spec and of a manifest: one for each registered sense, and one for the motor commands."""
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
 
@@ -22,7 +22,7 @@ def signals() -> tuple[str, ...]:
 
 def _delay_fields() -> dict[str, FieldInfo]:
     about = {name: f"Delay of {name}." for name in SENSES} | {MOTOR: "Delay from command to actuator."}
-    annotation: Any = Optional[Delay]  # noqa: UP045 - A type checker knows no `|` of this.
+    annotation: Any = Optional[Delay]  # noqa: UP045 - Type checkers reject `|` here.
     return {
         f"{name}_ms": FieldInfo.from_annotated_attribute(annotation, Field(default=None, description=about[name]))
         for name in signals()
@@ -31,12 +31,13 @@ def _delay_fields() -> dict[str, FieldInfo]:
 
 @composed(_delay_fields)
 class DelaysSpec(Model):
-    """Delays in each direction, in whole physics steps; the more specific key takes precedence."""
+    """Sensory and motor delays, each a multiple of the physics step; the more specific key takes precedence."""
 
     preset: Literal["none", "paper", "physiological"] = "none"
-    """Where delays come from that are not given: none, those of the paper, or those of an infant of this age."""
+    """Delays that apply where none is given: zero (`none`), those of the paper (`paper`), or those of an infant of this
+    age (`physiological`)."""
     sensory_ms: Delay | None = None
-    """Delay of every sense that has none of its own below."""
+    """Delay of every sense for which no delay is given below."""
 
     if TYPE_CHECKING:
 
@@ -50,7 +51,7 @@ class DelayEntry(Model):
     ms: float = 0.0
     """Delay."""
     legs_ms: float | None = None
-    """Delay to or from legs and feet, where that differs."""
+    """Delay to or from legs and feet, if it differs."""
 
 
 def _entry_fields() -> dict[str, FieldInfo]:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import root_scalar
 
 from mimoc.geometry.rotations import FloatArray, direction
+from mimoc.geometry.solvers import root
 
 View = tuple[float, float]
 """Azimuth and elevation of the direction that a camera looks in, [deg]."""
@@ -101,7 +101,7 @@ def fit_shot(
         return shot(fovy_deg)
     if space_m(WIDEST_DEG) <= 0:
         return shot(WIDEST_DEG)
-    narrowest_deg = root_scalar(space_m, bracket=(fovy_deg, WIDEST_DEG), xtol=PRECISION_DEG / 2).root
+    narrowest_deg = root(space_m, fovy_deg, WIDEST_DEG, PRECISION_DEG / 2)
     return shot(min(narrowest_deg + PRECISION_DEG, WIDEST_DEG))
 
 

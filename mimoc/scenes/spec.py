@@ -1,4 +1,4 @@
-"""The `scene` of a spec: the world an infant is in."""
+"""The `scene` of a spec: the world around the infant."""
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -14,17 +14,17 @@ from mimoc.toys.spec import ToysSpec
 
 
 class TexturesSpec(Model):
-    """Your own textures, from which scenes with wallpapers draw besides mimoc's own.
+    """Your own textures, which scenes with wallpaper choose from in addition to mimoc's.
 
-    Each is a PNG or a folder of them; paths are relative to the spec's folder.
+    Each is a PNG file or a folder of PNG files; paths are relative to the spec's folder.
     """
 
     floor: PathText | None = None
-    """For the floor."""
+    """Textures for the floor."""
     ceiling: PathText | None = None
-    """For the ceiling."""
+    """Textures for the ceiling."""
     wall: PathText | None = None
-    """For the walls."""
+    """Textures for the walls."""
 
 
 def _fields() -> dict[str, FieldInfo]:
@@ -34,29 +34,29 @@ def _fields() -> dict[str, FieldInfo]:
 
 @composed(_fields)
 class SceneSpec(Model):
-    """The world an infant is in."""
+    """The world around the infant."""
 
     kind: str = "flat"
     """The kind of scene."""
     seed: Annotated[Whole, Field(ge=0, le=2**53)] = 0
-    """Seed of everything in the scene that is drawn at random."""
+    """Random seed of the scene: of its room, textures and toys."""
     pose: Literal["supine", "prone", "sitting", "standing"] = "supine"
-    """How the infant starts; of the tasks, only `rollover` and `free` start from here.
+    """Starting pose; of the tasks, only `rollover` and `free` use it.
 
-    A bundle has the other poses too, but for those in which held parts or locked joints would be elsewhere.
+    A bundle also contains the other poses, except those in which held parts or locked joints would be elsewhere.
     """
     held: Annotated[tuple[PartName, ...], Distinct] = ()
-    """Parts of the infant that are fixed in the world, such as `chest`, as if it sat in a seat."""
+    """Parts of the infant that are fixed in space, such as `chest` for an infant that is strapped into a seat."""
     textures: TexturesSpec = Field(default_factory=TexturesSpec)
     """Your own textures for floor, ceiling and walls."""
     toys: ToysSpec | None = None
-    """Toys; left out, there are none."""
+    """The toys; by default, none."""
 
     @model_validator(mode="after")
     def _toys_have_a_floor(self) -> Self:
         if self.toys and not SCENES[self.kind].has_floor:
             kinds = " or ".join(kind.name for kind in SCENES.values() if kind.has_floor)
-            raise KeyedError(("toys",), f"toys require scene.kind: {kinds}; change it, or leave the toys out")
+            raise KeyedError(("toys",), f"toys require scene.kind: {kinds}; change it, or remove the toys")
         return self
 
     if TYPE_CHECKING:

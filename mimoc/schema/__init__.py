@@ -1,4 +1,4 @@
-"""The spec language: what a user can say about an infant, as frozen data."""
+"""The spec language: the description of an infant that a user writes, as frozen data."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -43,7 +43,7 @@ _HOMES = {
     "to_data": "mimoc.schema.infant",
     "validated": "mimoc.schema.infant",
 }
-"""Where each name lives. They are imported when first used: the kinds of things an infant has build on this package."""
+"""Module of each name, imported when the name is first used, because the kinds import this package."""
 
 __all__ = [
     "AcuitySpec",

@@ -15,16 +15,16 @@ class Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
 
     def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
-        """Yield what `repr` shows: what was said, not what was left to its default."""
+        """Yield what `repr` shows: the values that were given, without defaults."""
         yield from ((key, value) for key, value in super().__repr_args__() if key in self.model_fields_set)
 
 
 class KeyedError(ValueError):
-    """A key of a section that does not go with the rest of it."""
+    """The value of a key contradicts other keys of its section."""
 
     def __init__(self, key: KeyPath, message: str, *, against: KeyPath = ()):
         super().__init__(message)
         self.key = key
-        """Where it is wrong, relative to the section."""
+        """The wrong key, relative to the section."""
         self.against = against
-        """What it does not go with, relative to the section; empty where that is several keys or none."""
+        """The key that it contradicts, relative to the section; empty if there are several or none."""

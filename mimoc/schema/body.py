@@ -1,4 +1,4 @@
-"""The body an infant has: whose size, which hands, and what is different about it."""
+"""The `body` of a spec: its size, its hands, and deviations from the average child."""
 
 import re
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ def _known_measurement(key: str) -> str:
         raise ValueError(f"unknown measurement; write '{metric}', in cm")
     side, _, unsided = key.partition("_")
     if side in SIDES and unsided in MEASUREMENT_KEYS:
-        raise ValueError(f"this is not measured on one side; write '{unsided}'")
+        raise ValueError(f"this measurement has no sides; write '{unsided}'")
     known = SIDED_MEASUREMENT_KEYS if side in SIDES else MEASUREMENT_KEYS
     raise ValueError(f"unknown measurement; {suggestion(key, known)}")
 
@@ -42,7 +42,7 @@ def _known_part(name: str) -> str:
 
 def _removable(name: str) -> str:
     if name in trunk_bodies():
-        raise ValueError(f"no infant is without '{name}'; remove only limbs and eyes")
+        raise ValueError(f"'{name}' cannot be removed; remove only limbs and eyes")
     if name not in all_limb_bodies():
         raise ValueError(f"'{name}' is not a limb; {suggestion(name, all_limb_bodies())}")
     return name
@@ -52,22 +52,22 @@ MeasurementKey = Annotated[str, AfterValidator(_known_measurement)]
 PartName = Annotated[str, AfterValidator(_known_part)]
 LimbName = Annotated[str, AfterValidator(_removable)]
 Factor = Annotated[Real, Field(ge=0.5, le=2)]
-"""What a part is multiplied by; beyond these it is no child's."""
+"""Scale factor of a part, within the range that is plausible for a child."""
 
 
 LENGTHS_CM, WEIGHTS_KG, HEADS_CM = (35.0, 110.0), (1.0, 25.0), (25.0, 60.0)
-"""Least and largest of any child up to two years."""
+"""Smallest and largest value of any child up to two years of age."""
 
 
 class IndividualSpec(Model):
-    """One child in place of the average one: what is known of it, against WHO's children or measured."""
+    """An individual child, given by WHO percentiles or by measurements, in place of the average child."""
 
     sex: Literal["male", "female"] | None = None
-    """Whose WHO tables percentiles are read from; needed where there are any."""
+    """Sex of the child, which selects the WHO tables; required if a percentile is given."""
     length_percentile: Percentile | None = None
-    """Length lying, as WHO percentile for sex and age."""
+    """Recumbent length, as WHO percentile for sex and age."""
     length_cm: Annotated[Centimetres, Field(ge=LENGTHS_CM[0], le=LENGTHS_CM[1])] | None = None
-    """Length lying, measured."""
+    """Recumbent length, measured."""
     weight_percentile: Percentile | None = None
     """Weight, as WHO percentile for sex and age."""
     weight_kg: Annotated[Kilograms, Field(ge=WEIGHTS_KG[0], le=WEIGHTS_KG[1])] | None = None
@@ -100,31 +100,32 @@ class IndividualSpec(Model):
 
 
 class PartSpec(Model):
-    """What one part of the body is multiplied by, against what the age gives it."""
+    """Scale factors of one part of the body, relative to its size at the infant's age."""
 
     length: Factor = 1.0
-    """Along the part, and so where everything attached to it sits."""
+    """Factor on the length of the part, which also moves everything attached to it."""
     girth: Factor = 1.0
-    """Across the part."""
+    """Factor on the thickness of the part."""
 
 
 class BodySpec(Model):
     """The body of the infant."""
 
     hands: Literal["mitten", "five_finger"] = "mitten"
-    """Fingers that move as one (44 actuators), or one by one (88)."""
+    """Hands whose fingers move together (`mitten`, 44 actuators) or independently (`five_finger`, 88)."""
     chest_joint: Annotated[bool, Field(strict=True)] = False
-    """Whether the chest leans and twists on the upper body, which adds two actuators."""
+    """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
-    """One child; left out, the average child of the AnthroKids tables."""
+    """An individual child; by default, the average child of the AnthroKids tables."""
     measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(default_factory=dict)
-    """Measurements that replace those of the age, by AnthroKids' name; `left_` or `right_` in front means one side."""
+    """Measurements that replace those predicted from age, by AnthroKids name; the prefix `left_` or `right_` selects
+    one side."""
     parts: Mapping[PartName, PartSpec] = Field(default_factory=dict)
-    """Parts scaled against what the age gives them, by name of the body."""
+    """Scale factors of single parts, by name of the body."""
     remove: Annotated[tuple[LimbName, ...], Distinct] = ()
-    """Limbs this infant does not have; what is attached to one goes with it."""
+    """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"
-    """What the face shows."""
+    """Facial expression."""
 
     @model_validator(mode="after")
     def _names_parts_it_has(self) -> Self:

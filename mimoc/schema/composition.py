@@ -1,4 +1,4 @@
-"""Sections of the spec language and of the manifest that are put together from what each kind declares."""
+"""Sections of the spec language and of the manifest that are composed from what each kind declares."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, TypeVar
@@ -12,17 +12,18 @@ Fields = Callable[[], Mapping[str, FieldInfo]]
 M = TypeVar("M", bound=type[Model])
 
 _FIELDS: dict[type[Model], Fields | None] = {}
-"""Sections that depend on the kinds there are, from the innermost out, and what returns their fields."""
+"""Sections that depend on the registered kinds, innermost first, and the functions that return their fields."""
 _COMPOSED: dict[type[Model], set[str]] = {}
-"""The names of the fields that were put into each section."""
+"""Names of the fields that were added to each section."""
 _WATCHERS: list[Callable[[], None]] = []
 
 
 def composed(fields: Fields | None = None) -> Callable[[M], M]:
-    """Return a decorator for a section whose fields depend on the kinds there are.
+    """Return a decorator for a section whose fields depend on the registered kinds.
 
     Args:
-        fields: Returns these fields, with their annotations; None if only sections inside of it depend on kinds.
+        fields: Function that returns these fields, with their annotations; None if only nested sections depend on
+            kinds.
     """
 
     def decorate(section: M) -> M:
@@ -34,7 +35,7 @@ def composed(fields: Fields | None = None) -> Callable[[M], M]:
 
 
 def recompose() -> None:
-    """Put all sections together again, after a kind was added."""
+    """Compose all sections again, after a kind was added or removed."""
     for section, fields in _FIELDS.items():
         _compose(section, fields)
         section.model_rebuild(force=True)
@@ -43,19 +44,19 @@ def recompose() -> None:
 
 
 def on_recompose(watcher: Callable[[], None]) -> Callable[[], None]:
-    """Have a function called whenever kinds were added, such as one that clears a cache; return it."""
+    """Register a function to be called after every recomposition, such as one that clears a cache, and return it."""
     _WATCHERS.append(watcher)
     return watcher
 
 
 def section_field(section: type[Model]) -> FieldInfo:
-    """Return the field for a section that may be left out; its description is the first line of its docstring."""
+    """Return a field for an optional section; its description is the first line of the section's docstring."""
     annotation: Any = section | None
     return FieldInfo(annotation=annotation, default=None, description=(section.__doc__ or "").split("\n")[0])
 
 
 def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
-    """Return a field for each kind that declares keys of its own: a section under its name."""
+    """Return a field for each kind that has a section of its own keys, under the name of the kind."""
     return {
         kind.name: FieldInfo(
             annotation=kind.spec, default_factory=kind.spec, description=(kind.spec.__doc__ or "").split("\n")[0]
@@ -66,7 +67,7 @@ def own_sections(kinds: Kinds[Any]) -> dict[str, FieldInfo]:
 
 
 def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
-    """Return a field that names one of the kinds there are."""
+    """Return a field that names one of the registered kinds."""
     annotation: Any = Literal[tuple(kinds)]
     return FieldInfo(annotation=annotation, default=default, description=about)
 

@@ -1,4 +1,4 @@
-"""The clock of physics and of control."""
+"""The `control` of a spec: duration of physics steps and of control steps."""
 
 from typing import Annotated, Self
 
@@ -10,15 +10,15 @@ from mimoc.units import to_steps
 
 
 class ControlSpec(Model):
-    """How often physics is computed, and how often an action is taken."""
+    """Duration of physics steps and of control steps."""
 
     step_ms: Annotated[Milliseconds, Field(ge=0.1, le=1000)] = 10.0
-    """One control step, a whole number of physics steps; left out, that of the task, else 10 ms."""
+    """Duration of a control step, a whole number of physics steps; by default that of the task, or 10 ms."""
     timestep_ms: Annotated[Milliseconds, Field(ge=0.1, le=20)] = 5.0
-    """One physics step."""
+    """Duration of a physics step."""
 
     def with_default_step(self, step_ms: float) -> Self:
-        """Return the clock with another control step, which counts as left out.
+        """Return this section with another control step, which is treated as a default.
 
         Raises:
             KeyedError: If that is not a whole number of physics steps.
@@ -28,7 +28,7 @@ class ControlSpec(Model):
         return clock
 
     def check_steps(self) -> None:
-        """Pass a clock whose control step is a whole number of physics steps.
+        """Check that the control step is a whole number of physics steps.
 
         Raises:
             KeyedError: If it is not.

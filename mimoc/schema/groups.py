@@ -1,4 +1,4 @@
-"""Groups of muscles, as a spec names them."""
+"""Names of muscle groups in a spec."""
 
 from typing import Annotated
 
@@ -9,14 +9,14 @@ from mimoc.schema.names import STRENGTH_GROUPS
 from mimoc.schema.quantities import Distinct
 
 OTHER_WORDS = {"head": "neck", "body": "trunk", "chest": "trunk", "fingers": "hands", "feet": "legs", "toes": "legs"}
-"""What else one may call some groups, or parts of them."""
+"""Other words for some groups, or for parts of them, which an error translates."""
 
 
 def _known_group(name: str) -> str:
     if name not in STRENGTH_GROUPS:
         meant = OTHER_WORDS.get(name)
         advice = f"write '{meant}'" if meant else suggestion(name, STRENGTH_GROUPS)
-        raise ValueError(f"unknown group of muscles; {advice}")
+        raise ValueError(f"unknown muscle group; {advice}")
     return name
 
 

@@ -1,4 +1,4 @@
-"""A spec: read from a file or written in Python, and changed."""
+"""A spec: reading it from a file, creating it in Python, and changing it."""
 
 from pathlib import Path
 from typing import Any, Self
@@ -18,21 +18,21 @@ HERE = Path()
 
 @composed(lambda: {"task": task_field()})
 class InfantSpec(InfantKeys):
-    """One infant in one world, as a user wrote it: nothing is computed, and what was left out has its default."""
+    """One infant in one scene, as the user specified it: nothing is computed, and omitted keys have their defaults."""
 
     _source: Source | None = PrivateAttr(default=None)
 
     @property
     def source(self) -> Source | None:
-        """The file this was read from, None where it was written in Python."""
+        """The file this was read from, or None if it was created in Python."""
         return self._source
 
     def with_(self, **changes: Any) -> Self:
-        """Return a spec with some keys changed, checked like one that is read from a file.
+        """Return a copy with some keys changed, validated like a spec that is read from a file.
 
-        All else stays as it was written, and paths are still seen from the folder of the file it was read from. A
-        dictionary changes the keys of a section that it names; a section as an object replaces the whole section;
-        None takes a key or a section back to its default.
+        All other keys are kept, and paths stay relative to the folder of the file it was read from. A dictionary
+        changes the keys that it names and keeps the others of its section; a section given as an object replaces the
+        whole section; None resets a key or a section to its default.
 
             spec.with_(age_months=9.5, body={"hands": "five_finger"}, senses={"touch": None})
             spec.with_(body=BodySpec(expression="happy"), task=None)
@@ -41,64 +41,64 @@ class InfantSpec(InfantKeys):
             changes: New values, by key of the spec.
 
         Raises:
-            SpecError: If anything is wrong with the new spec, with all that is, by key.
+            SpecError: If the new spec is invalid; the error lists all problems by key.
         """
         data = self._source.data if self._source and _says(self._source, self) else given(self)
         return _checked(type(self), changed(data, changes), self)
 
     def __eq__(self, other: object) -> bool:
-        """Say whether two specs say the same, wherever they were read from."""
+        """Return whether two specs have equal values, regardless of the files they were read from."""
         return isinstance(other, InfantSpec) and self.__dict__ == other.__dict__
 
     def model_post_init(self, context: Any) -> None:
-        """Remember the source, which is passed as the context of validation."""
+        """Store the source, which is passed as the context of validation."""
         if isinstance(context, Source):
             self._source = context
 
 
 def read_spec(source: Source) -> InfantSpec:
-    """Return the spec that a file holds.
+    """Return the spec in a file.
 
     Raises:
-        SpecError: If anything is wrong with it, with all that is.
+        SpecError: If the spec is invalid; the error lists all problems.
     """
     return read_keys(InfantSpec, source)
 
 
 def to_data(spec: InfantSpec) -> dict[str, Any]:
-    """Return a spec as plain data with every default in place, which reads back as an equal spec.
+    """Return a spec as plain data with all defaults filled in, from which an equal spec can be read.
 
-    A key without a value, such as a sense that is off, is left out.
+    Keys without a value, such as a sense that is off, are omitted.
     """
     return spec.model_dump(mode="json", exclude_none=True)
 
 
 def validated(spec: InfantSpec) -> InfantSpec:
-    """Return a spec that has passed validation, which `model_copy` and `model_construct` go without.
+    """Return a spec after validating it, for specs made by `model_copy` or `model_construct`, which do not validate.
 
     Raises:
-        SpecError: If it does not pass, with all that is wrong, by key.
+        SpecError: If the spec is invalid; the error lists all problems by key.
     """
     found = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
     return spec if found == spec else _checked(InfantSpec, given(spec), spec)
 
 
 def as_written(spec: InfantSpec) -> Source:
-    """Return the file a spec was read from, or, if it was made or changed in Python, what a file would say of it."""
+    """Return the file a spec was read from, or an equivalent text if it was created or changed in Python."""
     if spec.source and _says(spec.source, spec):
         return spec.source
     return in_memory_as_text(given(spec), _name(spec), _folder(spec))
 
 
 def _checked(kind: type[Any], data: dict[str, Any], before: InfantSpec) -> Any:
-    """Return the spec that data make: first as it is, for it may hold what cannot be written."""
+    """Return the spec with the given data, which is validated before it is written: YAML cannot express all of it."""
     place = _name(before), _folder(before)
     read_keys(kind, in_memory(data, *place))
     return read_keys(kind, in_memory_as_text(data, *place))
 
 
 def _says(source: Source, spec: InfantSpec) -> bool:
-    """Say whether a file still says what the spec does that was read from it."""
+    """Return whether a file still describes the spec that was read from it."""
     return read_spec(source) == spec
 
 

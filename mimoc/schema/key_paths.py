@@ -1,4 +1,4 @@
-"""Where something is in a YAML file: the path of its key, and its line and column."""
+"""Positions in a YAML file: the path of a key, and a line and column."""
 
 from typing import TypeAlias
 
@@ -13,6 +13,6 @@ def dotted(path: KeyPath) -> str:
 
 
 def shown(text: str) -> str:
-    """Return a text fit for one line of a message: short, and without line breaks."""
+    """Return a text shortened and escaped for one line of a message."""
     short = text if len(text) <= 40 else text[:37] + "..."
     return short if short.isprintable() else ascii(short)[1:-1]

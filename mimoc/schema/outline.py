@@ -1,4 +1,4 @@
-"""The spec language as a tree that can be asked what belongs at a path."""
+"""Queries of the spec language: which keys and values are allowed at a path."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from mimoc.schema.spec import InfantKeys
 
 @dataclass(frozen=True)
 class Outline:
-    """What the spec language knows of one value."""
+    """Description of one value of the spec language."""
 
     schema: dict[str, Any]
     """Its JSON schema."""
 
     @property
     def type(self) -> str:
-        """Its JSON type, or empty where there are several."""
+        """Its JSON type, or empty if there are several."""
         return self.schema.get("type", "")
 
     @property
     def unit(self) -> str | None:
-        """Its unit or that of its items, as the end of a name has it."""
+        """Its unit or that of its items, as written in suffixes of names."""
         first = self.schema
         while "prefixItems" in first:
             first = _resolved(first["prefixItems"][0])
@@ -37,24 +37,24 @@ class Outline:
 
     @property
     def choices(self) -> tuple[Any, ...]:
-        """The words it can be."""
+        """The words it can have as its value."""
         return tuple(_choices(self.schema))
 
     @property
     def example(self) -> Any:
-        """A value that is right, for a key that has no default."""
+        """A valid value, for a key that has no default."""
         if "examples" in self.schema:
             return self.schema["examples"][0]
         return (*self.choices, 1)[0]
 
 
 def outline(path: KeyPath) -> Outline:
-    """Return what is known of the value at a path, which may be of no key at all."""
+    """Return the description of the value at a path, which is empty for an unknown path."""
     return Outline(_resolved(_node(path)))
 
 
 def kinds_of(path: KeyPath) -> dict[str, Outline]:
-    """Return the sections that can stand at a path, by the value of the key that tells them apart; most have none."""
+    """Return the alternative sections at a path, by the value of their discriminator; empty for most paths."""
     unions = [option for option in (_node(path), *_node(path).get("anyOf", ())) if "discriminator" in option]
     return {
         name: Outline(_resolved({"$ref": reference}))
@@ -64,7 +64,7 @@ def kinds_of(path: KeyPath) -> dict[str, Outline]:
 
 
 def is_known(path: KeyPath) -> bool:
-    """Say whether a path is of an item, of a key of the language, or of a key that its section may name freely."""
+    """Return whether a path is that of an item, of a known key, or of a section in which any key is allowed."""
     section = outline(path[:-1])
     return not section.keys or path[-1] in section.keys
 
@@ -75,7 +75,7 @@ def sections_with(key: str) -> list[KeyPath]:
 
 
 def _node(path: KeyPath) -> dict[str, Any]:
-    """Return the JSON schema at a path, as it is written."""
+    """Return the JSON schema at a path, with references unresolved."""
     node = _language()
     for step in path:
         children = _resolved(node).get("properties", {})
@@ -96,7 +96,7 @@ def _sections(node: dict[str, Any], path: KeyPath) -> Iterator[tuple[KeyPath, di
 
 
 def _resolved(node: dict[str, Any]) -> dict[str, Any]:
-    """Return what a reference stands for, or all that the alternatives of a value say together."""
+    """Return a schema with its reference resolved and its alternatives merged."""
     if "$ref" in node:
         return _resolved(_language()["$defs"][node["$ref"].rpartition("/")[2]])
     options = [_resolved(option) for option in (*node.get("anyOf", ()), *node.get("oneOf", ()))]
@@ -110,7 +110,7 @@ def _resolved(node: dict[str, Any]) -> dict[str, Any]:
 
 
 def _joined(before: Any, value: Any) -> Any:
-    """Return what two alternatives of a section say of one of its aspects: all keys and choices, what both require."""
+    """Return one attribute of two alternatives merged: the union of keys and choices, the keys that both require."""
     if isinstance(before, dict) and isinstance(value, dict) and "const" in value:
         return {**value, "enum": list(dict.fromkeys((*_choices(before), *_choices(value))))}
     if isinstance(before, dict) and isinstance(value, dict):

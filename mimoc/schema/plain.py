@@ -1,4 +1,4 @@
-"""Sections of a spec as plain data, whatever they hold, and changes of that data."""
+"""Conversion of sections of a spec to plain data, and changes to that data."""
 
 from collections.abc import Mapping
 from pathlib import PurePath
@@ -8,22 +8,22 @@ from mimoc.schema.base import Model
 
 
 def given(section: Model) -> dict[str, Any]:
-    """Return what was said of a section as plain data; what was left to its default is left out."""
+    """Return the explicitly given values of a section as plain data, without defaults."""
     unknown = section.__dict__.keys() - type(section).model_fields.keys()
-    said = section.model_fields_set | unknown
-    return {key: plain(value) for key, value in section.__dict__.items() if key in said and value is not None}
+    explicit = section.model_fields_set | unknown
+    return {key: plain(value) for key, value in section.__dict__.items() if key in explicit and value is not None}
 
 
 def everything(section: Model) -> dict[str, Any]:
-    """Return all that a section holds as plain data, defaults and what does not belong there included."""
+    """Return all values of a section as plain data, including defaults and unknown keys."""
     values = {key: value for key, value in section.__dict__.items() if value is not None}
     return {key: everything(value) if isinstance(value, Model) else plain(value) for key, value in values.items()}
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return data with changes: dictionaries go into the section that is there, None takes a key out.
+    """Return data with changes applied: a dictionary is merged into the existing section, None removes a key.
 
-    All else, a section as an object included, replaces what is there.
+    Any other value, including a section given as an object, replaces the existing value.
     """
     kept = {key: value for key, value in data.items() if changes.get(key, value) is not None}
     for key, value in changes.items():
@@ -36,7 +36,7 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
 
 
 def plain(value: Any) -> Any:
-    """Return a value as YAML would have it, if it can be: NumPy's numbers as Python's, sets as lists."""
+    """Return a value in the types of YAML where possible: NumPy numbers as Python numbers, sets as lists."""
     if isinstance(value, Model):
         return given(value)
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Numbers of a spec, each with its unit and the widest range it can have."""
+"""Types of the numbers in a spec, each with its unit and its widest range."""
 
 from collections.abc import Sequence
 from typing import Annotated, TypeVar
@@ -19,19 +19,19 @@ Milliseconds = Annotated[Real, Field(ge=0, json_schema_extra={"unit": "ms"})]
 Pixels = Annotated[Whole, Field(ge=1, json_schema_extra={"unit": "px"})]
 CyclesPerDegree = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "cpd"})]
 Percentile = Annotated[Real, Field(gt=0, lt=100, json_schema_extra={"unit": "percentile"})]
-"""Of WHO's Child Growth Standards; the ends would be children of endless size."""
+"""Percentile of the WHO Child Growth Standards; 0 and 100 would be infinitely small and large children."""
 
 Age = Annotated[Months, Field(le=24)]
-"""The ages that infants can be built at."""
+"""Ages at which infants can be built."""
 
 PathText = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
-"""Of a file or folder, relative to the folder of the spec."""
+"""Path of a file or folder, relative to the folder of the spec."""
 
 
 def _rising(ends: tuple[Number, Number]) -> tuple[Number, Number]:
     lowest, highest = ends
     if lowest > highest:
-        raise ValueError(f"the range [{lowest:g}, {highest:g}] falls; write the smaller number first")
+        raise ValueError(f"the range [{lowest:g}, {highest:g}] is reversed; write the smaller number first")
     return ends
 
 
@@ -45,4 +45,4 @@ def _distinct(names: Sequence[str]) -> Sequence[str]:
 Rising = AfterValidator(_rising)
 """Marks two numbers as a range, the lowest first."""
 Distinct = AfterValidator(_distinct)
-"""Marks a list of names as a set."""
+"""Marks a list in which no name may be repeated."""

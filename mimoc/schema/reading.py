@@ -1,4 +1,4 @@
-"""From the data of a YAML file to a spec, or to all that is wrong with it."""
+"""Validation of the data of a YAML file: returns the spec, or reports all problems at once."""
 
 from collections.abc import Iterator
 from itertools import takewhile
@@ -17,17 +17,17 @@ Spec = TypeVar("Spec", bound=InfantKeys)
 
 
 def read_keys(keys: type[Spec], source: Source) -> Spec:
-    """Return the spec that a file holds.
+    """Return the spec in a file.
 
-    A value that is wrong is reported and taken out, and the rest looked at again, since pydantic compares the keys of
-    a section only once each of them is right.
+    Invalid values are reported and removed, and the rest is validated again, because pydantic runs the validators of
+    a section only once each of its keys is valid.
 
     Args:
         keys: The class of the spec.
         source: The file.
 
     Raises:
-        SpecError: If anything is wrong with it, with all that is.
+        SpecError: If the spec is invalid; the error lists all problems.
     """
     faults = {path: missing_value(path) for path in _empty(source.data) if path not in source.invalid}
     data = _repaired(source.data, {*source.invalid, *faults})
@@ -82,7 +82,7 @@ def _section(data: Any, keys: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _replaced(data: Any, keys: tuple[str, ...], value: Any) -> Any:
-    """Return data with another value in one place, or with none there."""
+    """Return data with one value replaced, or removed if the new value is None."""
     if not isinstance(data, dict):
         return data
     first, *deeper = keys

@@ -1,4 +1,4 @@
-"""YAML files that were read: their data, and the line of every value."""
+"""The contents of a YAML file: its data, and the line of every value."""
 
 import re
 import stat
@@ -20,11 +20,11 @@ _BINARY = "this is not a text file; a spec is YAML text"
 
 @dataclass(frozen=True)
 class FileKind:
-    """What kind of file is expected, for error messages."""
+    """The expected kind of file, for error messages."""
 
     name: str
     needs: str
-    """The keys that it needs at least."""
+    """Its required keys."""
     line: str
     """An example of a line."""
 
@@ -34,15 +34,15 @@ SPEC = FileKind("spec", "mimoc, name and age_months", "mimoc: 1")
 
 @dataclass(frozen=True, repr=False)
 class Source:
-    """A YAML file that was read: its data, and where in the file each value stands."""
+    """The contents of a YAML file: its data, and the line and column of each value."""
 
     file: str
-    """As messages show it."""
+    """Name of the file in messages."""
     text: str
-    """As it was written: `text.encode()` gives the bytes of the file."""
+    """The unchanged text: `text.encode()` gives the bytes of the file."""
     data: dict[str, Any]
     problems: tuple[Problem, ...]
-    """What was skipped, such as a repeated key or a NaN; whoever makes a spec of the data must report it."""
+    """Problems found while parsing, such as a repeated key or a NaN; they must be reported together with others."""
     invalid: frozenset[KeyPath]
     """Paths at which the data differs from the file because of those problems."""
     key_places: Mapping[KeyPath, Place]
@@ -53,11 +53,11 @@ class Source:
     """Whether there is a file with lines; problems of data from Python name keys only."""
 
     def __repr__(self) -> str:
-        """Return its name and size: the text may be long."""
+        """Return name and size only: the text may be long."""
         return f"Source({self.file!r}, {len(self.text.splitlines())} lines)"
 
     def locate(self, path: KeyPath, *, at: Literal["key", "value"] = "value") -> Place:
-        """Return the line and column of a key or its value, or else of the closest key above it that was written."""
+        """Return the line and column of a key or its value, or of the closest enclosing key that is in the file."""
         if path in self.value_places:
             return (self.key_places if at == "key" else self.value_places)[path]
         while path not in self.key_places:
@@ -65,7 +65,7 @@ class Source:
         return self.key_places[path]
 
     def problem(self, path: KeyPath, message: str, *, at: Literal["key", "value"] = "value") -> Problem:
-        """Return a problem that points at a key of this file, or at its value."""
+        """Return a problem located at a key of this file, or at its value."""
         place = self.locate(path, at=at) if self.has_lines else (0, 0)
         return Problem(self.file, *place, dotted(path), message)
 
@@ -83,13 +83,13 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
     try:
         status = Path(path).stat()
         if stat.S_ISDIR(status.st_mode):
-            _refuse(path, "this is a folder; name the YAML file in it")
+            _refuse(path, "this is a folder; give the path of the YAML file in it")
         if not stat.S_ISREG(status.st_mode):
-            _refuse(path, f"this is a pipe or a device; write the {kind.name} to a file and name that")
+            _refuse(path, f"this is a pipe or a device; write the {kind.name} to a file and give its path")
         with Path(path).open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        _refuse(path, "there is no such file; check the path")
+        _refuse(path, "the file does not exist; check the path")
     except PermissionError:
         _refuse(path, "the file may not be read; check its permissions")
     except (OSError, ValueError) as error:  # ValueError: a path with a NUL in it.
@@ -97,8 +97,8 @@ def read(path: str | Path, kind: FileKind = SPEC) -> Source:
         _refuse(path, f"the file cannot be read ({reason}); check the path")
     if len(content) > MAX_BYTES:
         size_mib = max(status.st_size, len(content)) / MAX_BYTES
-        is_one = f"a {kind.name} 1 MiB at most; check that it is a {kind.name}"
-        _refuse(path, f"the file has {size_mib:.1f} MiB, and {is_one}")
+        limit = f"at most 1 MiB is allowed; check that it is a {kind.name}"
+        _refuse(path, f"the file has {size_mib:.1f} MiB, but {limit}")
     return parse(content, str(path), kind)
 
 
@@ -106,8 +106,8 @@ def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
     """Read YAML from a pipe, to its end; relative paths in it are relative to the current folder.
 
     Args:
-        stream: What to read.
-        name: Of it, for messages.
+        stream: The pipe.
+        name: Its name, for messages.
         kind: The expected kind of file, for messages.
 
     Raises:
@@ -115,7 +115,7 @@ def read_stream(stream: IO[bytes], name: str, kind: FileKind = SPEC) -> Source:
     """
     content = stream.read(MAX_BYTES + 1)
     if len(content) > MAX_BYTES:
-        _refuse(name, f"there is more than a MiB of it; check that it is a {kind.name}")
+        _refuse(name, f"the input is larger than 1 MiB; check that it is a {kind.name}")
     return parse(content, name, kind)
 
 
@@ -163,7 +163,7 @@ def in_memory_as_text(data: dict[str, Any], name: str, folder: Path) -> Source:
 
 
 def _end(text: str) -> Place:
-    """Return where a text ends."""
+    """Return the position after the end of a text."""
     lines = re.split("\r\n|\r|\n", text)
     return (len(lines), len(lines[-1]) + 1)
 
@@ -182,5 +182,5 @@ def _decoded(content: bytes, file: str) -> str:
 
 
 def _refuse(file: str | Path, message: str) -> NoReturn:
-    """Refuse a file as a whole."""
+    """Raise the error for a file that cannot be used at all."""
     raise SpecError([Problem(str(file), 1, 1, "", message)]) from None

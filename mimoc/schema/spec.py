@@ -1,4 +1,4 @@
-"""The whole of what a user says about one infant in one world."""
+"""All keys of a spec, and the checks that involve several sections."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -28,30 +28,30 @@ def _known_version(value: Any) -> Any:
 
 @composed(lambda: {"task": task_field()})
 class InfantKeys(Model):
-    """All keys of the spec language, and what holds between them."""
+    """All keys of the spec language, and the checks that involve several sections."""
 
     mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
     """Version of the spec language."""
     name: Annotated[
         str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["my_infant"])
     ]
-    """Name of the infant, and of its model."""
+    """Name of the infant and of its MuJoCo model."""
     age_months: Annotated[Age, Field(examples=[9])]
-    """Age of the body."""
+    """Age of the infant."""
     body: BodySpec = Field(default_factory=BodySpec)
     """The body."""
     actuation: ActuationSpec = Field(default_factory=ActuationSpec)
-    """What moves it."""
+    """Actuation model and muscle strength."""
     senses: SensesSpec = Field(default_factory=SensesSpec)
-    """What it perceives."""
+    """The senses; a sense that is not listed is off."""
     delays: DelaysSpec = Field(default_factory=DelaysSpec)
-    """How late it perceives and moves."""
+    """Sensory and motor delays."""
     scene: SceneSpec = Field(default_factory=SceneSpec)
-    """The world it is in."""
+    """The scene around the infant."""
     control: ControlSpec = Field(default_factory=ControlSpec)
-    """The clock."""
+    """Duration of control and physics steps."""
     task: TaskSpec | None = None
-    """What it is to achieve; left out, nothing."""
+    """The task; by default, none."""
 
     @model_validator(mode="after")
     def _senses_have_their_organs(self) -> Self:

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a spec, in words a user can act on."""
+"""Translation of pydantic's validation errors into messages that say what to do."""
 
 import re
 from collections.abc import Sequence
@@ -19,9 +19,9 @@ _UNIT_SUFFIX = re.compile(
 )
 _WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
 _MISSPELT = 0.85
-"""How alike (`difflib`) an unknown key and a key of its section are where it was meant for that."""
+"""Similarity (`difflib`) from which an unknown key counts as a misspelling of a key of its section."""
 _SYNONYMS = {"girl": "female", "f": "female", "woman": "female", "boy": "male", "m": "male", "man": "male"}
-"""What users write in place of a choice that is spelt quite differently."""
+"""Words that users write for a choice that is spelt quite differently."""
 _PERCENTILE = re.compile(r"\s*p?\s*([0-9]+(?:\.[0-9]+)?)\s*(?:%|st|nd|rd|th)?(?:\s*percentile)?\s*", re.IGNORECASE)
 """P10, 10th or 10 %."""
 _TYPES = {
@@ -36,18 +36,18 @@ _TYPES = {
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing wrong with the data of a spec."""
+    """One error in the data of a spec."""
 
     path: KeyPath
     at: Literal["key", "value"]
     message: str
     """What is wrong; what to do."""
     against: KeyPath = ()
-    """Another key that it does not go with."""
+    """Another key that it contradicts."""
 
 
 def fault(details: ErrorDetails, data: dict[str, Any]) -> Fault:
-    """Return what pydantic found in the data of a spec, as a fault."""
+    """Return the fault that corresponds to one of pydantic's errors."""
     path = _path(details, data)
     if details["type"] == "value_error":
         return _own_fault(details, path)
@@ -79,7 +79,7 @@ def missing_value(path: KeyPath) -> Fault:
 
 
 def _path(details: ErrorDetails, data: Any) -> KeyPath:
-    """Return pydantic's location without what is no key: the tags of unions, and the mark of a key."""
+    """Return pydantic's location without the steps that are not keys: the tags of unions, and `[key]`."""
     path = []
     for step in details["loc"]:
         children: Any = dict(enumerate(data)) if isinstance(data, list) else data if isinstance(data, dict) else {}
@@ -92,7 +92,7 @@ def _path(details: ErrorDetails, data: Any) -> KeyPath:
 
 
 def _own_fault(details: ErrorDetails, path: KeyPath) -> Fault:
-    """Return what a validator of ours found."""
+    """Return the fault found by one of mimoc's validators."""
     error = details.get("ctx", {})["error"]
     if isinstance(error, KeyedError):
         return Fault(path + error.key, "value", str(error), path + error.against if error.against else ())
@@ -104,7 +104,7 @@ def _missing(path: KeyPath) -> str:
 
 
 def _wrong_kind(details: ErrorDetails, section: KeyPath) -> Fault:
-    """Return the fault of a section whose key that says of which kind it is, such as `kind`, is missing or wrong."""
+    """Return the fault of a section whose discriminator, such as `kind`, is missing or wrong."""
     path = (*section, details.get("ctx", {})["discriminator"].strip("'"))
     if details["type"] == "union_tag_not_found":
         return Fault(path, "key", _missing(path))
@@ -113,20 +113,20 @@ def _wrong_kind(details: ErrorDetails, section: KeyPath) -> Fault:
 
 
 def _unknown_key(path: KeyPath, kind: str) -> str:
-    """Return what to do about an unknown key, in a section that may be one of several kinds."""
+    """Return the message for an unknown key, in a section that may be one of several kinds."""
     section, key = path[:-1], re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
     kinds = kinds_of(section)
     known = kinds.get(kind, outline(section)).keys
     if not known:
-        return "unknown key; this section has none, write it as {}"
+        return "unknown key; this section has no keys, write it as {}"
     if kind in kinds and (others := [name for name, other in kinds.items() if key in other.keys]):
-        return f"unknown key of '{kind}'; leave it out (it belongs to {', '.join(others)})"
+        return f"unknown key of '{kind}'; remove it (it belongs to {', '.join(others)})"
     same = [name for name in known if _UNIT_SUFFIX.sub("", name) == _UNIT_SUFFIX.sub("", key)]
     if same and key not in known:
         return f"unknown key; write '{same[0]}'{_in_unit(outline((*section, same[0])))}"
     elsewhere = [] if get_close_matches(key, known, cutoff=_MISSPELT) else sections_with(key)
     if elsewhere:
-        places = " or ".join(f"under '{dotted(place)}'" if place else "at the top" for place in elsewhere)
+        places = " or ".join(f"under '{dotted(place)}'" if place else "at the top level" for place in elsewhere)
         return f"unknown key here; it belongs {places}"
     return f"unknown key; {suggestion(key, known)}"
 
@@ -135,7 +135,7 @@ def _wrong_count(known: Outline, value: Any) -> str:
     items = known.schema.get("prefixItems", [])
     one = "[lowest, highest]"
     advice = f"{len(items)} times {one}" if items[0].get("type") == "array" else one
-    return f"{len(items)} values belong here and this list has {len(value)}; write {advice}"
+    return f"expected {len(items)} values, got {len(value)}; write {advice}"
 
 
 def _wrong_value(details: ErrorDetails, known: Outline) -> str:
@@ -152,9 +152,9 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "string_pattern_mismatch":
             return f"{value} is not a name; {_better_name(details['input'])}"
         case "string_too_short":
-            return "this is empty; write a text, or leave the key out"
+            return "this is empty; write a text, or remove the key"
         case "too_short":
-            return "this list is empty; name one or more, or leave the key out"
+            return "this list is empty; name one or more, or remove the key"
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
         case "union_tag_not_found":
@@ -183,7 +183,7 @@ def _wrong_type(value: Any, known: Outline) -> str:
 
 
 def _nearest(word: str, choices: Sequence[str]) -> str:
-    """Return advice on which choice a word means."""
+    """Return advice on which choice a word may mean."""
     meant = _SYNONYMS.get(word.strip().lower())
     return f"did you mean '{meant}'?" if meant in choices else suggestion(word, choices)
 
@@ -194,7 +194,7 @@ def _better_name(name: str) -> str:
 
 
 def _range(known: Outline) -> str:
-    """Return the numbers that a value can be."""
+    """Return the range of a number as text."""
     schema = known.schema
     unit = _UNIT_WORDS.get(known.unit or "", known.unit or "")
     if "minimum" in schema:
@@ -209,7 +209,7 @@ def _in_unit(known: Outline) -> str:
 
 
 def _got(value: Any) -> str:
-    """Return a value as a message shows it."""
+    """Return a value as text for a message."""
     if isinstance(value, str):
         return f"'{shown(value)}'"
     if isinstance(value, dict | list):

@@ -1,4 +1,4 @@
-"""The data of one YAML document, with the place of every value and all that is wrong with it."""
+"""Parsing of one YAML document into data, with the position of every value and all problems."""
 
 import re
 from typing import Any, NoReturn
@@ -21,14 +21,14 @@ from mimoc.schema.key_paths import KeyPath, Place, dotted, shown
 from mimoc.schema.yaml_scalars import means_itself, scalar
 
 MAX_VALUES = 5_000
-"""Values in one file, with every alias written out; a spec that says everything has some 300."""
+"""Largest number of values in one file, with every alias expanded; a spec with every key has some 300."""
 MAX_DEPTH = 20
-"""Sections inside each other; the spec language needs five."""
+"""Largest depth of nested sections; the spec language needs five."""
 
 UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
 """Characters that YAML does not allow in a file."""
 _SYNTAX = {
-    "found character '\\t'": "a tab stands where YAML wants spaces; put spaces in its place",
+    "found character '\\t'": "a tab in the indentation, where YAML requires spaces; replace it with spaces",
     "that cannot start any token": "a value cannot start with this character; put the value in quotes",
     "mapping values are not allowed": "a second ':' on one line, or a key further in than its neighbours; "
     "line the keys up, and put text that holds ': ' in quotes",
@@ -40,12 +40,12 @@ _SYNTAX = {
     "found unknown escape character": "an unknown escape after '\\'; put the text in single quotes",
     "sequence entries are not allowed": "a list cannot start here; start it on its own line, or write [a, b]",
 }
-"""What PyYAML's scanner and parser say, and what a user can do about it."""
+"""Messages of PyYAML's scanner and parser, and the message shown instead, which says what to do."""
 _OTHER_SYNTAX = "this is not YAML; look for a quote, a bracket, a colon or an indentation that is wrong"
 
 
 class DocumentReader:
-    """Builds the data of one document from its events, and gathers what is wrong with it."""
+    """Builds the data of one document from its events, and collects problems."""
 
     def __init__(self, text: str, file: str):
         self.file = file
@@ -59,7 +59,7 @@ class DocumentReader:
         self.size = 0
 
     def document(self) -> Any:
-        """Return the data of the file's one document, None if there is none."""
+        """Return the data of the file's only document, or None if the file is empty."""
         try:
             self.events.get_event()  # The stream starts.
             if not self.events.check_event(DocumentStartEvent):
@@ -68,7 +68,7 @@ class DocumentReader:
             data = self._value((), self.events.get_event())
             self.events.get_event()  # The document ends.
             if self.events.check_event(DocumentStartEvent):
-                self.stop((), _place(self.events.peek_event()), "a second document; keep one infant to a file")
+                self.stop((), _place(self.events.peek_event()), "a second document; write only one infant to a file")
         except yaml.MarkedYAMLError as error:
             raise SpecError([*self.problems, _syntax_problem(error, self.file)]) from None
         except (ValueError, OverflowError):  # PyYAML lets escapes through that are no characters: "\\UFFFFFFFF".
@@ -78,7 +78,7 @@ class DocumentReader:
         return data
 
     def stop(self, path: KeyPath, place: Place, message: str) -> NoReturn:
-        """Give up, with all that was found so far."""
+        """Raise the error with all problems found so far."""
         self._note(path, place, message)
         raise SpecError(self.problems)
 
@@ -104,7 +104,7 @@ class DocumentReader:
         if isinstance(event, ScalarEvent):
             value = self._scalar(path, event)
         elif len(path) >= MAX_DEPTH:
-            self.stop((), place, f"more than {MAX_DEPTH} sections inside each other; a spec needs five at most")
+            self.stop((), place, f"sections are nested more than {MAX_DEPTH} deep; a spec needs at most five levels")
         else:
             value = self._list(path) if isinstance(event, SequenceStartEvent) else self._mapping(path)
         if event.anchor is not None:
@@ -122,10 +122,10 @@ class DocumentReader:
         return event.value
 
     def _repeated(self, path: KeyPath, name: str, place: Place) -> Any:
-        """Return what an alias stands for."""
+        """Return the value that an alias refers to."""
         anchored = self.anchors.get(name)
         if anchored is None:
-            what = "stands inside what it repeats" if name in self.anchors else f"has no '&{shown(name)}' before it"
+            what = "is inside its own anchor" if name in self.anchors else f"has no '&{shown(name)}' before it"
             self._note_invalid(path, place, f"the alias '*{shown(name)}' {what}; write the value out")
             return None
         value, size = anchored
@@ -146,7 +146,7 @@ class DocumentReader:
                 self._skip(self.events.get_event())
             elif key in values:
                 line = self.key_places[(*path, key)][0]
-                message = f"repeated key; line {line} has it already, keep one of the two"
+                message = f"repeated key, already given in line {line}; keep one of the two"
                 self._note((*path, key), _place(event), message)
                 self._skip(self.events.get_event())
             else:
@@ -158,7 +158,7 @@ class DocumentReader:
         """Return a key, None if it cannot be one."""
         if not isinstance(event, ScalarEvent):
             self._skip(event)
-            self._note(path, _place(event), "a key is missing or is no word; write keys such as 'age_months'")
+            self._note(path, _place(event), "a key is missing or is not a word; write keys such as 'age_months'")
         elif event.implicit[0] and event.value == "<<":
             self._note(path, _place(event), "merge keys ('<<') are not allowed; write the keys out")
         elif event.tag is not None:
@@ -171,7 +171,7 @@ class DocumentReader:
         return None
 
     def _skip(self, event: Any) -> None:
-        """Pass over a value."""
+        """Skip a value."""
         depth = 0
         while True:
             self._count(1, _place(event))
@@ -183,11 +183,11 @@ class DocumentReader:
     def _count(self, values: int, place: Place) -> None:
         self.size += values
         if self.size > MAX_VALUES:
-            self.stop((), place, f"more than {MAX_VALUES} values, aliases included; a spec has some 300 at most")
+            self.stop((), place, f"more than {MAX_VALUES} values, counting aliases; a spec has at most some 300")
 
 
 class _Events(Reader, Scanner, Parser):
-    """The syntax of YAML and no more: nothing is resolved, constructed or imported."""
+    """Events of YAML's syntax only: nothing is resolved, constructed or imported."""
 
     def __init__(self, text: str):
         Reader.__init__(self, text)
@@ -196,7 +196,7 @@ class _Events(Reader, Scanner, Parser):
 
 
 def _syntax_problem(error: yaml.MarkedYAMLError, file: str) -> Problem:
-    """Return what PyYAML's scanner or parser complains about, in our words."""
+    """Return an error of PyYAML's scanner or parser as a problem."""
     said = error.problem or ""
     unclosed = said.startswith(("expected ',' or", "found unexpected end of stream"))
     mark = error.context_mark if unclosed and error.context_mark else error.problem_mark

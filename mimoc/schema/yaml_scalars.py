@@ -23,7 +23,7 @@ def scalar(text: str) -> bool | int | float | str | None:
     """Return what an unquoted YAML 1.2 scalar means: `012` is twelve, `1e-3` a number, `no` a word.
 
     Raises:
-        ValueError: If it is a number that nothing can be calculated from.
+        ValueError: If it is a number that is not finite or too large.
     """
     if text in _CONSTANTS:
         return _CONSTANTS[text]
@@ -37,7 +37,7 @@ def scalar(text: str) -> bool | int | float | str | None:
     except (OverflowError, ValueError):  # ValueError: Python does not convert integers of very many digits.
         number, finite = 0, False
     if not finite:
-        raise ValueError(f"{shown(text)} is too large for a number; write a smaller one")
+        raise ValueError(f"{shown(text)} is too large; write a smaller number")
     return number
 
 
@@ -55,7 +55,7 @@ def dump(data: Mapping[str, Any]) -> str:
 
 
 class _Dumper(yaml.SafeDumper):
-    """PyYAML's, but without aliases and with quotes around words that YAML 1.2 takes for something else."""
+    """PyYAML's dumper, without aliases and with quotes around words that YAML 1.2 would not read as text."""
 
     def ignore_aliases(self, data: Any) -> bool:
         return True

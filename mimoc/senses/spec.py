@@ -1,4 +1,4 @@
-"""The `senses` of a spec and of a manifest: a section for each sense there is."""
+"""The `senses` of a spec and of a manifest: a section for each registered sense."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -9,19 +9,19 @@ from mimoc.senses import SENSES
 
 @composed(lambda: {kind.name: section_field(kind.spec) for kind in SENSES.values()})
 class SensesSpec(Model):
-    """The senses an infant has; one that is not named is off."""
+    """The senses of the infant; a sense that is not listed is off."""
 
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Return what is asked of a sense, or None."""
+            """Return the section of a sense, or None if it is off."""
 
 
 @composed(lambda: {kind.name: section_field(kind.entry) for kind in SENSES.values()})
 class SensesEntry(Model):
-    """The senses of the infant; one that is None is off."""
+    """The senses of the infant; a sense that is None is off."""
 
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Return what the runtime knows of a sense, or None."""
+            """Return the entry of a sense, or None if it is off."""

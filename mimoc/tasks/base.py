@@ -1,4 +1,4 @@
-"""What all tasks declare."""
+"""Base sections of all tasks, and sections that several tasks share."""
 
 from typing import Annotated, Any
 
@@ -15,35 +15,35 @@ class TaskSpec(Model):
     """A task: its goal, reward and termination."""
 
     kind: Any
-    """Which task this is: a `Literal` of its name."""
+    """Name of the task, as a `Literal`."""
     steps: Annotated[Whole, Field(ge=1, le=10**9)] | None = None
-    """Control steps of an episode; left out, as many as MIMo's task has, and `free` has no end."""
+    """Control steps of an episode; by default as many as in MIMo's task, and unlimited for `free`."""
 
 
 class TaskEntry(Model):
     """What the runtime must know of a task."""
 
     kind: Any
-    """Which task this is: a `Literal` of its name."""
+    """Name of the task, as a `Literal`."""
     steps: int | None
-    """Control steps after which an episode is truncated; None is never."""
+    """Control steps after which an episode is truncated; None for never."""
 
 
 class BallEntry(Model):
-    """A ball that a task is about."""
+    """The ball of a task."""
 
     body: str
-    """Its body in the model."""
+    """Name of its body in the model."""
     joint: str
     """Its free joint."""
     geom: str
-    """Its one geom, a sphere."""
+    """Its only geom, a sphere."""
 
 
 class GazeEntry(Model):
-    """A joint of the head or an eye that turns to what is looked at."""
+    """A joint that turns the head or an eye towards a target."""
 
     joint: str
-    """The hinge, which is locked at the angle that looks there."""
+    """The hinge, which is locked at the angle that points the gaze at the target."""
     looker: str
-    """The body whose x axis is to point there."""
+    """The body whose x axis is to point at the target."""

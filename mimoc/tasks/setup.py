@@ -6,7 +6,7 @@ from typing import Literal
 
 from mimoc.body import BodyTree
 from mimoc.body.strength import body_groups, muscle_groups
-from mimoc.errors import UnplayableError
+from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3
 from mimoc.kinds import function_of
 from mimoc.mjcf.furniture import BARE, Furniture
@@ -61,7 +61,7 @@ def build_task(spec: TaskSpec | None, tree: BodyTree) -> TaskSetup:
     """Return what the task of a spec needs.
 
     Raises:
-        UnplayableError: If the infant lacks what the task requires.
+        UnsupportedTaskError: If the infant lacks what the task requires.
     """
     return function_of(TASKS[spec.kind].build, "build")(spec, tree) if spec else NO_TASK
 
@@ -70,11 +70,11 @@ def require(tree: BodyTree, task: str, *bodies: str) -> None:
     """Pass an infant that has the limbs that a task is about.
 
     Raises:
-        UnplayableError: If it has not.
+        UnsupportedTaskError: If it has not.
     """
     missing = sorted(set(bodies) - {body.name for body in tree.bodies})
     if missing:
-        raise UnplayableError(f"task '{task}' requires {' and '.join(missing)}, which this infant does not have")
+        raise UnsupportedTaskError(f"task '{task}' requires {' and '.join(missing)}, which this infant does not have")
 
 
 def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The `task` of a spec and of a manifest: one of the tasks there are."""
+"""The `task` of a spec and of a manifest: one of the registered tasks."""
 
 from functools import reduce
 from operator import or_
@@ -13,16 +13,16 @@ from mimoc.tasks.free.spec import FreeEntry
 
 def task_field() -> FieldInfo:
     """Return the field `task` of a spec."""
-    return _one_of([kind.spec for kind in TASKS.values()], None, "What it is to achieve; left out, nothing.")
+    return _one_of([kind.spec for kind in TASKS.values()], None, "The task; by default, none.")
 
 
 def task_entry_field() -> FieldInfo:
     """Return the field `task` of a manifest."""
-    return _one_of([kind.entry for kind in TASKS.values()], FreeEntry(), "What it is to achieve.")
+    return _one_of([kind.entry for kind in TASKS.values()], FreeEntry(), "The task.")
 
 
 def _one_of(sections: list[Any], default: Any, description: str) -> FieldInfo:
-    """Return a field that is one of some sections, told apart by their `kind`."""
+    """Return a field that holds one of several sections, identified by its `kind`."""
     choice: Any = Annotated[reduce(or_, sections), Field(discriminator="kind")]
     field = Field(default=default, description=description)
     return FieldInfo.from_annotated_attribute(choice if default else choice | None, field)

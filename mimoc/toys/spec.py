@@ -27,15 +27,15 @@ class ToysSpec(Model):
     source: str = "builtin"
     """Where the toys come from."""
     root: PathText | None = None
-    """Folder of a source that reads one, such as that of Toys4K, relative to the spec's; `~` and environment variables
+    """Folder with the data of a source such as `toys4k`, relative to the spec's folder; `~` and environment variables
     are expanded."""
     subset: Annotated[tuple[ToyName, ...], Distinct] = ()
-    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; empty means all. Of a folder
-    of meshes of one's own, names of files without their ends."""
+    """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; by default, all. In a folder
+    of your own meshes, the file names without their extensions."""
     count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)
-    """Range of how many."""
+    """Range of the number of toys."""
     size_cm: Annotated[tuple[ToySize, ToySize], Rising] = (4.0, 12.0)
-    """Range of their longest side."""
+    """Range of the length of a toy's longest side."""
 
     @model_validator(mode="after")
     def _has_a_root(self) -> Self:

@@ -63,7 +63,7 @@ def test_validate_fails_outside_one_sd(invoke, monkeypatch):
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))
     done = invoke("validate")
     assert done.code == 1
-    assert re.search(r"\+1\.20\* .*outside *│$", done.out, re.MULTILINE)
+    assert re.search(r"\+1\.20\* .*beyond 1 SD *│$", done.out, re.MULTILINE)
     verdict = "failed: not within one SD of the mean of WHO's boys and girls at every age: weight_kg"
     assert " ".join(done.out.split()).endswith(verdict)
     assert invoke("validate", "--json").code == 1
@@ -159,9 +159,9 @@ BAD_INPUT = {
     "a bad spec": ("build bad.yaml -o new", "bad.yaml:3:13: age_months: "),
     "a task for another body": (
         "build handless.yaml -o new",
-        "handless.yaml:5:14: task.kind: 'reach' needs right_fingers",
+        "handless.yaml:5:14: task.kind: task 'reach' requires right_fingers",
     ),
-    "a missing spec": ("build nowhere.yaml -o new", "nowhere.yaml:1:1: there is no such file"),
+    "a missing spec": ("build nowhere.yaml -o new", "nowhere.yaml:1:1: the file does not exist"),
     "a spec that is a folder": ("build folder -o new", "folder:1:1: "),
     "no spec": ("build -o new", "Missing argument 'SPEC'"),
     "no place to write to": (f"build {SPEC}", "Missing option '-o'"),
@@ -170,7 +170,7 @@ BAD_INPUT = {
     "a place under a file": (f"build {SPEC} -o bad.yaml/new", "bad.yaml/new: cannot be written"),
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
     "an unknown standard": ("validate --against cdc", "'cdc' is not a growth standard; choose from who"),
-    "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: there is no such file"),
+    "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
     "a plot into a missing folder": ("validate --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
     "no bundle": ("run nowhere", "nowhere: there is no such folder"),
     "a folder that is no bundle": ("check folder", "folder: this is not a bundle"),
@@ -211,7 +211,7 @@ BAD_INPUT = {
     "a skin that feels nothing": ("render out -o x.png --skin", "'nine_months' has no sense of touch"),
     "a picture that is too large": ("render out -o x.png --width 100000", "'--width'"),
     "an unknown format": ("import babybnch bad.yaml -o x.yaml", "'babybnch' is not a format to import from; did you"),
-    "no configuration": ("import babybench nowhere.yml -o x.yaml", "nowhere.yml:1:1: there is no such file"),
+    "no configuration": ("import babybench nowhere.yml -o x.yaml", "nowhere.yml:1:1: the file does not exist"),
     "a bad configuration": (
         "import babybench baby.yml -o x.yaml",
         "baby.yml:1:8: touch: 'maybe' is not true or false;",

@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 import pytest
-from mimoc.actuation.drives import build_drive
 
+from mimoc.actuation.setup import build_actuation
 from mimoc.body import assemble, grow
 from mimoc.compiler.building import builder
 from mimoc.compiler.compose import compose, place_senses
@@ -87,7 +87,7 @@ def test_the_expression_changes_the_face_and_nothing_else(expression):
 
 def test_composing_is_pure():
     tree = grow(measure(9), MITTEN)
-    drive, senses = build_drive(spec().actuation, tree, timestep_s=0.005), place_senses(spec(), tree)
+    drive, senses = build_actuation(spec().actuation, tree, timestep_s=0.005), place_senses(spec(), tree)
     first, second = (compose(spec(), tree, drive, senses) for _ in range(2))
     assert first == second
     assert tree == grow(measure(9), MITTEN)

@@ -11,7 +11,7 @@ import mimoc
 from mimoc.compiler import building, model_check
 from mimoc.compiler.furnish import furnish
 from mimoc.compiler.scene_assets import SceneAssets
-from mimoc.errors import NoRoomError
+from mimoc.errors import NoSpaceError
 from mimoc.mjcf.scene import SceneTree
 from mimoc.scenes.footprint import footprint, reachable_floor
 from mimoc.toys.placing import GAP_M
@@ -144,7 +144,7 @@ def test_without_toys_there_are_none():
 
 
 def test_too_many_toys_are_refused():
-    with pytest.raises(NoRoomError, match="no room for 50 toys"):
+    with pytest.raises(NoSpaceError, match="no room for 50 toys"):
         furnished(0, kind="crib", toys={"count": [50, 50], "size_cm": [20, 30]})
 
 

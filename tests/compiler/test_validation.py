@@ -134,7 +134,7 @@ def test_z_scores_and_percentiles_are_against_boys_girls_and_their_mean():
 
 def test_a_report_marks_what_lies_outside_one_sd():
     report = GrowthReport((row(-0.99), row(1.01, 7), row(-1.5, 8), row(1.0, 9)))
-    assert [row.outside for row in report.rows] == [False, True, True, False]
+    assert [row.outside_one_sd for row in report.rows] == [False, True, True, False]
     assert not report.within_one_sd
     assert report.worst["length_cm"].age_months == 8
 
@@ -146,7 +146,7 @@ def test_being_outside_is_about_the_mean_of_the_sexes():
 
 def test_a_child_too_small_is_outside():
     newborn_at_six_months = measure_compiled(compile_infant(infant(0)))
-    assert all(row.outside for row in compare_with_who(6, newborn_at_six_months))
+    assert all(row.outside_one_sd for row in compare_with_who(6, newborn_at_six_months))
 
 
 def test_the_worst_row_is_known_by_indicator(report):
@@ -165,7 +165,7 @@ def test_a_report_is_the_same_after_a_trip_through_json(report):
         assert told["value"] == pytest.approx(row.value, rel=1e-8)
         assert told["z"] == pytest.approx(dict(row.z), rel=1e-8)
         assert told["percentile"] == pytest.approx(dict(row.percentile), rel=1e-8)
-        assert told["outside_one_sd"] is row.outside
+        assert told["outside_one_sd"] is row.outside_one_sd
 
 
 def test_series_hold_every_value_by_indicator(report):

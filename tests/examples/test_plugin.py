@@ -1,6 +1,7 @@
 """The plug-in of `examples/plugin`, installed from its wheel: every command knows its kinds."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -41,7 +42,8 @@ def built(run, tmp_path_factory) -> Path:
 
 def test_a_bundle_says_which_kinds_come_from_where(built):
     manifest = json.loads((built / "manifest.json").read_text())
-    assert manifest["plugins"] == {"senses.sound": "mimoc-nursery", "tasks.kick": "mimoc-nursery"}
+    kinds = ("senses.sound", "tasks.kick", "toys.blocks")
+    assert manifest["plugins"] == dict.fromkeys(kinds, "mimoc-nursery")
     assert {toy["category"] for toy in manifest["toys"]} <= {"cube", "slab", "column"}
 
 
@@ -54,7 +56,8 @@ def test_the_sense_has_spec_keys_and_a_delay_that_are_explained(run, built):
 
 def test_the_policy_moves_the_mobile_and_is_in_the_help(run, built):
     assert "rhythm" in " ".join(run("mimoc", "run", "--help").split())
-    assert "kick" in run("mimoc", "run", built, "--policy", "rhythm", "--steps", 200)
+    summary = run("mimoc", "run", built, "--policy", "rhythm", "--steps", 200)
+    assert float(re.search(r"total reward +│ +([\d.]+)", summary)[1]) > 10
 
 
 def test_the_growth_of_the_spec_is_validated(run):
@@ -68,9 +71,10 @@ def test_an_infant_learns_the_task(run, built, tmp_path):
 
 CODE = """
 import gymnasium, json, mimoc, numpy as np
-env = gymnasium.make("mimoc/Kick-v0", age_months=3, foot="left", steps=5)
+env = gymnasium.make("mimoc/Kick-v0", age_months=3, foot="left", steps=60)
+env.action_space.seed(0)
 observation, _ = env.reset(seed=0)
-rewards = [env.step(env.action_space.sample())[1:4:2] for _ in range(5)]
+rewards = [env.step(env.action_space.sample())[1:4:2] for _ in range(60)]
 heard = mimoc.make({spec!r}).reset(seed=0)[0]["sound"].reshape(3, 5)
 print(json.dumps([rewards, heard.tolist()]))
 """
@@ -78,7 +82,7 @@ print(json.dumps([rewards, heard.tolist()]))
 
 def test_gymnasium_makes_the_task_and_the_loudest_toys_are_heard_first(run):
     rewards, heard = json.loads(run("python", "-c", CODE.format(spec=str(SPEC))))
-    assert [truncated for _, truncated in rewards] == [False] * 4 + [True]
+    assert [truncated for _, truncated in rewards] == [False] * 59 + [True]
     assert max(reward for reward, _ in rewards) > 0
     loudest = [max(left_db, right_db) for left_db, right_db, *_ in heard]
     assert loudest == sorted(loudest, reverse=True)

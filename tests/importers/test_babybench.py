@@ -373,7 +373,7 @@ def test_what_a_bad_configuration_is_told(refused, snapshot, case):
 
 
 def test_a_configuration_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(SpecError, match="there is no such file"):
+    with pytest.raises(SpecError, match="the file does not exist"):
         import_config("babybench", tmp_path / "nowhere.yml")
 
 

@@ -53,7 +53,7 @@ def test_in_an_empty_world_the_infant_floats():
 def test_toys_need_a_scene_with_a_floor(tmp_path):
     path = tmp_path / "x.yaml"
     path.write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: empty, toys: {}}\n")
-    said = r"scene\.toys: toys require scene\.kind: flat or crib or room; change it, or leave the toys out"
+    said = r"scene\.toys: toys require scene\.kind: flat or crib or room; change it, or remove the toys"
     with pytest.raises(SpecError, match=said):
         mimoc.load_spec(path)
 

@@ -114,8 +114,8 @@ def test_its_numbers_are_explained(bundle):
     ("task", "problem"),
     [
         ("{kind: lifd}", "task.kind: 'lifd' is not a choice; did you mean 'lift'"),
-        ("{kind: lift, hand: left}", "task.hand: unknown key of 'lift'; leave it out"),
-        ("{kind: reach, body: head}", "task.body: unknown key of 'reach'; leave it out (it belongs to lift)"),
+        ("{kind: lift, hand: left}", "task.hand: unknown key of 'lift'; remove it"),
+        ("{kind: reach, body: head}", "task.body: unknown key of 'reach'; remove it (it belongs to lift)"),
         ("{kind: lift}\nscene: {kind: crib}", "task 'lift' requires scene.kind: flat"),
     ],
 )

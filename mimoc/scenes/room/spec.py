@@ -1,4 +1,4 @@
-"""What can be asked of a room."""
+"""The options of a room."""
 
 from typing import Annotated
 
@@ -12,7 +12,7 @@ RoomSideRange = Annotated[tuple[RoomSide, RoomSide], Rising]
 
 
 class RoomSpec(Model):
-    """The room of `kind: room`, drawn anew from every seed."""
+    """Options of `kind: room`, whose size and furnishing depend on the seed."""
 
     size_m: tuple[RoomSideRange, RoomSideRange, RoomSideRange] = ((2.5, 5.0), (2.5, 5.0), (2.2, 3.0))
-    """Ranges of depth, width and height."""
+    """Ranges of the room's depth, width and height."""

@@ -1,4 +1,4 @@
-"""What can be asked of proprioception, and what the runtime must know of it."""
+"""The options of proprioception, and its entry in the manifest."""
 
 from typing import Annotated, Literal
 
@@ -9,20 +9,20 @@ ProprioceptiveQuantity = Literal["velocity", "torque", "limits", "actuation"]
 
 
 class ProprioceptionSpec(Model):
-    """The sense of posture; joint angles are always in it."""
+    """Proprioception: joint angles, and optionally more."""
 
     include: Annotated[tuple[ProprioceptiveQuantity, ...], Distinct] = ("velocity", "torque", "limits", "actuation")
-    """What is sensed besides joint angles."""
+    """Quantities that are observed besides joint angles."""
 
 
 class ProprioceptionEntry(Model):
-    """The sense of posture."""
+    """Proprioception."""
 
     kind: Literal["proprioception"] = "proprioception"
-    """Which sense this is."""
+    """Name of the sense."""
     include: tuple[ProprioceptiveQuantity, ...]
-    """What is sensed besides joint angles, in this order."""
+    """Quantities that are observed besides joint angles, in this order."""
     joints: tuple[str, ...]
-    """Hinges, in the order of the observation."""
+    """Hinge joints, in the order of the observation."""
     torque_sensors: tuple[str, ...]
     """Three-axis torque sensors, in the order of the observation."""

@@ -1,4 +1,4 @@
-"""What can be asked of touch, and what the runtime must know of it."""
+"""The options of touch, and its entry in the manifest."""
 
 from typing import Annotated, Literal
 
@@ -17,16 +17,18 @@ bodies."""
 
 
 class TouchSpec(Model):
-    """The sense of touch, all over the skin."""
+    """Touch, at points all over the skin."""
 
     density: Annotated[Real, Field(ge=0.1, le=10)] = 1.0
-    """Number of skin points, relative to what an infant's two-point discrimination asks for."""
+    """Density of skin points, relative to that derived from infants' two-point discrimination thresholds."""
     quantity: TouchQuantity = "force_vector"
-    """Force in the part's own frame, in the world's, or only its normal part."""
+    """Measured quantity: force in the frame of the body part (`force_vector`), force in the world frame
+    (`force_vector_global`), or the normal component of the force (`normal`)."""
     response: TouchResponse = "linear"
-    """Whether the skin points around a contact share its force, or the nearest gets all of it."""
+    """Whether the force of a contact is distributed over the skin points around it (`linear`) or assigned to the
+    nearest one (`nearest`)."""
     regions: Annotated[Groups, Field(min_length=1)] | None = None
-    """Groups of muscles whose parts have skin, the head's under `neck`; left out, all of the body has."""
+    """Muscle groups whose body parts have skin points; `neck` includes the head. By default, the whole body."""
 
 
 class SkinEntry(Model):
@@ -35,19 +37,19 @@ class SkinEntry(Model):
     body: str
     """The body."""
     points: Annotated[int, Field(ge=0)]
-    """How many there are."""
+    """Number of points."""
     spacing_m: float
-    """Distance of neighbouring points."""
+    """Distance between neighbouring points."""
 
 
 class TouchEntry(Model):
-    """The sense of touch."""
+    """Touch."""
 
     kind: Literal["touch"] = "touch"
-    """Which sense this is."""
+    """Name of the sense."""
     quantity: TouchQuantity
-    """What each skin point measures: the force in its body's frame, in the world's, or only its normal part."""
+    """Measured quantity: force in the frame of the body, force in the world frame, or its normal component."""
     response: TouchResponse
-    """Whether the skin points around a contact share its force, or the nearest gets all of it."""
+    """Whether the force of a contact is distributed over the skin points around it or assigned to the nearest one."""
     skin: tuple[SkinEntry, ...]
-    """The bodies that have skin points, in the order of the model and of the array `touch/points_m`."""
+    """Bodies that have skin points, in the order of the model and of the array `touch/points_m`."""

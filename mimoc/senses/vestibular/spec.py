@@ -1,4 +1,4 @@
-"""What can be asked of the vestibular sense, and what the runtime must know of it."""
+"""The options of the vestibular sense, and its entry in the manifest."""
 
 from typing import Annotated, Literal
 
@@ -11,18 +11,19 @@ VestibularQuantity = Literal["accelerometer", "gyro"]
 
 
 class VestibularSpec(Model):
-    """The sense of balance."""
+    """The vestibular sense: linear and angular motion of the head."""
 
     include: Annotated[tuple[VestibularQuantity, ...], Distinct, Field(min_length=1)] = ("accelerometer", "gyro")
-    """What the inner ear measures: specific force (its otoliths), angular velocity (its canals), or both."""
+    """Measured quantities: specific force (`accelerometer`, the otoliths), angular velocity (`gyro`, the semicircular
+    canals), or both."""
 
 
 class VestibularEntry(Model):
-    """The sense of balance."""
+    """The vestibular sense."""
 
     kind: Literal["vestibular"] = "vestibular"
-    """Which sense this is."""
+    """Name of the sense."""
     accelerometer: str | None = None
-    """Sensor of the head's specific force, m/s², if that is measured."""
+    """Sensor of the head's specific force, [m/s²], if it is measured."""
     gyro: str | None = None
-    """Sensor of the head's angular velocity, rad/s, if that is measured."""
+    """Sensor of the head's angular velocity, [rad/s], if it is measured."""

@@ -1,4 +1,4 @@
-"""What can be asked of vision, and what the runtime must know of it."""
+"""The options of vision, and its entry in the manifest."""
 
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -11,10 +11,10 @@ FoveationRadius = Literal["border", "corner", "edge"]
 
 
 class AcuitySpec(Model):
-    """Acuity as measured."""
+    """A measured visual acuity."""
 
     cpd: Annotated[CyclesPerDegree, Field(le=60)]
-    """The finest grating seen."""
+    """Spatial frequency of the finest grating that is resolved."""
 
 
 def _kind_of_acuity(value: Any) -> str | None:
@@ -30,52 +30,52 @@ Acuity: TypeAlias = Annotated[
     | Annotated[AcuitySpec, Tag("measured")],
     Discriminator(_kind_of_acuity),
 ]
-"""Not blurred, as at the body's age, as at another age in months, or as measured."""
+"""Visual acuity: not limited, that of the infant's age, that of another age in months, or as measured."""
 
 
 class VisionSpec(Model):
     """Vision, with a camera in each eye."""
 
     width_px: Annotated[Pixels, Field(le=2048)] = 64
-    """Width of the picture."""
+    """Width of an image."""
     height_px: Annotated[Pixels, Field(le=2048)] = 64
-    """Height of the picture."""
+    """Height of an image."""
     fovy_deg: Annotated[Degrees, Field(ge=1, le=170)] = 60.0
     """Vertical field of view."""
     acuity: Acuity = "age"
-    """How fine the eyes see: `off`, `age` (that of the body), an age in months, or `{cpd: 4.2}`."""
+    """Visual acuity: `off` (not limited), `age` (that of the infant's age), an age in months, or `{cpd: 4.2}`."""
     acuity_profile: Literal["tac2", "mayer1995", "mimo_v2"] = "tac2"
-    """Whose measurements say how fine an age sees: Neijzen et al. 2025 on the Teller Acuity Cards' scale (the paper's
-    source, pooled anew), Mayer et al. 1995, or the figures of MIMo v2."""
+    """Source of acuity by age: Neijzen et al. 2025 on the scale of the Teller Acuity Cards (`tac2`: the paper's source,
+    pooled again), Mayer et al. 1995 (`mayer1995`), or the figures of MIMo v2 (`mimo_v2`)."""
     foveation: Annotated[Real, Field(ge=0, le=1000)] = 0.0
-    """How much finer the centre is than the rim, as s of the mapping r = R log(1 + s r'/R) / log(1 + s); 0 is even."""
+    """Strength of foveation, s in the mapping r = R log(1 + s r'/R) / log(1 + s); 0 is uniform resolution."""
     foveation_radius: FoveationRadius = "corner"
-    """What the R of that mapping reaches to: the picture's corners (it is smooth, but the middles of the edges are cut
-    off), its border along each ray (nothing is lost, but straight lines break at the diagonals), or the nearest edge
-    (beyond it nothing is seen)."""
+    """Meaning of R in that mapping: distance to the corners (`corner`; smooth, but the middles of the edges are cut
+    off), to the border along each ray (`border`; nothing is cut off, but straight lines have kinks at the diagonals),
+    or to the nearest edge (`edge`; black beyond it)."""
     supersample: Annotated[Whole, Field(ge=1, le=8)] = 1
-    """How many times larger, in both directions, the picture is drawn and blurred before it is averaged down: a
-    grating of f cycles a degree only shows in a picture of more than 2 f x fovy_deg pixels."""
+    """Factor by which an image is rendered and blurred larger, in both directions, before it is averaged down: a
+    grating of f cycles per degree requires more than 2 f x fovy_deg rendered pixels."""
 
 
 class VisionEntry(Model):
     """Vision."""
 
     kind: Literal["vision"] = "vision"
-    """Which sense this is."""
+    """Name of the sense."""
     cameras: tuple[str, ...]
-    """One for each eye; the pictures are observed under these names."""
+    """Cameras of the eyes, which are also the names of their observations."""
     width_px: int
-    """Width of a picture."""
+    """Width of an image."""
     height_px: int
-    """Height of a picture."""
+    """Height of an image."""
     supersample: int
-    """How many times larger it is drawn before it is averaged down."""
+    """Factor by which an image is rendered larger before it is averaged down."""
     acuity_cpd: float | None
-    """Cycles per degree of the finest grating seen; None where nothing is blurred."""
+    """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
     foveation: float
     """Strength s of the foveation; 0 is none."""
     foveation_radius: FoveationRadius
-    """What its R reaches to."""
+    """Meaning of R in the foveation mapping."""
     unseen: tuple[str, ...]
-    """Bodies that the eyes do not see: the infant's own head."""
+    """Bodies that are hidden from the eyes: the infant's own head."""

@@ -36,7 +36,7 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
     """Return the setup of `catch`.
 
     Raises:
-        UnplayableError: If the infant has no such hand.
+        UnsupportedTaskError: If the infant has no such hand.
     """
     side: Side = task.hand or "right"
     require(tree, task.kind, f"{side}_hand", middle_finger(tree, side))

@@ -1,4 +1,4 @@
-"""What can be asked of the task `catch`, and what the runtime must know of it."""
+"""The options of the task `catch`, and its entry in the manifest."""
 
 from typing import Literal
 
@@ -6,42 +6,42 @@ from mimoc.tasks.base import BallEntry, Range, TaskEntry, TaskSpec
 
 
 class CatchSpec(TaskSpec):
-    """Catch a ball that falls on the open hand."""
+    """Catch a ball that falls onto the open hand."""
 
     kind: Literal["catch"]
-    """Which task this is."""
+    """Name of the task."""
     hand: Literal["right", "left"] | None = None
-    """The hand that catches; left out, the right one."""
+    """The hand that catches; by default, the right one."""
 
 
 class CatchEntry(TaskEntry):
-    """Catch a ball that falls on the open hand."""
+    """Catch a ball that falls onto the open hand."""
 
     kind: Literal["catch"] = "catch"
-    """Which task this is."""
+    """Name of the task."""
     steps: int | None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None for never."""
     hand: tuple[str, ...]
-    """The bodies that catch."""
+    """Bodies of the hand that catches."""
     palm: str
     """The body over which the ball is dropped."""
     palm_m: tuple[float, float, float]
-    """The point of it that the ball falls on, in its frame."""
+    """The point that the ball falls onto, in the frame of that body."""
     ball: BallEntry
-    """What is to be caught."""
+    """The ball."""
     radius_m: Range = (0.005, 0.025)
-    """Of the ball, drawn for each episode (MIMo)."""
+    """Range of the ball's radius, drawn for each episode (MIMo)."""
     mass_kg: Range = (0.05, 0.5)
-    """Of the ball, drawn for each episode (MIMo)."""
+    """Range of the ball's mass, drawn for each episode (MIMo)."""
     drop_m: Range
-    """Height of the ball over the palm, drawn for each episode."""
+    """Range of the ball's initial height over the palm, drawn for each episode."""
     lost_m: float
-    """How far below the palm or to its side the ball is lost."""
+    """Distance below the palm or to its side beyond which the ball counts as lost."""
     held_steps: int = 100
-    """Control steps of contact without a break that make a catch (MIMo)."""
+    """Consecutive control steps of contact that count as a catch (MIMo)."""
     contact_reward: float = 1.0
-    """For a step in contact (MIMo)."""
+    """Reward for a step in contact (MIMo)."""
     effort_weight: float = 40.0
-    """What effort costs (MIMo)."""
+    """Weight of the cost of effort (MIMo)."""
     success_reward: float = 100.0
-    """For a catch, and what is lost with the ball (MIMo)."""
+    """Reward for a catch; losing the ball costs as much (MIMo)."""

@@ -1,4 +1,4 @@
-"""What can be asked of the task `free`, and what the runtime must know of it."""
+"""The options of the task `free`, and its entry in the manifest."""
 
 from typing import Literal
 
@@ -9,13 +9,13 @@ class FreeSpec(TaskSpec):
     """No goal: the reward is zero, and episodes do not end."""
 
     kind: Literal["free"]
-    """Which task this is."""
+    """Name of the task."""
 
 
 class FreeEntry(TaskEntry):
-    """No goal at all."""
+    """No goal: the reward is zero, and episodes do not end."""
 
     kind: Literal["free"] = "free"
-    """Which task this is."""
+    """Name of the task."""
     steps: int | None = None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None for never."""

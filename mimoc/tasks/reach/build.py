@@ -27,7 +27,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     """Return the setup of `reach`.
 
     Raises:
-        UnplayableError: If the infant has no such hand.
+        UnsupportedTaskError: If the infant has no such hand.
     """
     side: Side = task.hand or "right"
     effector = middle_finger(tree, side)

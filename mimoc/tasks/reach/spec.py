@@ -1,4 +1,4 @@
-"""What can be asked of the task `reach`, and what the runtime must know of it."""
+"""The options of the task `reach`, and its entry in the manifest."""
 
 from typing import Literal
 
@@ -9,35 +9,35 @@ class ReachSpec(TaskSpec):
     """Touch a ball that hangs within reach."""
 
     kind: Literal["reach"]
-    """Which task this is."""
+    """Name of the task."""
     hand: Literal["right", "left"] | None = None
-    """The hand that reaches; left out, the right one."""
+    """The hand that reaches; by default, the right one."""
 
 
 class ReachEntry(TaskEntry):
-    """Touch a ball that hangs before the infant."""
+    """Touch a ball that hangs in front of the infant."""
 
     kind: Literal["reach"] = "reach"
-    """Which task this is."""
+    """Name of the task."""
     steps: int | None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None for never."""
     effector: str
-    """The body that is to come near the ball."""
+    """The body whose distance to the ball is rewarded."""
     shoulder: str
-    """The body that the ball's places are seen from."""
+    """The body at the origin of the ball's spherical coordinates."""
     trunk: str
     """The body whose x axis is forward and whose z axis is up."""
     ball: BallEntry
-    """What is to be touched."""
+    """The ball."""
     distance_m: Range
-    """From the shoulder to the ball."""
+    """Range of the distance from the shoulder to the ball."""
     azimuth_rad: Range
-    """Of the ball, to the left of forward."""
+    """Range of the ball's azimuth; left of forward is positive."""
     elevation_rad: Range
-    """Of the ball, above forward."""
+    """Range of the ball's elevation; above forward is positive."""
     moved_m: float = 0.01
-    """How far the ball is moved by a touch that counts (MIMo)."""
+    """Distance that the ball must be moved for a touch to count (MIMo)."""
     success_reward: float = 100.0
-    """For touching it (MIMo)."""
+    """Reward for touching the ball (MIMo)."""
     gaze: tuple[GazeEntry, ...]
-    """What keeps looking at the ball, in the order in which it turns."""
+    """Joints that keep the head and the eyes on the ball, in the order in which they turn."""

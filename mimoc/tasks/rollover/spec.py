@@ -1,4 +1,4 @@
-"""What can be asked of the task `rollover`, and what the runtime must know of it."""
+"""The options of the task `rollover`, and its entry in the manifest."""
 
 from typing import Literal
 
@@ -6,33 +6,33 @@ from mimoc.tasks.base import TaskEntry, TaskSpec
 
 
 class RolloverSpec(TaskSpec):
-    """Turn over, from the back to the belly or the other way."""
+    """Roll over, from the back to the belly or the other way."""
 
     kind: Literal["rollover"]
-    """Which task this is."""
+    """Name of the task."""
     reward: Literal["dense", "shaped"] | None = None
-    """For how far the infant has turned, at every step (`dense`, if left out), or for success, shaped by how much
-    farther it has turned in each step."""
+    """Reward at every step for how far the infant has turned (`dense`, the default), or reward for success with
+    potential-based shaping by how far it has turned (`shaped`)."""
 
 
 class RolloverEntry(TaskEntry):
-    """Turn over: from the back to the belly, or from the belly to the back."""
+    """Roll over, from the back to the belly or the other way."""
 
     kind: Literal["rollover"] = "rollover"
-    """Which task this is."""
+    """Name of the task."""
     steps: int | None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None for never."""
     settle_steps: int = 100
     """Control steps at rest before an episode begins (MIMo)."""
     hip: str
-    """The body that is to turn; its x axis points out of the belly."""
+    """The body whose rotation counts; its x axis points out of the belly."""
     goal: float = 0.8
-    """How far is far enough: 0 is flat on the side that it starts on, 1 flat on the other (MIMo)."""
+    """Progress that counts as success: 0 is flat on the side that it starts on, 1 is flat on the other (MIMo)."""
     reward: Literal["dense", "shaped"]
-    """For how far it has turned, or for success, shaped by how much farther it has turned."""
+    """Reward for how far it has turned (`dense`), or for success with potential-based shaping (`shaped`)."""
     effort_weight: float = 0.01
-    """What the sum of squared actions costs, where the reward is dense (MIMo)."""
+    """Weight of the sum of squared actions, as a cost in the dense reward (MIMo)."""
     success_reward: float = 10.0
-    """For turning over, where the reward is shaped."""
+    """Reward for success in the shaped reward."""
     discount: float = 0.99
-    """Of the potential that shapes the reward; that of the learner, for the best policy to stay the best."""
+    """Discount factor of the shaping potential; it must equal the learner's, or shaping changes the optimal policy."""

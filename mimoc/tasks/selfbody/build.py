@@ -32,7 +32,7 @@ def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
     """Return the setup of `selfbody`.
 
     Raises:
-        UnplayableError: If the infant has no such hand.
+        UnsupportedTaskError: If the infant has no such hand.
     """
     side: Side = task.hand or "right"
     fingers = middle_finger(tree, side)

@@ -1,4 +1,4 @@
-"""What can be asked of the task `selfbody`, and what the runtime must know of it."""
+"""The options of the task `selfbody`, and its entry in the manifest."""
 
 from typing import Literal
 
@@ -7,37 +7,37 @@ from mimoc.tasks.base import TaskEntry, TaskSpec
 
 
 class SelfbodySpec(TaskSpec):
-    """Touch the part of the own body that the observation names."""
+    """Touch the part of its own body that the observation `goal` names."""
 
     kind: Literal["selfbody"]
-    """Which task this is."""
+    """Name of the task."""
     hand: Literal["right", "left"] | None = None
-    """The hand that touches; left out, the right one."""
+    """The hand that touches; by default, the right one."""
 
 
 class TargetEntry(Model):
-    """A part of the body that is to be touched."""
+    """A part of the body that can be the goal of an episode."""
 
     name: str
-    """What it is called in the goal."""
+    """Name of the part."""
     bodies: tuple[str, ...]
-    """What belongs to it."""
+    """Bodies that belong to it."""
 
 
 class SelfbodyEntry(TaskEntry):
-    """Touch a part of oneself."""
+    """Touch the part of its own body that the observation `goal` names."""
 
     kind: Literal["selfbody"] = "selfbody"
-    """Which task this is."""
+    """Name of the task."""
     steps: int | None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None for never."""
     fingers: str
-    """The body whose distance to what is to be touched counts."""
+    """The body whose distance to the target is rewarded."""
     effectors: tuple[str, ...]
-    """The bodies that touch."""
+    """The bodies whose contact with the target counts."""
     targets: tuple[TargetEntry, ...]
-    """What is to be touched, one of them in each episode; the observation `goal` has a number for each."""
+    """The targets, one of which is drawn for each episode; the observation `goal` has an entry for each."""
     success_reward: float = 500.0
-    """For touching it (MIMo)."""
+    """Reward for touching the target (MIMo)."""
     idle_reward: float = -1.0
-    """For a step in which nothing is touched (MIMo)."""
+    """Reward of a step in which nothing is touched (MIMo)."""

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import root_scalar
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames, pose
 from mimoc.body.poses import CONTACT_DEPTH_M, pitched, standing_height
 from mimoc.body.stature import stature
-from mimoc.errors import UnplayableError
+from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3, matrix_from_axis
+from mimoc.geometry.solvers import root
 from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
@@ -69,8 +69,8 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
     """Return the setup of `standup`.
 
     Raises:
-        UnplayableError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its hands
-            at the rail.
+        UnsupportedTaskError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its
+            hands at the rail.
     """
     require(tree, task.kind, *(f"{side}_{part}" for side in SIDES for part in (KNUCKLES[tree.hands], "foot")))
     seat = _sit(tree)
@@ -133,7 +133,7 @@ def _flat_foot(
     deeper the foot.
 
     Raises:
-        UnplayableError: If there is no such knee.
+        UnsupportedTaskError: If there is no such knee.
     """
     thigh_deg = -HIP_DEG + LEANING_BACK_DEG
     least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
@@ -148,8 +148,10 @@ def _flat_foot(
         return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",)) - height_m
 
     if not too_deep_m(low) < 0 < too_deep_m(high):
-        raise UnplayableError(f"task 'standup' starts with flat feet; this infant's {side} leg has the wrong length")
-    knee_deg = root_scalar(too_deep_m, bracket=(low, high), xtol=_PRECISION_DEG).root
+        raise UnsupportedTaskError(
+            f"task 'standup' starts with flat feet; this infant's {side} leg has the wrong length"
+        )
+    knee_deg = root(too_deep_m, low, high, _PRECISION_DEG)
     return {name: round(angle, 6) for name, angle in leg(knee_deg).items()}
 
 
@@ -157,7 +159,7 @@ def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
     """Return how far before the hip the rail is, in [m]: as far as the shorter arm gets to it.
 
     Raises:
-        UnplayableError: If it is too high up for the arms.
+        UnsupportedTaskError: If it is too high up for the arms.
     """
     here, straight = frames(tree, seat.angles_rad), frames(tree, {})
     found = []
@@ -167,7 +169,9 @@ def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
         x_m, _, z_m = seat.in_world(here[f"{side}_upper_arm"][0]).tolist()
         above_m = rail_height(tree) - z_m
         if STRETCHED * arm_m <= above_m:
-            raise UnplayableError("task 'standup' starts with the hands at a rail; this infant's arms are too short")
+            raise UnsupportedTaskError(
+                "task 'standup' starts with the hands at a rail; this infant's arms are too short"
+            )
         found.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
     return min(found)
 

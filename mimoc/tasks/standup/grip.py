@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames
-from mimoc.errors import UnplayableError
+from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.setup import Side
 from mimoc.units import deg_to_rad
@@ -82,7 +82,7 @@ def arm_to_bar(
         along: Where the hand's x axis is to point, a unit vector, shape (3,), in the frame of the hip.
 
     Raises:
-        UnplayableError: If the arm does not get there.
+        UnsupportedTaskError: If the arm does not get there.
     """
     names = [f"robot:{side}_{name}" for name in STRETCHED_OUT_DEG]
     low, high = np.deg2rad([tree.joints[name].range_deg for name in names]).T
@@ -97,7 +97,7 @@ def arm_to_bar(
 
     found = _search(misses, wanted, low, high)
     if np.abs(misses(found)).max() > CLEAR_M:
-        raise UnplayableError(f"task 'standup' starts with the hands at a rail; the {side} hand does not reach it")
+        raise UnsupportedTaskError(f"task 'standup' starts with the hands at a rail; the {side} hand does not reach it")
     return dict(zip(names, np.round(found, 6).tolist(), strict=True))
 
 

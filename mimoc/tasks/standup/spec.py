@@ -1,4 +1,4 @@
-"""What can be asked of the task `standup`, and what the runtime must know of it."""
+"""The options of the task `standup`, and its entry in the manifest."""
 
 from typing import Literal
 
@@ -9,21 +9,21 @@ class StandupSpec(TaskSpec):
     """Stand up, holding on to a rail."""
 
     kind: Literal["standup"]
-    """Which task this is."""
+    """Name of the task."""
 
 
 class StandupEntry(TaskEntry):
     """Stand up, holding on to a rail."""
 
     kind: Literal["standup"] = "standup"
-    """Which task this is."""
+    """Name of the task."""
     steps: int | None
-    """Control steps of an episode; None is no end."""
+    """Control steps after which an episode is truncated; None for never."""
     head: str
-    """The body that is to get up high."""
+    """The body whose height is rewarded."""
     base_m: float
-    """Height of the head that earns nothing."""
+    """Height of the head at which the reward for height is zero."""
     success_m: float
-    """Height of the head of an infant that stands."""
+    """Height of the head that counts as standing."""
     effort_weight: float = 0.01
-    """What the sum of squared actions costs (MIMo)."""
+    """Weight of the sum of squared actions, as a cost in the reward (MIMo)."""

@@ -5,7 +5,7 @@ import pytest
 
 from mimoc import body
 from mimoc.body.kinematics import frames
-from mimoc.errors import UnplayableError
+from mimoc.errors import UnsupportedTaskError
 from mimoc.mjcf.rails import RAIL_RADIUS_M
 from mimoc.schema import InfantSpec
 from mimoc.tasks.standup.grip import CLEAR_M, arm_to_bar, curled, grip_point
@@ -73,5 +73,5 @@ def test_the_bar_is_clear_of_the_palm(infant):
 def test_a_bar_that_is_too_far_away_is_refused():
     tree = grown(9, "mitten")
     point_m, place_m = grip_point(tree, "right", RAIL_RADIUS_M), before(tree, "right", 1.5)
-    with pytest.raises(UnplayableError, match="right hand does not reach"):
+    with pytest.raises(UnsupportedTaskError, match="right hand does not reach"):
         arm_to_bar(tree, {}, "right", point_m, place_m, thumb_side("right"))

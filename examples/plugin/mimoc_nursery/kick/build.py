@@ -2,10 +2,9 @@
 
 import math
 
-from mimoc.mjcf.tree import Prop, PropGeom
-
 from mimoc.body import BodyTree
 from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.objects import FreeObject, ObjectGeom
 from mimoc.tasks.setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 
@@ -22,16 +21,16 @@ def build(spec: KickSpec, body: BodyTree) -> TaskSetup:
     """Return the mobile and what ties it to the foot.
 
     Raises:
-        UnplayableError: If the infant lacks that foot.
+        UnsupportedTaskError: If the infant lacks that foot.
     """
     foot = f"{spec.foot}_foot"
     require(body, "kick", foot)
     return TaskSetup(KickEntry(steps=spec.steps or STEPS, foot=foot, mobile="mobile"), props=(_mobile(),))
 
 
-def _mobile() -> Prop:
+def _mobile() -> FreeObject:
     """Return a ball that touches nothing; it hangs where it starts."""
-    geom = PropGeom(
+    geom = ObjectGeom(
         name="mobile",
         type="sphere",
         names=(),
@@ -47,7 +46,7 @@ def _mobile() -> Prop:
         solmix=1.0,
         group=0,
     )
-    return Prop(
+    return FreeObject(
         name="mobile",
         object="mobile",
         category="mobile",
