@@ -34,6 +34,20 @@ class Actuation(Protocol):
         """Largest torque of each actuator towards negative and positive angles, shape (n, 2)."""
         ...
 
+    @property
+    def drive_name(self) -> str:
+        """What `drive` is: `command` or `activation`."""
+        ...
+
+    @property
+    def bounds_nm(self) -> FloatArray:
+        """What the torque of each actuator never exceeds, either way, shape (n,)."""
+        ...
+
+    def drive(self, data: mujoco.MjData) -> FloatArray:
+        """Return what each actuator is driven by now, shape (n,)."""
+        ...
+
     def __call__(self, action: npt.ArrayLike) -> FloatArray:
         """Return the control of each actuator, shape (n,), an array of its own."""
         ...

@@ -27,13 +27,35 @@ class Commands:
         """Return the control of each actuator, shape (n,), an array of its own.
 
         Raises:
-            ValueError: If the action has another shape, or a NaN.
+            ValueError: If the action has another shape, or a NaN or an infinity.
         """
         if np.shape(action) != self.low.shape:
             raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {np.shape(action)}")
-        if np.isnan(action).any():
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got NaN")
-        return np.array(action, dtype=np.float64)
+        controls = np.array(action, dtype=np.float64)
+        if not np.isfinite(controls).all():
+            wrong = controls[~np.isfinite(controls)][0]
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")
+        return controls
+
+    @property
+    def drive_name(self) -> str:
+        """What `drive` is: `command` or `activation`."""
+        return "command"
+
+    def drive(self, data: mujoco.MjData) -> FloatArray:
+        """Return what each actuator is driven by now, shape (n,)."""
+        return data.ctrl[self.actuators]
+
+    @property
+    def bounds_nm(self) -> FloatArray:
+        """What the torque of each actuator never exceeds, either way, shape (n,)."""
+        return np.abs(self.limits_nm).max(axis=1)
+
+
+def all_commanded(entry: ActuationEntry) -> ActuationEntry:
+    """Return the actuators with all of them commanded, as strength does not depend on which ones are."""
+    actuators = tuple(actuator.model_copy(update={"commanded": True}) for actuator in entry.actuators)
+    return entry.model_copy(update={"actuators": actuators})
 
 
 def commanded(entry: ActuationEntry) -> list[ActuatorEntry]:

@@ -176,7 +176,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Apply an action for one control step; values outside the action space are clipped.
 
         Raises:
-            ValueError: If the action has the wrong shape or contains NaN.
+            ValueError: If the action has the wrong shape or is not finite.
         """
         self._schedule.step(action, self.data)
         self._steps += 1

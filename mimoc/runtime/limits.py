@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from mimoc.actuation.binding import bind_actuation
-from mimoc.actuation.spec import ActuationEntry
+from mimoc.actuation.commands import all_commanded
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
@@ -22,16 +22,10 @@ def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]
         ModelError: If MuJoCo rejects its model.
     """
     bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
-    entry = _all_commanded(bundle.manifest.actuation)
+    entry = all_commanded(bundle.manifest.actuation)
     actuation = bind_actuation(entry, load_model(bundle))
     limits: dict[str, tuple[float, float]] = {}
     for actuator, (negative_nm, positive_nm) in zip(entry.actuators, actuation.limits_nm.tolist(), strict=True):
         so_far = limits.get(actuator.joint, (0.0, 0.0))
         limits[actuator.joint] = (so_far[0] + negative_nm, so_far[1] + positive_nm)
     return limits
-
-
-def _all_commanded(entry: ActuationEntry) -> ActuationEntry:
-    """Return the actuators with all of them commanded, as strength does not depend on which ones are."""
-    actuators = tuple(actuator.model_copy(update={"commanded": True}) for actuator in entry.actuators)
-    return entry.model_copy(update={"actuators": actuators})

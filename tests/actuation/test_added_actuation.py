@@ -1,5 +1,7 @@
 """An actuation model that is added is a record, `build` and `bind`: nothing else knows of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -7,10 +9,13 @@ from gymnasium.utils.env_checker import check_env
 import mimoc
 from mimoc.actuation.commands import Commands, command_range, find_actuators, limits_of_motors, mean_effort
 from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
 from mimoc.kinds import ActuationKind
 from mimoc.mjcf.infant import Actuator
 from mimoc.schema.base import Model
+
+TINY = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
 
 
 class WeakSpec(Model):
@@ -53,9 +58,33 @@ def bind(entry, model):
 WEAK = ActuationKind(name="weak", about="Weak motors.", build=build, run=bind, spec=WeakSpec)
 
 
-def infant(model, **actuation):
-    data = {"mimoc": 1, "name": "x", "age_months": 6, "actuation": {"model": model, **actuation}}
-    return mimoc.build(mimoc.InfantSpec.model_validate({**data, "senses": {"proprioception": {}}}))
+class Tripled(Commands):
+    """Motors whose gain is not 1."""
+
+    drive_name = "excitation"
+
+    def effort(self, data):
+        return 0.0
+
+
+def build_tripled(spec, tree, timestep_s):
+    """Return motors of three times their strength, without a force range."""
+    motors = build(WeakSpec(share=1.0), tree, timestep_s).actuators
+    unlimited = tuple(replace(motor, settings=()) for motor in motors)
+    defaults = (("forcelimited", "false"), ("gaintype", "fixed"), ("gainprm", "3"), ("biastype", "none"))
+    return ActuationSetup(unlimited, defaults, "Euler", tree.joints)
+
+
+def bind_tripled(entry, model):
+    ids = find_actuators(entry, model)
+    strengths_nm = 3 * model.actuator_gear[ids, 0]
+    return Tripled(ids, *command_range(entry), np.stack([-strengths_nm, strengths_nm], axis=1))
+
+
+def infant(model, keys=None, target=None, **actuation):
+    data = {"mimoc": 1, "name": "x", "age_months": 18, "actuation": {"model": model, **actuation}}
+    spec = {**data, "senses": {"proprioception": {}}, **(keys or {})}
+    return mimoc.build(mimoc.InfantSpec.model_validate(spec), target)
 
 
 @pytest.fixture
@@ -82,6 +111,39 @@ def test_its_numbers_are_explained_whether_it_says_so_or_not(weak):
     assert "as measured" in explain(weak, f"actuator.{first}.forcerange").lines
     assert "set by the actuation model 'weak'" in explain(weak, f"actuator.{second}.forcerange").lines
     assert not [line for line in explain(weak, "actuator.act:left_elbow.gear").lines if "xml" in line]
+
+
+def test_proprioception_asks_it_for_its_drive_and_its_bounds(registered):
+    """Here nothing in the MJCF limits the torque."""
+    tripled = replace(WEAK, name="tripled", build=build_tripled, run=bind_tripled, spec=None)
+    with registered(tripled):
+        senses = {"proprioception": {"include": ["actuation"]}}
+        env = mimoc.InfantEnv(infant("tripled", {"senses": senses}, regions=["arms"]))
+        env.reset(seed=0)
+        sensed = env.step(env.action_space.high)[0]["proprioception"]
+        layout, high = env.layout("proprioception"), env.observation_space["proprioception"].high
+        drives = [index for index, name in enumerate(layout) if name.endswith("excitation [1]")]
+        torques = [index for index, name in enumerate(layout) if name.endswith("torque [N m]")]
+        assert len(drives) == len(torques) == len(env.manifest.actuation.actuators)
+        commanded = [actuator.commanded for actuator in env.manifest.actuation.actuators]
+        assert sensed[drives].tolist() == [float(each) for each in commanded]
+        assert sensed[torques] == pytest.approx(np.where(commanded, high[torques], 0.0))
+
+
+def test_a_policy_is_trained_with_it(registered, tmp_path):
+    with registered(WEAK):
+        reaching = infant("weak", {"task": {"kind": "reach", "steps": 30}})
+        options = {"steps": 64, "envs": 2, "checkpoint_every": 64, "hyper": TINY, "processes": False}
+        training = mimoc.train(reaching, tmp_path / "run", **options)
+        (episode,) = mimoc.evaluate(mimoc.make(reaching), mimoc.load_policy(training.policy), episodes=1)
+    assert 0 < episode.steps <= 30
+
+
+def test_it_can_be_built_for_mimos_code(weak):
+    """Which gets its actuators as they are."""
+    model, other = load_model(weak), load_model(infant("weak", target="mimo", weak={"share": 0.25}))
+    names = [model.actuator(index).name for index in range(model.nu)]
+    assert [other.actuator(name).gear[0] for name in names] == [model.actuator(name).gear[0] for name in names]
 
 
 def test_inverse_dynamics_says_why_it_cannot_use_it(weak):

@@ -70,6 +70,7 @@ LIFT = TaskKind(
     poses=None,
     step_ms=20.0,
 )
+TINY = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
 SPEC = "mimoc: 1\nname: x\nage_months: 6\nsenses: {proprioception: {}}\ntask: "
 
 
@@ -123,6 +124,13 @@ def test_the_spec_language_knows_it(lift, task, problem):
     with pytest.raises(mimoc.MimocError) as error:
         read_spec(parse(SPEC + task, "spec.yaml"))
     assert problem in str(error.value)
+
+
+def test_a_policy_is_trained_for_it(bundle, tmp_path):
+    options = {"steps": 64, "envs": 2, "checkpoint_every": 64, "hyper": TINY, "processes": False}
+    training = mimoc.train(bundle, tmp_path / "run", **options)
+    (episode,) = mimoc.evaluate(mimoc.make(bundle), mimoc.load_policy(training.policy), episodes=1)
+    assert episode.steps == 4
 
 
 def test_gymnasium_opens_its_bundle(bundle):

@@ -7,8 +7,8 @@ import numpy as np
 
 from mimoc.actuation.commands import Commands, command_range, find_actuators, mean_effort
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.mujoco_layout import MUSCLE_FORCE
-from mimoc.senses.sense import IntArray
+from mimoc.mujoco_layout import MUSCLE_FORCE, MUSCLE_LENGTHENING, MUSCLE_PASSIVE
+from mimoc.senses.sense import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -17,10 +17,26 @@ class Muscle(Commands):
 
     activations: IntArray
     """Where each muscle's activation stands in the state, shape (n,)."""
+    stretched: FloatArray
+    """Largest force of each while stretched and active, in isometric forces, shape (n,)."""
+
+    @property
+    def drive_name(self) -> str:
+        """What `drive` is."""
+        return "activation"
+
+    def drive(self, data: mujoco.MjData) -> FloatArray:
+        """Return the activation of each muscle now, shape (n,)."""
+        return data.act[self.activations]
+
+    @property
+    def bounds_nm(self) -> FloatArray:
+        """What no muscle exceeds, even stretched by its antagonist as far as it is active, shape (n,)."""
+        return super().bounds_nm * self.stretched
 
     def effort(self, data: mujoco.MjData) -> float:
         """Return what the activations cost; see `mean_effort`."""
-        return mean_effort(data.act[self.activations], np.abs(self.limits_nm).max(axis=1))
+        return mean_effort(self.drive(data), np.abs(self.limits_nm).max(axis=1))
 
 
 def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:
@@ -28,4 +44,5 @@ def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:
     ids = find_actuators(entry, model)
     pull_nm = -model.actuator_gear[ids, 0] * model.actuator_gainprm[ids, MUSCLE_FORCE]
     limits_nm = np.stack([np.minimum(pull_nm, 0.0), np.maximum(pull_nm, 0.0)], axis=1)
-    return Muscle(ids, *command_range(entry), limits_nm, model.actuator_actadr[ids].astype(np.intp))
+    stretched = model.actuator_gainprm[ids, MUSCLE_PASSIVE] + model.actuator_gainprm[ids, MUSCLE_LENGTHENING]
+    return Muscle(ids, *command_range(entry), limits_nm, model.actuator_actadr[ids].astype(np.intp), stretched)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
+from mimoc.actuation.binding import bind_actuation
+from mimoc.actuation.commands import all_commanded
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
-from mimoc.mujoco_layout import MUSCLE_FORCE, MUSCLE_LENGTHENING, MUSCLE_PASSIVE
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
 
@@ -22,7 +22,6 @@ MAX_LIMIT = 1e2
 """Bounds of the observation, far beyond what a stable simulation reaches."""
 LEAST_BOUND_NM = 1e-6
 """Bound of the torque of actuators without strength, which some bound must have."""
-MUSCLE_FORCES = [MUSCLE_FORCE, MUSCLE_PASSIVE, MUSCLE_LENGTHENING]
 
 
 @dataclass(frozen=True)
@@ -110,36 +109,21 @@ def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco
 
 
 def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
+    bound = bind_actuation(all_commanded(actuation), model)
     names = tuple(actuator.name for actuator in actuation.actuators)
-    ids = np.array([model.actuator(name).id for name in names])
+    ids = bound.actuators
     gears = model.actuator_gear[ids, 0].copy()
-    by_muscles = bool(_are_muscles(model, ids).all())
-    activations = model.actuator_actadr[ids]
 
     def read(data: mujoco.MjData) -> FloatArray:
         """Return what drives each actuator, then the torque that it makes of that."""
-        drive = data.act[activations] if by_muscles else data.ctrl[ids]
-        return np.concatenate([drive, data.actuator_force[ids] * gears])
+        return np.concatenate([bound.drive(data), data.actuator_force[ids] * gears])
 
     return Component(
         read,
-        np.concatenate([np.ones(len(ids)), _largest_torques(model, ids)]),
-        _names(names, "activation" if by_muscles else "command", "1") + _names(names, "torque", "N m"),
+        np.concatenate([np.ones(len(ids)), np.maximum(bound.bounds_nm, LEAST_BOUND_NM)]),
+        _names(names, bound.drive_name, "1") + _names(names, "torque", "N m"),
         np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
     )
-
-
-def _are_muscles(model: mujoco.MjModel, ids: IntArray) -> npt.NDArray[np.bool_]:
-    return model.actuator_gaintype[ids] == int(mujoco.mjtGain.mjGAIN_MUSCLE)
-
-
-def _largest_torques(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
-    """Return what no actuator exceeds; no muscle even stretched as far as it is active and by its antagonist."""
-    isometric_nm, passive, lengthening = model.actuator_gainprm[ids][:, MUSCLE_FORCES].T
-    share = np.where(model.actuator_forcelimited[ids], np.abs(model.actuator_forcerange[ids]).max(axis=1), 1.0)
-    limits_nm = np.abs(model.actuator_gear[ids, 0]) * share
-    largest_nm = np.where(_are_muscles(model, ids), isometric_nm * (passive + lengthening), limits_nm)
-    return np.maximum(largest_nm, LEAST_BOUND_NM)
 
 
 COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Component]] = {

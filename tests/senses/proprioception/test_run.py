@@ -23,7 +23,7 @@ ARM = f"""
       <site name="at_elbow"/>
     </body>
   </worldbody>
-  <actuator><motor name="biceps" joint="elbow" gear="{GEAR_NM}" ctrllimited="true" ctrlrange="-1 1"/></actuator>
+  <actuator><motor name="biceps" joint="elbow" gear="{GEAR_NM}" forcerange="-1 1"/></actuator>
   <sensor><torque name="load" site="at_elbow"/></sensor>
 </mujoco>
 """
