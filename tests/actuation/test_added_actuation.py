@@ -130,6 +130,7 @@ def test_proprioception_asks_it_for_its_drive_and_its_bounds(registered):
         assert sensed[torques] == pytest.approx(np.where(commanded, high[torques], 0.0))
 
 
+@pytest.mark.slow
 def test_a_policy_is_trained_with_it(registered, tmp_path):
     with registered(WEAK):
         reaching = infant("weak", {"task": {"kind": "reach", "steps": 30}})
