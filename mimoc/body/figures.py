@@ -71,6 +71,7 @@ class MotorFigures:
     vmax_lengths_per_s: float
     """The fastest that its muscles shorten, in optimal lengths a second; it does not grow."""
     mover: str
+    """The geom whose volume its gear grows with."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +90,7 @@ class Part:
     motors: tuple[MotorFigures, ...] = ()
     """What moves its joints, in MIMo's order."""
     region: Region = "limb"
+    """No infant is without trunk and head; a limb can be removed."""
     group: str = ""
     """Muscle group of its joints, and of the parts below it that have none of their own; empty is its parent's."""
     skin_spacing_m: float | None = field(kw_only=True)

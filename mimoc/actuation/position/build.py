@@ -6,7 +6,7 @@ at the speed at which the muscles there no longer pull. So force and speed are f
 What that strength can hold against gravity is held within 2.5 degrees, 3.5 with physics steps of 10 ms and 6 with
 20 ms, from 1.5 s after the command at the latest; most joints are within half of that. What it cannot hold sags: up to
 two fifths of a newborn's joints, whose muscles are weak against the springs of 18 months. A joint may go up to 8
-degrees past its target on the way. (`tests/scene/test_servos.py`)
+degrees past its target on the way. (`tests/actuation/position/test_build.py`)
 """
 
 import math
