@@ -1,4 +1,4 @@
-"""Toys: what they look like, what they touch with, what they weigh; and where they come from, a folder each."""
+"""Toys: shapes, collision geoms, mass, choice and placement; each source of toys is a folder."""
 
 from mimoc.kinds import Kinds, ToySource
 

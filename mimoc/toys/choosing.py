@@ -1,4 +1,4 @@
-"""Which toys there are, how large and in which colours: each drawn at random, from a stream of its own."""
+"""Random choice of toys, sizes, colours and orientations, each from a separate random stream."""
 
 import colorsys
 from collections.abc import Callable, Sequence
@@ -14,55 +14,55 @@ from mimoc.toys.spec import ToysSpec
 from mimoc.units import cm_to_m
 
 SATURATION, BRIGHTNESS = (0.55, 0.9), (0.65, 0.95)
-"""Of a toy's colour; its hue is any."""
+"""Ranges of the saturation and brightness of a toy's colour; its hue is unrestricted."""
 ACCENT = (0.42, 0.58)
-"""How far the hue of the second colour is from the first, in turns: about opposite."""
+"""Range of the difference in hue between the two colours of a toy, in turns: about opposite."""
 DARK: Rgba = (0.13, 0.13, 0.15, 1.0)
 LIGHT: Rgba = (0.96, 0.95, 0.92, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Toybox:
-    """What toys there are to choose from."""
+    """A set of toys to choose from."""
 
     names: Sequence[str]
-    """Of the objects."""
+    """Names of the toys."""
     load: Callable[[str], ToyModel]
-    """Returns the shape of one."""
+    """Function that returns the shape of a toy by its name."""
     notes: tuple[str, ...] = ()
-    """What the user of a bundle with such toys should know."""
+    """Notes for the user of a bundle with such toys."""
 
 
 @dataclass(frozen=True, slots=True)
 class Toy:
-    """A toy that has been chosen, without a place."""
+    """A chosen toy, before it is placed."""
 
     model: ToyModel
     size_m: float
-    """Longest side."""
+    """Length of its longest side."""
     yaw_rad: float
-    """How it is turned about the vertical."""
+    """Rotation about the vertical."""
     colours: dict[Tint, Rgba]
 
     @property
     def mass_kg(self) -> float:
-        """What it weighs."""
+        """Mass."""
         return self.model.volume * self.size_m**3 * self.model.density_kg_m3
 
     @property
     def radius_m(self) -> float:
-        """How far it reaches from the vertical through its middle, with all it shows and touches with."""
-        seen = (float(np.linalg.norm(part.mesh.vertices[:, :2], axis=1).max()) for part in self.model.parts)
-        return self.size_m * max(*seen, *map(radius, self.model.solids))
+        """Radius of the smallest vertical cylinder about its origin that encloses its visual and collision geoms."""
+        visual = (float(np.linalg.norm(part.mesh.vertices[:, :2], axis=1).max()) for part in self.model.parts)
+        return self.size_m * max(*visual, *map(radius, self.model.solids))
 
 
 def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
-    """Return a random number of toys; the first ones are the same, however many there are.
+    """Return a random number of toys; the first n do not depend on the number.
 
     Args:
-        spec: How many, and how large.
-        seed: Of the scene.
-        box: What to choose from.
+        spec: Ranges of the number and size of toys.
+        seed: Seed of the scene.
+        box: The toys to choose from.
     """
     count = whole_between(stream(seed, "toys.count"), *spec.count)
     which, sizes, colours, turns = (
@@ -81,7 +81,7 @@ def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
 
 
 def _draw_colours(generator: np.random.Generator) -> dict[Tint, Rgba]:
-    """Return a colour, one that goes with it, nearly black and nearly white."""
+    """Return a random colour, a contrasting one, a near-black and a near-white."""
     hue, saturation, brightness = (between(generator, *ends) for ends in ((0.0, 1.0), SATURATION, BRIGHTNESS))
     other = (hue + between(generator, *ACCENT)) % 1.0
     return {

@@ -1,4 +1,4 @@
-"""A toy as a shape, before it gets a size, a colour and a place."""
+"""The shape of a toy, before it gets a size, a colour and a position."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +11,7 @@ from mimoc.geometry.rotations import FloatArray, Quaternion, Vec3
 IntArray = npt.NDArray[np.intp]
 
 Tint = Literal["main", "accent", "dark", "light"]
-"""What colours a part: the colour drawn for the toy, one that goes with it, nearly black or nearly white."""
+"""Colour of a part: the toy's random colour, a contrasting one, near-black or near-white."""
 SolidType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box", "mesh"]
 
 UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -19,7 +19,7 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
-    """A surface of triangles, wound so that they face outwards."""
+    """A triangle mesh whose faces point outwards."""
 
     vertices: FloatArray
     """Shape (n, 3)."""
@@ -41,11 +41,11 @@ class Solid:
 
     type: SolidType
     size: tuple[float, ...]
-    """As MuJoCo wants it (radius, then half length along z; half edges; half axes); empty for a mesh."""
+    """Size as in MuJoCo (radius, then half length along z; half edges; half axes); empty for a mesh."""
     pos: Vec3 = (0.0, 0.0, 0.0)
     quat: Quaternion = UPRIGHT
     mesh: Mesh | None = None
-    """The convex hull, of a mesh."""
+    """The mesh, if `type` is `mesh`, whose convex hull is the solid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +53,16 @@ class ToyModel:
     """The shape of a toy. Lengths are in units of its longest side; it stands on z = 0, centred over the origin."""
 
     name: str
-    """Of this very object, such as `truck_003`."""
+    """Name of the object, such as `truck_003`."""
     category: str
-    """Of its kind, as Toys4K has them, such as `truck`."""
+    """Category of the object, as in Toys4K, such as `truck`."""
     parts: tuple[Part, ...]
     """Its visible parts."""
     solids: tuple[Solid, ...]
     """Its collision shapes."""
     volume: float
-    """Volume of its material."""
+    """Volume that has the density below."""
     density_kg_m3: float
-    """Mean density of the material, hollows included."""
+    """Mean density, including cavities."""
     source: str
-    """Where it comes from, for the README of a bundle."""
+    """Origin of the shape, for the README of a bundle."""

@@ -1,4 +1,4 @@
-"""Toys as objects in MJCF: scaled, coloured, weighed and placed."""
+"""Conversion of toys to MJCF objects with size, colour, mass and position."""
 
 import re
 import unicodedata
@@ -16,28 +16,28 @@ FRICTION = (1.0, 0.005, 0.0005)
 CONDIM = {"sphere": 6, "ellipsoid": 6, "cylinder": 6, "mesh": 4, "capsule": 3, "box": 3}
 """`condim`: 3 is sliding friction, 4 adds spinning and 6 rolling friction.
 
-Each costs time, so capsules have 3: they are axles, legs and rings, which touch at several points.
+More dimensions cost computing time, so capsules have 3: they are axles, legs and rings, which touch at several points.
 """
 BALLAST, BALLAST_AT, BALLAST_RADIUS = 0.01, 0.2, 0.005
 """Mass (of the toy's), distance and radius (in sizes of the toy) of the ballast in a toy with cylinders.
 
-It makes the toy lean by a millionth: now and then MuJoCo (3.17) finds no contact between a plane and a cylinder that is
-upright but for rounding, and a bottle that stood still for seconds would suddenly fall.
+It makes the toy lean by a millionth: occasionally MuJoCo (3.17) finds no contact between a plane and a cylinder that is
+upright except for rounding errors, and a bottle that stood still for seconds would suddenly fall.
 """
 LONGEST_NAME = 40
-"""Characters of a toy's name in the names of its elements."""
+"""Maximum number of characters of a toy's name in the names of its elements."""
 LOOKS_GROUP = 1
 SOLIDS_GROUP = 3
-"""MuJoCo does not draw this group by default."""
+"""Geom group that MuJoCo does not render by default."""
 
 
 def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
     """Return a toy that stands on the floor.
 
     Args:
-        toy: What it is.
-        number: Which of the toys, from 1.
-        place_m: x and y.
+        toy: The toy.
+        number: Number of the toy in the scene, from 1.
+        place_m: Its position, x and y.
     """
     name = f"toy{number}_{mjcf_name(toy.model.name)}"
     x_m, y_m = map(float, place_m)
@@ -62,13 +62,13 @@ def make_object(toy: Toy, number: int, place_m: Sequence[float]) -> FreeObject:
 
 
 def mjcf_name(text: str) -> str:
-    """Return a name that is safe in MJCF and in what reads it, as near to a text as can be: `Würfel 3` is Wurfel_3."""
+    """Return a text as a name of ASCII letters, digits and underscores: `Würfel 3` becomes `Wurfel_3`."""
     letters = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
     return re.sub("[^A-Za-z0-9]+", "_", letters).strip("_")[:LONGEST_NAME] or "object"
 
 
 def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile]]:
-    """Yield the visual geoms of a toy, which touch nothing, and their meshes."""
+    """Yield the visual geoms of a toy, which have no contacts, and their meshes."""
     for part in toy.model.parts:
         mesh = _mesh(f"toy{number}_{part.tint}", part.mesh, toy.size_m, "shell")
         yield (
@@ -93,7 +93,7 @@ def _looks(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshF
 
 
 def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, MeshFile | None]]:
-    """Yield the collision geoms of a toy, which share its mass by volume, and their meshes."""
+    """Yield the collision geoms of a toy, which share its mass in proportion to volume, and their meshes."""
     volumes = [solid_volume(solid) for solid in toy.model.solids]
     ballast_kg = BALLAST * toy.mass_kg if any(solid.type == "cylinder" for solid in toy.model.solids) else 0.0
     for index, (solid, volume) in enumerate(zip(toy.model.solids, volumes, strict=True), start=1):
@@ -123,7 +123,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, Mesh
 
 
 def _ballast(toy: Toy, name: str, mass_kg: float) -> ObjectGeom:
-    """Return an invisible geom without contacts that moves the centre of mass of a toy a little to one side."""
+    """Return an invisible geom without contacts that moves a toy's centre of mass slightly to one side."""
     return ObjectGeom(
         name=f"{name}_ballast",
         type="sphere",
@@ -147,7 +147,7 @@ def _scaled(solid: Solid, size_m: float) -> tuple[float, ...]:
 
 
 def _mesh(name: str, mesh: Mesh, size_m: float, inertia: str) -> MeshFile:
-    """Return an OBJ of a mesh at its size."""
+    """Return the OBJ file of a scaled mesh."""
     vertices = "\n".join(map("v {0[0]:.6f} {0[1]:.6f} {0[2]:.6f}".format, (mesh.vertices * size_m).tolist()))
     faces = "\n".join(map("f {0[0]} {0[1]} {0[2]}".format, (mesh.faces + 1).tolist()))
     return MeshFile(name, f"assets/{name}.obj", f"{vertices}\n{faces}\n".encode(), inertia)

@@ -1,4 +1,4 @@
-"""Where toys lie: around an infant, densest within its reach, and clear of everything else."""
+"""Random placement of toys on the floor around an infant, densest within its reach and without overlaps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 GAP_M = 0.01
-"""Between a toy and whatever is next to it."""
+"""Smallest gap between a toy and anything next to it."""
 FADING = 0.5
-"""`fading_m` of the reachable floor, in lengths of an arm."""
-AT_ONCE, TRIES = 8, 256
-"""Places that are drawn for a toy at once, and how often before it counts as having no room."""
+"""`fading_m` of the reachable floor, in arm lengths."""
+BATCH, BATCHES = 8, 256
+"""Number of random positions that are tried at once, and number of such batches before there counts as no space."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,26 +21,26 @@ class ReachableFloor:
     """The part of the floor that an infant's hands can reach."""
 
     centre_m: tuple[float, float]
-    """The middle between its shoulders, seen from above."""
+    """Midpoint between its shoulders, projected onto the floor."""
     radius_m: float
-    """How far from there its hands reach things on the floor."""
+    """Radius around the centre within which its hands reach the floor."""
     fading_m: float
-    """Distance over which the density of toys beyond that falls by a factor of e."""
+    """Distance over which the density of toys beyond the radius falls by a factor of e."""
 
     def density(self, distance_m: FloatArray) -> FloatArray:
-        """Return the density of toys at a distance from the centre, relative to that within reach."""
+        """Return the density of toys at a distance from the centre, relative to the density within reach."""
         return np.exp(-np.maximum(distance_m - self.radius_m, 0.0) / self.fading_m)
 
     def draw(self, count: int, generator: np.random.Generator) -> FloatArray:
-        """Return places that are as dense as `density` says, shape (count, 2), [m]."""
+        """Return random positions distributed according to `density`, shape (count, 2), [m]."""
         distance_m = self._draw_distances(count, generator)
         angle = 2 * np.pi * generator.random(count)
         return self.centre_m + distance_m[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
     def _draw_distances(self, count: int, generator: np.random.Generator) -> FloatArray:
-        """Return distances whose density is that of places times their circumference.
+        """Return random distances from the centre, whose density is `density` times the circumference.
 
-        Within the radius R that is r; beyond it, at r = R + t, it is R exp(-t/f) + t exp(-t/f).
+        Within the radius R it is r; beyond it, at r = R + t, it is R exp(-t/f) + t exp(-t/f).
         """
         radius_m, fading_m = self.radius_m, self.fading_m
         weights = np.cumsum([radius_m**2 / 2, radius_m * fading_m, fading_m**2])
@@ -52,32 +52,32 @@ class ReachableFloor:
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """A floor, and what stands on it."""
+    """A floor and its occupied areas."""
 
     half_size_m: tuple[float, float]
-    """From its middle, the origin, to its borders."""
+    """Half lengths along x and y; the origin is in the middle."""
     taken_m: FloatArray
-    """Discs that are taken: x, y and radius, shape (n, 3)."""
+    """Occupied discs: x, y and radius, shape (n, 3)."""
 
 
 def place_toys(
     radii_m: Sequence[float], reach: ReachableFloor, floor: Floor, generator: np.random.Generator
 ) -> FloatArray | None:
-    """Return a place for each toy, shape (n, 2), or None if there is no room for one of them.
+    """Return a position for each toy, shape (n, 2), or None if there is no space for one of them.
 
-    A place that is not free is drawn anew, so that on the free floor toys are as dense as *reach* says.
+    Positions are drawn by rejection, so that on the free floor the density of toys is that of *reach*.
 
     Args:
-        radii_m: Of the toys, seen from above.
-        reach: Where they are likely.
-        floor: Where they can be.
-        generator: What to draw from.
+        radii_m: Radii of the toys, seen from above.
+        reach: Distribution of the positions.
+        floor: Limits of the positions.
+        generator: Random number generator.
     """
     taken = list(map(tuple, floor.taken_m))
     places = np.empty((len(radii_m), 2))
     for index, radius_m in enumerate(radii_m):
-        for _ in range(TRIES):
-            drawn = reach.draw(AT_ONCE, generator)
+        for _ in range(BATCHES):
+            drawn = reach.draw(BATCH, generator)
             free = np.flatnonzero(_is_free(drawn, radius_m, floor.half_size_m, np.array(taken).reshape(-1, 3)))
             if free.size:
                 break

@@ -1,4 +1,4 @@
-"""Where the numbers of toys come from."""
+"""Provenance of the numbers of toys."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -9,28 +9,28 @@ from mimoc.random_streams import SEED, drawn_rule
 
 
 def trace_toys(toys: Sequence[FreeObject]) -> dict[str, Entry]:
-    """Return an entry for how many toys there are, and for each number of each, by key in `provenance.json`."""
+    """Return entries for the number of toys and for each value of each toy, by key in `provenance.json`."""
     rule = drawn_rule("between the ends of the range", "toys.count")
     count = {"value": len(toys), "rule": rule, "from": [SEED, "spec.scene.toys.count"]}
     return {"toys.count": count, **{key: entry for toy in toys for key, entry in _trace_toy(toy)}}
 
 
 def mass_entry(thing: FreeObject, sources: list[str]) -> Entry:
-    """Return where the mass of an object comes from: from its volume, and from other keys."""
+    """Return the provenance of an object's mass: its volume and density, and the keys they depend on."""
     volume_cm3 = 1e6 * thing.mass_kg / thing.density_kg_m3
-    rule = f"the volume of its shape at this size, {volume_cm3:.4g} cm3, x {thing.density_kg_m3:g} kg/m3"
+    rule = f"volume of its shape at this size, {volume_cm3:.4g} cm3, x density, {thing.density_kg_m3:g} kg/m3"
     xml = f"scene.xml: body[@name='{thing.name}']/geom/@mass"
     return {"value": thing.mass_kg, "unit": "kg", "rule": rule, "from": sources, "xml": xml}
 
 
 def _trace_toy(toy: FreeObject) -> Iterator[tuple[str, Entry]]:
     key, at = f"toy.{toy.name}", f"scene.xml: body[@name='{toy.name}']"
-    rule = drawn_rule(f"from the toys there are: {toy.source}", "toys.choice")
+    rule = drawn_rule(f"from the available toys: {toy.source}", "toys.choice")
     yield f"{key}.object", {"value": toy.object, "rule": rule, "from": [SEED]}
     rule = drawn_rule("as its longest side, between the ends of the range", "toys.size")
     yield f"{key}.size", {"value": toy.size_m, "unit": "m", "rule": rule, "from": [SEED, "spec.scene.toys.size_cm"]}
     yield f"{key}.mass", mass_entry(toy, [f"{key}.size"])
-    rule = drawn_rule("about where the infant's hands get to, clear of all else", "toys.place")
+    rule = drawn_rule("around the infant, densest within reach of its hands, without overlaps", "toys.place")
     sources = [SEED, "spec.scene.pose", f"{key}.size"]
     yield f"{key}.pos", {"value": toy.pos_m, "unit": "m", "rule": rule, "from": sources, "xml": f"{at}/@pos"}
     w, _, _, z = toy.quat

@@ -1,6 +1,6 @@
-"""Closed surfaces for the looks of toys: turned, swept, extruded and boxed.
+"""Closed meshes for the visual geoms of toys: surfaces of revolution, sweeps, extrusions and boxes.
 
-All are skins over a row of rings, in NumPy alone, so that no library's release changes a vertex.
+All are lofts over a sequence of rings, computed with NumPy only, so that no library's release changes a vertex.
 """
 
 import math
@@ -20,19 +20,19 @@ ROUND = 16
 """Corners of a circle; a multiple of four, so that it spans its box."""
 COS_45 = math.sqrt(0.5)
 Outline = Sequence[tuple[float, float]]
-"""Corners, counterclockwise, all of which the mean corner sees."""
+"""Corners in counterclockwise order, of a polygon that is star-shaped about their mean."""
 
 
 def loft(rings: Sequence[npt.ArrayLike], *, closed: bool = False) -> Mesh:
-    """Return the skin over some rings, in the order in which they lie along an axis.
+    """Return the surface that connects rings in their order along an axis.
 
     Args:
-        rings: Shape (n, 3) each, counterclockwise for who looks back along the axis; one point where the skin ends.
-        closed: The last ring joins the first, and no end needs a lid.
+        rings: Shape (n, 3) each, counterclockwise seen from the end of the axis; a single point makes a tip.
+        closed: Whether the last ring joins the first, so that the ends need no caps.
     """
     points = [np.asarray(ring, float) for ring in rings]
     if not closed:
-        points = [*_lid(points[0]), *points, *_lid(points[-1])]
+        points = [*_cap(points[0]), *points, *_cap(points[-1])]
     counts = [len(ring) for ring in points]
     starts = [0, *accumulate(counts)]
     following = counts[1:] + counts[:1] if closed else counts[1:]
@@ -41,26 +41,26 @@ def loft(rings: Sequence[npt.ArrayLike], *, closed: bool = False) -> Mesh:
 
 
 def lathe(profile: Outline, at: Vec3 = ORIGIN, segments: int = ROUND, *, closed: bool = False) -> Mesh:
-    """Return what a lathe turns about the z axis.
+    """Return a surface of revolution about the z axis.
 
     Args:
-        profile: Radius and height along the outside, from the bottom up; a hollow comes back down the inside.
-        at: Where the axis stands.
+        profile: Radius and height, along the outer side from the bottom up, and for a hollow back down the inner side.
+        at: Position of the origin.
         segments: Corners of a circle.
-        closed: The profile comes back to its start and leaves a hole about the axis.
+        closed: Whether the profile returns to its start and leaves a hole around the axis.
     """
     return move(loft([_circle(radius, height, segments) for radius, height in profile], closed=closed), at)
 
 
 def ring(radius: float, thickness: float, at: Vec3 = ORIGIN, segments: int = 24, corners: int = 10) -> Mesh:
-    """Return a torus that lies flat, of a tube of a half thickness."""
+    """Return a torus that lies flat, with the radius of its centre line and that of its tube (*thickness*)."""
     turn = math.tau * np.arange(corners) / corners - math.pi / 2
     circles = [_circle(radius + thickness * math.cos(a), thickness * math.sin(a), segments) for a in turn]
     return move(loft(circles, closed=True), at)
 
 
 def egg(radii: Vec3, at: Vec3 = ORIGIN, segments: int = ROUND, rows: int = 8) -> Mesh:
-    """Return an ellipsoid of three half axes."""
+    """Return an ellipsoid with three half axes."""
     angles = np.linspace(-math.pi / 2, math.pi / 2, rows + 1)
     profile = [(math.cos(angle), math.sin(angle)) for angle in angles[1:-1]]
     return move(stretch(lathe([(0.0, -1.0), *profile, (0.0, 1.0)], segments=segments), radii), at)
@@ -71,13 +71,13 @@ def ball(radius: float, at: Vec3 = ORIGIN, segments: int = ROUND, rows: int = 8)
     return egg((radius, radius, radius), at, segments, rows)
 
 
-def bead(radius: float, at: Vec3) -> Mesh:
-    """Return a sphere too small for many faces, such as an eye."""
+def small_ball(radius: float, at: Vec3) -> Mesh:
+    """Return a sphere with few faces, for small details such as eyes."""
     return ball(radius, at, segments=8, rows=4)
 
 
 def box(size: Vec3, at: Vec3 = ORIGIN, bevel: float = 0.0) -> Mesh:
-    """Return a box of three edge lengths, whose edges are cut off by as much as a bevel."""
+    """Return a box with three edge lengths and bevelled edges."""
     x, y, z = (length / 2 for length in size)
     if not bevel:
         return move(loft([_rectangle(x, y, -z), _rectangle(x, y, z)]), at)
@@ -93,20 +93,20 @@ def frustum(bottom: tuple[float, float], top: tuple[float, float], height: float
         top: Edge lengths along x and y.
         height: From bottom to top.
         at: Middle of the bottom.
-        lean: How far the top is further forward, along x.
+        lean: Offset of the top along x.
     """
     upper = _rectangle(top[0] / 2, top[1] / 2, height) + np.array([lean, 0.0, 0.0])
     return move(loft([_rectangle(bottom[0] / 2, bottom[1] / 2, 0.0), upper]), at)
 
 
 def plate(outline: Outline, low: float, high: float, bevel: float = 0.0) -> Mesh:
-    """Return an outline in x and y, from a height to another.
+    """Return an extruded outline in x and y.
 
     Args:
         outline: Its corners.
         low: Height of its underside.
         high: Height of its upper side.
-        bevel: Share by which the two sides are smaller than its middle.
+        bevel: Fraction by which its two faces are smaller than its middle.
     """
     corners = np.asarray(outline, float)
     inner = corners + bevel * (corners.mean(axis=0) - corners)
@@ -116,7 +116,7 @@ def plate(outline: Outline, low: float, high: float, bevel: float = 0.0) -> Mesh
 
 
 def board(outline: Outline, thickness: float, at: Vec3 = ORIGIN, bevel: float = 0.0) -> Mesh:
-    """Return an outline in x and z, upright and facing sideways, as thick along y; see `plate`."""
+    """Return an outline in x and z, extruded along y; see `plate`."""
     return move(turn(plate(outline, -thickness / 2, thickness / 2, bevel), "x", 90), at)
 
 
@@ -124,8 +124,8 @@ def tube(path: npt.ArrayLike, radii: float | Sequence[float], segments: int = 10
     """Return a tube with rounded ends.
 
     Args:
-        path: Its middle line, shape (n, 3), which nowhere turns back.
-        radii: Its half thickness, everywhere or at each point.
+        path: Its centre line, shape (n, 3), without sharp turns.
+        radii: Its radius, constant or at each point.
         segments: Corners of a circle.
     """
     points = np.asarray(path, float)
@@ -146,13 +146,13 @@ def tube(path: npt.ArrayLike, radii: float | Sequence[float], segments: int = 10
 
 
 def rod(start: Vec3, end: Vec3, radius: float, segments: int = 10) -> Mesh:
-    """Return a straight tube with rounded ends, which reach beyond its start and end."""
+    """Return a straight tube with rounded ends, which extend beyond its start and end."""
     return tube([start, end], radius, segments)
 
 
 @cache
 def _band(low_count: int, high_count: int) -> IntArray:
-    """Return the faces between two rings, or between a ring and a point, whose corners are numbered in turn."""
+    """Return the faces between two rings, or between a ring and a point, whose corners are numbered consecutively."""
     count = max(low_count, high_count)
     here = np.arange(count)
     there = np.roll(here, -1)
@@ -163,13 +163,13 @@ def _band(low_count: int, high_count: int) -> IntArray:
     return np.concatenate(faces)
 
 
-def _lid(end: FloatArray) -> list[FloatArray]:
+def _cap(end: FloatArray) -> list[FloatArray]:
     """Return the point that closes an end, unless the end is a point."""
     return [end.mean(axis=0, keepdims=True)] if len(end) > 1 else []
 
 
 def _circle(radius: float, height: float, segments: int) -> FloatArray:
-    """Return a ring about the z axis, or a point of it."""
+    """Return a ring about the z axis, or a point on it for a radius of zero."""
     return np.array([0.0, 0.0, height]) + radius * _unit_circle(segments)[: segments if radius else 1]
 
 
@@ -180,7 +180,7 @@ def _unit_circle(segments: int) -> FloatArray:
 
 
 def _rectangle(x: float, y: float, height: float, cut: float = 0.0) -> FloatArray:
-    """Return a ring of four corners, or of eight if they are cut."""
+    """Return a ring of four corners, or of eight if the corners are cut off."""
     if not cut:
         return np.array([[-x, -y, height], [x, -y, height], [x, y, height], [-x, y, height]])
     corners = [(cut - x, -y), (x - cut, -y), (x, cut - y), (x, y - cut)]
@@ -188,12 +188,12 @@ def _rectangle(x: float, y: float, height: float, cut: float = 0.0) -> FloatArra
 
 
 def _lift(xy: FloatArray, height: float) -> FloatArray:
-    """Return points of a plane at a height."""
+    """Return points in x and y as points in space at a height."""
     return np.column_stack([xy, np.full(len(xy), height)])
 
 
 def _frames(ahead: FloatArray) -> list[FloatArray]:
-    """Return two unit vectors across each direction, shape (2, 3), which twist no more than they must."""
+    """Return two unit vectors perpendicular to each direction, shape (2, 3), with minimal twist along the path."""
     side = np.eye(3)[int(np.argmin(np.abs(ahead[0])))]
     frames = []
     for direction in ahead:

@@ -1,4 +1,4 @@
-"""Convex shapes that toys touch with, placed by their ends, with their reach and volume."""
+"""Convex collision shapes of toys, with their bounds and volume."""
 
 import math
 
@@ -21,9 +21,9 @@ from mimoc.toys.transforms import mesh_volume
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 _ANGLES = np.linspace(0, math.tau, 48, endpoint=False)
 _AROUND = np.stack([np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(48)], axis=1)
-"""Directions on the floor."""
+"""Horizontal directions."""
 SAG = 0.01
-"""How much lower than the others lies what a ring stands on."""
+"""Distance by which the capsules that a hoop stands on are lower than the others."""
 
 
 def sphere(radius: float, at: Vec3 = ORIGIN) -> Solid:
@@ -32,39 +32,39 @@ def sphere(radius: float, at: Vec3 = ORIGIN) -> Solid:
 
 
 def ellipsoid(radii: Vec3, at: Vec3 = ORIGIN) -> Solid:
-    """Return an ellipsoid of three half axes; it touches a floor at one point."""
+    """Return an ellipsoid with three half axes; it touches a floor at one point."""
     return Solid("ellipsoid", radii, at)
 
 
 def capsule(start: Vec3, end: Vec3, radius: float) -> Solid:
-    """Return a capsule, whose caps reach beyond its start and end; one that lies touches a floor at two points."""
+    """Return a capsule whose caps extend beyond its start and end; lying, it touches a floor at two points."""
     return _along("capsule", start, end, radius)
 
 
 def cylinder(start: Vec3, end: Vec3, radius: float) -> Solid:
-    """Return a cylinder between the middles of its ends; one that stands touches a floor at four points."""
+    """Return a cylinder between the centres of its ends; standing, it touches a floor at four points."""
     return _along("cylinder", start, end, radius)
 
 
 def block(size: Vec3, at: Vec3 = ORIGIN, quat: Quaternion = UPRIGHT) -> Solid:
-    """Return a box of three edge lengths; it touches a floor at four points."""
+    """Return a box with three edge lengths; it touches a floor at four points."""
     return Solid("box", (size[0] / 2, size[1] / 2, size[2] / 2), at, quat)
 
 
 def turned(axis: Vec3, angle_deg: float) -> Quaternion:
-    """Return a rotation about a unit vector, counterclockwise for who looks back along it."""
+    """Return a rotation about a unit vector by the right-hand rule."""
     return quaternion_from_axis(axis, math.radians(angle_deg))
 
 
 def wall(radius: float, thickness: float, low: float, high: float, flare: float = 0.0, sides: int = 8) -> list[Solid]:
-    """Return a ring of upright boxes, as the side of a cup.
+    """Return a ring of upright boxes, such as the side of a cup.
 
     Args:
         radius: Outer radius, halfway up.
-        thickness: Of the wall.
+        thickness: Thickness of the wall.
         low: Height of its lower edge.
         high: Height of its upper edge.
-        flare: By how much it is wider above than below.
+        flare: Difference between the radii of its upper and lower edge.
         sides: Number of boxes.
     """
     lean = math.atan2(flare, high - low)
@@ -84,14 +84,14 @@ def wall(radius: float, thickness: float, low: float, high: float, flare: float 
 
 
 def hoop(radius: float, thickness: float, at: Vec3, sides: int = 8, low: tuple[int, ...] = (0, 4)) -> list[Solid]:
-    """Return a ring of capsules that lies flat, of a tube of a half thickness.
+    """Return a ring of capsules that lies flat.
 
     Args:
-        radius: Of its middle line.
-        thickness: Half of that of the tube.
-        at: Its middle.
-        sides: Number of capsules, counted from the one at x.
-        low: Those that lie lower, so that the ring stands on few points instead of on all of them.
+        radius: Radius of its centre line.
+        thickness: Radius of the capsules.
+        at: Its centre.
+        sides: Number of capsules; the first is on the x axis.
+        low: Indices of capsules that are lower, so that the ring stands on few points instead of on all of them.
     """
     corner = radius / math.cos(math.pi / sides) - 0.5 * radius * (1 / math.cos(math.pi / sides) - 1)
     capsules = []
@@ -103,19 +103,19 @@ def hoop(radius: float, thickness: float, at: Vec3, sides: int = 8, low: tuple[i
     return capsules
 
 
-def reach(solid: Solid) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and the highest corner of the box around a solid."""
-    at, spread = np.array(solid.pos), _extents(solid).along(matrix_from_quaternion(solid.quat)[:, None])[:, 0]
-    return at - spread, at + spread
+def bounds(solid: Solid) -> tuple[FloatArray, FloatArray]:
+    """Return the lower and the upper corner of a solid's axis-aligned bounding box."""
+    at, extent = np.array(solid.pos), _extents(solid).along(matrix_from_quaternion(solid.quat)[:, None])[:, 0]
+    return at - extent, at + extent
 
 
 def radius(solid: Solid) -> float:
-    """Return how far a solid reaches at most from the vertical through the origin."""
+    """Return the largest distance of a solid's points from the z axis."""
     at, axes = np.array(solid.pos), matrix_from_quaternion(solid.quat)
     if solid.mesh is not None:
         return float(np.linalg.norm((at + solid.mesh.vertices @ axes.T)[:, :2], axis=1).max())
-    spread = _extents(solid).along((_AROUND @ axes)[:, None])[:, 0]
-    return float((_AROUND @ at + spread).max()) / math.cos(math.pi / len(_AROUND))
+    extent = _extents(solid).along((_AROUND @ axes)[:, None])[:, 0]
+    return float((_AROUND @ at + extent).max()) / math.cos(math.pi / len(_AROUND))
 
 
 def solid_volume(solid: Solid) -> float:
@@ -124,7 +124,7 @@ def solid_volume(solid: Solid) -> float:
 
 
 def _extents(solid: Solid) -> Extents:
-    """Return how far a primitive reaches, as the only one."""
+    """Return the extents of a single primitive."""
     return extents([(_kind(solid), solid.size)])
 
 
@@ -134,7 +134,7 @@ def _kind(solid: Solid) -> Kind:
 
 
 def _along(type_: str, start: Vec3, end: Vec3, radius: float) -> Solid:
-    """Return a capsule or a cylinder whose z axis runs from start to end."""
+    """Return a capsule or a cylinder whose z axis points from start to end."""
     first, last = np.array(start), np.array(end)
     length = float(np.linalg.norm(last - first))
     quat = quaternion_between(np.array([0.0, 0.0, 1.0]), (last - first) / length)

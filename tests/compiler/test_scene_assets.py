@@ -65,7 +65,7 @@ def test_toys_are_those_of_the_subset():
 
 def test_a_toy_that_there_is_none_of_is_pointed_at_with_near_ones():
     assert refusal("{toys: {subset: [ball, truk]}}") == (
-        "spec.yaml:4:31: scene.toys.subset[1]: 'truk' is not among mimoc's toys; did you mean 'truck'?"
+        "spec.yaml:4:31: scene.toys.subset[1]: 'truk' is not one of mimoc's toys; did you mean 'truck'?"
     )
 
 
@@ -138,7 +138,7 @@ def test_a_toy_of_ones_own_is_named_as_its_file_is(tmp_path):
 
 
 def test_a_toy_in_capitals_gets_a_hint():
-    assert "'Ball' is not among mimoc's toys; did you mean 'ball'?" in refusal("{toys: {subset: [Ball]}}")
+    assert "'Ball' is not one of mimoc's toys; did you mean 'ball'?" in refusal("{toys: {subset: [Ball]}}")
 
 
 def test_a_root_that_is_not_there_is_pointed_at():

@@ -4,7 +4,8 @@ import pytest
 
 import mimoc
 from mimoc.errors import OutputError, UnknownNameError
-from mimoc.runtime.rollout import Run, random_policy
+from mimoc.policies import random
+from mimoc.runtime.rollout import Run
 
 SIZE = {"height_px": 64}
 
@@ -13,7 +14,7 @@ def stopping(error, after: int):
     """Return a policy that fails after some steps."""
 
     def make(env):
-        act, taken = random_policy(env), iter(range(after))
+        act, taken = random.bind(env), iter(range(after))
 
         def policy(generator, observation):
             if next(taken, None) is None:
@@ -76,7 +77,7 @@ def test_an_error_leaves_nothing_and_what_was_there(name, env, tmp_path):
 
 
 def test_bad_names_are_refused_before_anything_runs(env, tmp_path):
-    with pytest.raises(OutputError, match=r"film\.webm: not a video"):
+    with pytest.raises(OutputError, match=r"film\.webm: not a supported video format"):
         mimoc.record(env, stopping(AssertionError(), 0), tmp_path / "film.webm")
     with pytest.raises(UnknownNameError, match="'rnadom' is not a policy"):
         mimoc.record(env, "rnadom", tmp_path / "film.gif")
@@ -91,7 +92,7 @@ def test_what_cannot_be_written_is_one_clear_error(env):
 
 
 def test_only_infants_are_filmed(tmp_path):
-    with pytest.raises(TypeError, match="films an infant's environment, not CartPoleEnv"):
+    with pytest.raises(TypeError, match="expected an environment of mimoc.s, got CartPoleEnv"):
         mimoc.record(gymnasium.make("CartPole-v1"), "zero", tmp_path / "film.gif")
 
 

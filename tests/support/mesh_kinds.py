@@ -132,14 +132,14 @@ def moebius() -> Arrays:
 
 UNUSABLE: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "is an empty file"),
-    "text": (b"Dear reader,\nthis is a letter and no mesh.\n", "holds no triangles"),
-    "no_faces": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "holds no triangles"),
-    "a_point": (b"v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "has all its corners in one place"),
+    "text": (b"Dear reader,\nthis is a letter and no mesh.\n", "contains no triangles"),
+    "no_faces": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "contains no triangles"),
+    "a_point": (b"v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n", "has all its vertices at the same point"),
     "a_line": (b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "has no surface"),
     "only_nan": (b"v nan 0 0\nv 1 nan 0\nv 0 1 nan\nf 1 2 3\n", "finite"),
     "a_corner_at_the_end_of_the_world": (b"v 1e30 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "has no surface"),
     "missing_corner": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "(IndexError|not in the file)"),
-    "noise": (bytes(range(256)) * 40, "(cannot|holds no triangles|is not a mesh)"),
+    "noise": (bytes(range(256)) * 40, "(cannot|contains no triangles|is not a mesh)"),
 }
 """What is called .obj and gets an error, and what the error says."""
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mimoc.toys.shaping import ball, board, box, egg, frustum, lathe, plate, ring, rod, tube
-from mimoc.toys.transforms import join, mesh_volume, mirror, move, press, stretch, turn
+from mimoc.toys.transforms import flatten_below, join, mesh_volume, mirror, move, stretch, turn
 
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
 
@@ -62,6 +62,6 @@ def test_turns_are_counterclockwise():
 
 
 def test_what_is_pressed_ends_at_the_floor():
-    mesh = press(ball(1), -0.5)
+    mesh = flatten_below(ball(1), -0.5)
     assert mesh.vertices[:, 2].min() == -0.5
     assert 0 < mesh_volume(mesh) < mesh_volume(ball(1))

@@ -7,19 +7,20 @@ import numpy as np
 import pytest
 
 from mimoc.toys.model import Mesh, Solid
-from mimoc.toys.shaping import ball, mesh_volume
+from mimoc.toys.shaping import ball
 from mimoc.toys.solids import (
     block,
+    bounds,
     capsule,
     cylinder,
     ellipsoid,
     hoop,
-    reach,
     solid_volume,
     sphere,
     turned,
     wall,
 )
+from mimoc.toys.transforms import mesh_volume
 
 SOLIDS = [
     sphere(0.3, (1, 2, 3)),
@@ -38,7 +39,7 @@ def test_volume_and_place_are_those_of_mujoco(solid):
         f'pos="{row(solid.pos)}" quat="{row(solid.quat)}"/></body></worldbody></mujoco>'
     )
     assert model.body_mass[1] == pytest.approx(solid_volume(solid))
-    np.testing.assert_allclose(np.mean(reach(solid), axis=0), solid.pos)
+    np.testing.assert_allclose(np.mean(bounds(solid), axis=0), solid.pos)
 
 
 def test_a_mesh_has_the_volume_within_it():
@@ -49,12 +50,12 @@ def test_a_mesh_has_the_volume_within_it():
 
 def test_a_capsule_reaches_beyond_its_ends_and_a_cylinder_does_not():
     start, end = (0.0, 0.0, 0.0), (0.0, 3.0, 4.0)
-    np.testing.assert_allclose(reach(capsule(start, end, 0.5)), [[-0.5, -0.5, -0.5], [0.5, 3.5, 4.5]], atol=1e-12)
-    np.testing.assert_allclose(reach(cylinder(start, end, 0.5)), [[-0.5, -0.4, -0.3], [0.5, 3.4, 4.3]], atol=1e-12)
+    np.testing.assert_allclose(bounds(capsule(start, end, 0.5)), [[-0.5, -0.5, -0.5], [0.5, 3.5, 4.5]], atol=1e-12)
+    np.testing.assert_allclose(bounds(cylinder(start, end, 0.5)), [[-0.5, -0.4, -0.3], [0.5, 3.4, 4.3]], atol=1e-12)
 
 
 def test_a_turned_block_reaches_as_far_as_its_corners():
-    low, high = reach(block((2.0, 2.0, 2.0), quat=turned((0.0, 0.0, 1.0), 45)))
+    low, high = bounds(block((2.0, 2.0, 2.0), quat=turned((0.0, 0.0, 1.0), 45)))
     np.testing.assert_allclose(high, [math.sqrt(2), math.sqrt(2), 1])
     np.testing.assert_allclose(low, -high)
 
@@ -63,14 +64,14 @@ def test_a_wall_spans_its_heights_and_leans_outwards():
     boxes = wall(1.0, 0.1, 0.5, 2.0, flare=0.4)
     assert len(boxes) == 8
     for each in boxes:
-        low, high = reach(each)
+        low, high = bounds(each)
         assert (low[2], high[2]) == pytest.approx((0.5, 2.0))
-    assert max(reach(each)[1][0] for each in boxes) == pytest.approx(1.2, abs=0.02)
+    assert max(bounds(each)[1][0] for each in boxes) == pytest.approx(1.2, abs=0.02)
 
 
 def test_a_hoop_stands_on_those_that_lie_lower():
     ring = hoop(1.0, 0.2, (0.0, 0.0, 0.5), low=(0, 4))
-    lowest = [reach(each)[0][2] for each in ring]
+    lowest = [bounds(each)[0][2] for each in ring]
     assert [number for number, height in enumerate(lowest) if height == min(lowest)] == [0, 4]
 
 

@@ -1,4 +1,4 @@
-"""Toy animals of the land; all look along x."""
+"""Toy land animals; all face along x."""
 
 import math
 from functools import cache
@@ -6,9 +6,9 @@ from functools import cache
 from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import PLUSH, THIN_SHELL
 from mimoc.toys.model import ToyModel
-from mimoc.toys.shaping import ball, bead, egg, lathe, rod, tube
+from mimoc.toys.shaping import ball, egg, lathe, rod, small_ball, tube
 from mimoc.toys.solids import block, capsule, ellipsoid, sphere
-from mimoc.toys.transforms import move, pair, press, turn
+from mimoc.toys.transforms import flatten_below, move, pair, turn
 
 
 @cache
@@ -31,10 +31,10 @@ def bunny() -> ToyModel:
             *pair(egg((0.02, 0.05, 0.05), (0.32, 0.14, 0.08), segments=8, rows=4)),
         ],
         "accent": [
-            bead(0.03, (0.23, 0, 0.54)),
+            small_ball(0.03, (0.23, 0, 0.54)),
             *(move(turn(inner, "x", -9 * s), (-0.02, 0.1 * s, 0.82)) for s in (1, -1)),
         ],
-        "dark": pair(bead(0.033, (0.18, 0.09, 0.6))),
+        "dark": pair(small_ball(0.033, (0.18, 0.09, 0.6))),
     }
     solids = [
         block((0.46, 0.42, 0.08), (0.1, 0, 0.04)),
@@ -65,7 +65,7 @@ def elephant() -> ToyModel:
             *pair(tube([(0.36, 0.1, 0.4), (0.46, 0.11, 0.34), (0.52, 0.11, 0.37)], (0.028, 0.025, 0.012), 6)),
             *(egg((0.03, 0.06, 0.03), (x + 0.085, y, 0.03), segments=8, rows=4) for x, y in legs),
         ],
-        "dark": [*pair(bead(0.03, (0.405, 0.1, 0.58))), bead(0.035, (-0.48, 0, 0.26))],
+        "dark": [*pair(small_ball(0.03, (0.405, 0.1, 0.58))), small_ball(0.035, (-0.48, 0, 0.26))],
     }
     solids = [
         *(capsule((x, y, 0.095), (x, y, 0.3), 0.095) for x, y in legs),
@@ -93,7 +93,7 @@ def pig() -> ToyModel:
         ],
         "accent": [move(snout, (0.42, 0, 0.42)), *pair(move(ear, (0.3, 0.13, 0.64))), tube(curl, 0.02, 6)],
         "dark": [
-            *pair(bead(0.032, (0.44, 0.1, 0.54))),
+            *pair(small_ball(0.032, (0.44, 0.1, 0.54))),
             *pair(egg((0.01, 0.02, 0.03), (0.52, 0.04, 0.42), segments=8, rows=4)),
             *(lathe([(0.08, 0.0), (0.082, 0.05)], (x, y, 0), 10) for x, y in legs),
         ],
@@ -121,13 +121,13 @@ def chicken() -> ToyModel:
     wing = turn(egg((0.2, 0.05, 0.13), segments=12, rows=6), "y", 20)
     looks: Looks = {
         "main": [
-            press(egg((0.36, 0.28, 0.3), (-0.04, 0, 0.26)), 0.0),
+            flatten_below(egg((0.36, 0.28, 0.3), (-0.04, 0, 0.26)), 0.0),
             tube([(0.1, 0, 0.38), (0.17, 0, 0.55), (0.19, 0, 0.7)], (0.22, 0.17, 0.155), 14),
             *tail,
         ],
         "light": pair(move(wing, (-0.07, 0.26, 0.32))),
         "accent": [move(beak, (0.32, 0, 0.71)), *comb, ball(0.05, (0.34, 0, 0.6), 10, 6)],
-        "dark": pair(bead(0.03, (0.28, 0.115, 0.76))),
+        "dark": pair(small_ball(0.03, (0.28, 0.115, 0.76))),
     }
     solids = [
         block((0.36, 0.28, 0.06), (-0.03, 0, 0.03)),

@@ -1,4 +1,4 @@
-"""From the meshes and solids of a toy, drawn to any scale, to a toy of unit size on the ground."""
+"""Assembly of a toy of unit size on the ground from meshes and solids of any scale."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -7,32 +7,33 @@ import numpy as np
 
 from mimoc.geometry.rotations import Vec3
 from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel
-from mimoc.toys.solids import reach
+from mimoc.toys.solids import bounds
 from mimoc.toys.transforms import join, mesh_volume
 
 SOURCE = "made by mimoc"
 
 Looks = Mapping[Tint, Sequence[Mesh]]
-"""What shows, by its colour."""
+"""Visual meshes by colour."""
 
 
 def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3: float) -> ToyModel:
-    """Return a toy whose longest side is 1, which stands on z = 0 with its middle over the origin.
+    """Return a toy whose longest side is 1, which stands on z = 0 and is centred over the origin.
 
-    Looks and solids are set on the ground each for itself, as faceted looks may end a little above round solids.
+    Visual meshes and solids are placed on the ground separately, since faceted meshes may end slightly above round
+    solids.
 
     Args:
-        category: Of Toys4K, and its name.
+        category: Category of Toys4K, which is also the name of the toy.
         looks: Closed meshes; where they overlap, the volume counts twice.
-        solids: What it touches with.
-        density_kg_m3: Of what it is made of; see `mimoc.toys.builtin.materials`.
+        solids: Collision shapes.
+        density_kg_m3: Mean density; see `mimoc.toys.builtin.materials`.
     """
     meshes: dict[Tint, Mesh] = {tint: join(shells) for tint, shells in looks.items()}
     vertices = np.concatenate([mesh.vertices for mesh in meshes.values()])
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = 1 / float((high - low).max())
     origin = np.array([*(low + high)[:2] / 2, low[2]])
-    ground = np.array([*origin[:2], min(reach(solid)[0][2] for solid in solids)])
+    ground = np.array([*origin[:2], min(bounds(solid)[0][2] for solid in solids)])
     parts = tuple(Part(_sized(mesh, scale, origin), tint) for tint, mesh in meshes.items())
     return ToyModel(
         name=category,

@@ -1,4 +1,4 @@
-"""Play food that grows."""
+"""Toy fruit and mushrooms."""
 
 import math
 from functools import cache
@@ -13,12 +13,12 @@ from mimoc.toys.solids import capsule, cylinder, ellipsoid, sphere
 from mimoc.toys.transforms import move, turn
 
 MANY = 24
-"""Corners of circles that one looks at from near."""
+"""Corners of circles that are seen from close up."""
 
 
 @cache
 def apple() -> ToyModel:
-    """Return an apple with a stem and a leaf; what touches it is round, and steady as it is wider than high."""
+    """Return an apple with a stem and a leaf; its collision shape is round, and stable as it is wider than high."""
     skin = [(0.0, 0.06), (0.1, 0.03), (0.18, 0.0), (0.28, 0.05), (0.4, 0.2), (0.48, 0.4), (0.49, 0.55), (0.43, 0.72)]
     top = [(0.3, 0.82), (0.18, 0.84), (0.08, 0.79), (0.0, 0.72)]
     looks: Looks = {

@@ -1,4 +1,4 @@
-"""Things of the house: what one drinks, eats, sits and dresses with."""
+"""Toy household objects: dishes, a bottle, a hat and furniture."""
 
 from functools import cache
 
@@ -9,12 +9,12 @@ from mimoc.toys.shaping import Outline, box, lathe, rod, tube
 from mimoc.toys.solids import block, capsule, cylinder, wall
 
 MANY = 24
-"""Corners of circles that one looks at from near."""
+"""Corners of circles that are seen from close up."""
 
 
 @cache
 def cup() -> ToyModel:
-    """Return a beaker that something can be put into."""
+    """Return a beaker that objects can be put into."""
     side = [(0.33, 0.0), (0.44, 0.96), (0.46, 1.0), (0.4, 1.0), (0.29, 0.06), (0.0, 0.06)]
     looks: Looks = {
         "main": [lathe(side, segments=MANY)],
@@ -55,7 +55,7 @@ def mug() -> ToyModel:
 
 @cache
 def bowl() -> ToyModel:
-    """Return a bowl that something can be put into."""
+    """Return a bowl that objects can be put into."""
     outside = [(0.22, 0.0), (0.22, 0.04), (0.32, 0.09), (0.42, 0.2), (0.48, 0.36), (0.5, 0.4)]
     inside = [(0.46, 0.4), (0.44, 0.35), (0.38, 0.22), (0.29, 0.13), (0.0, 0.09)]
     looks: Looks = {
@@ -100,7 +100,7 @@ def bottle() -> ToyModel:
 
 @cache
 def hat() -> ToyModel:
-    """Return a sun hat on its brim, hollow below in its looks, but not for what touches it."""
+    """Return a sun hat on its brim, whose visual mesh is hollow and whose collision shape is not."""
     outside = [(0.5, 0.0), (0.5, 0.025), (0.31, 0.06), (0.285, 0.3), (0.24, 0.36), (0.12, 0.39), (0.0, 0.4)]
     inside = [(0.0, 0.37), (0.22, 0.33), (0.26, 0.28), (0.28, 0.03)]
     looks: Looks = {
@@ -158,5 +158,5 @@ def chair() -> ToyModel:
 
 
 def _band(profile: Outline) -> Mesh:
-    """Return a stripe around something hollow, which leaves it open."""
+    """Return a stripe around a hollow object, which leaves it open."""
     return lathe(profile, segments=MANY, closed=True)

@@ -1,4 +1,4 @@
-"""The toys that mimoc has of its own, each of a category of Toys4K."""
+"""The library of toys that come with mimoc; each belongs to a category of Toys4K."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -47,4 +47,4 @@ BUILTIN: Mapping[str, Callable[[], ToyModel]] = MappingProxyType(
         "whale": sea_animals.whale,
     }
 )
-"""Name, which is also the category, to the toy; each is made once."""
+"""Functions that return each toy, by its name, which is also its category; results are cached."""

@@ -1,4 +1,4 @@
-"""What toys are made of, as mass per volume of their looks, in [kg/m³]."""
+"""Densities of toys, as mass per volume of their visual meshes, in [kg/m³]."""
 
 WOOD = 620.0
 """Paper birch at 12 % moisture: specific gravity 0.55, and the water (USDA Wood Handbook 2010, table 5-3b)."""

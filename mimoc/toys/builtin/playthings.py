@@ -1,4 +1,4 @@
-"""Toys to throw, beat, grasp and set up."""
+"""Balls, a drum, a hammer and other playthings."""
 
 import math
 from functools import cache
@@ -7,12 +7,12 @@ from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD
 from mimoc.toys.model import Mesh, ToyModel
 from mimoc.toys.shaping import ball as globe
-from mimoc.toys.shaping import bead, box, lathe, loft, ring, rod
+from mimoc.toys.shaping import box, lathe, loft, ring, rod, small_ball
 from mimoc.toys.solids import block, capsule, cylinder, hoop, sphere
 from mimoc.toys.transforms import move, pair, turn
 
 MANY = 24
-"""Corners of circles that one looks at from near."""
+"""Corners of circles that are seen from close up."""
 
 
 @cache
@@ -43,7 +43,7 @@ def drum() -> ToyModel:
             for z in (0.0, 0.53)
         ],
         "light": [*cords, lathe([(0.44, 0.6), (0.435, 0.62)], segments=MANY)],
-        "dark": [mesh for a, b in sticks for mesh in (rod(a, b, 0.022, 6), bead(0.045, b))],
+        "dark": [mesh for a, b in sticks for mesh in (rod(a, b, 0.022, 6), small_ball(0.045, b))],
     }
     solids = [cylinder((0, 0, 0), (0, 0, 0.615), 0.48), *(capsule(a, b, 0.024) for a, b in sticks)]
     return assemble("drum", looks, solids, SHELL)
@@ -113,9 +113,9 @@ def robot() -> ToyModel:
         "main": [box((0.26, 0.4, 0.36), (0, 0, 0.38), bevel=0.03), box((0.24, 0.32, 0.24), (0, 0, 0.72), bevel=0.03)],
         "accent": [
             *pair(box((0.26, 0.15, 0.09), (0.02, 0.12, 0.045), bevel=0.025)),
-            *pair(bead(0.06, (0, 0.27, 0.32))),
-            *pair(bead(0.045, (0, 0.17, 0.73))),
-            bead(0.045, (0, 0, 0.96)),
+            *pair(small_ball(0.06, (0, 0.27, 0.32))),
+            *pair(small_ball(0.045, (0, 0.17, 0.73))),
+            small_ball(0.045, (0, 0, 0.96)),
             move(dial, (0.125, 0.09, 0.45)),
         ],
         "light": [
@@ -128,7 +128,7 @@ def robot() -> ToyModel:
             *pair(rod((0, 0.23, 0.5), (0, 0.27, 0.34), 0.035, 8)),
             rod((0, 0, 0.54), (0, 0, 0.62), 0.07, 8),
             rod((0, 0, 0.82), (0, 0, 0.94), 0.014, 6),
-            *pair(bead(0.028, (0.14, 0.075, 0.76))),
+            *pair(small_ball(0.028, (0.14, 0.075, 0.76))),
             *(box((0.03, 0.05, 0.05), (0.135, y, 0.32)) for y in (-0.09, 0.0, 0.09)),
             box((0.03, 0.14, 0.05), (0.135, -0.05, 0.45)),
         ],
@@ -157,5 +157,5 @@ def _panel(start: float) -> Mesh:
 
 
 def _sideways(mesh: Mesh, height: float) -> Mesh:
-    """Return what a lathe turned, lying along y."""
+    """Return a surface of revolution about the y axis."""
     return move(turn(mesh, "x", 90), (0.0, 0.0, height))

@@ -1,4 +1,4 @@
-"""Toy animals of the sea; all look along x."""
+"""Toy sea animals; all face along x."""
 
 import math
 from functools import cache
@@ -6,9 +6,9 @@ from functools import cache
 from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import PLUSH, THIN_SHELL
 from mimoc.toys.model import Mesh, Solid, ToyModel
-from mimoc.toys.shaping import bead, board, egg, lathe, ring, tube
+from mimoc.toys.shaping import board, egg, lathe, ring, small_ball, tube
 from mimoc.toys.solids import block, capsule, cylinder, ellipsoid, sphere
-from mimoc.toys.transforms import move, pair, press, turn
+from mimoc.toys.transforms import flatten_below, move, pair, turn
 
 
 @cache
@@ -30,7 +30,7 @@ def penguin() -> ToyModel:
             egg((0.18, 0.21, 0.27), (0.145, 0, 0.32), segments=20, rows=6),
             *pair(egg((0.06, 0.085, 0.1), (0.135, 0.075, 0.82), segments=10, rows=6)),
         ],
-        "dark": pair(bead(0.035, (0.18, 0.085, 0.84))),
+        "dark": pair(small_ball(0.035, (0.18, 0.085, 0.84))),
     }
     solids = [
         block((0.42, 0.38, 0.09), (0.06, 0, 0.045)),
@@ -51,8 +51,8 @@ def fish() -> ToyModel:
     stripes = [egg((0.045, 0.2 * w, 0.3 * w), (x, 0, 0.3), rows=6) for x, w in ((-0.02, 1.0), (-0.17, 0.83))]
     looks: Looks = {
         "main": [
-            press(egg((0.4, 0.19, 0.29), (0.06, 0, 0.3)), 0.05),
-            press(egg((0.2, 0.12, 0.1), (0.06, 0, 0.05)), 0.0),
+            flatten_below(egg((0.4, 0.19, 0.29), (0.06, 0, 0.3)), 0.05),
+            flatten_below(egg((0.2, 0.12, 0.1), (0.06, 0, 0.05)), 0.0),
         ],
         "accent": [
             board(tail, 0.07, bevel=0.1),
@@ -61,7 +61,7 @@ def fish() -> ToyModel:
             move(turn(ring(0.05, 0.025, segments=12, corners=6), "y", 90), (0.455, 0, 0.27)),
         ],
         "light": [
-            *[press(stripe, 0.05) for stripe in stripes],
+            *[flatten_below(stripe, 0.05) for stripe in stripes],
             *pair(egg((0.07, 0.04, 0.07), (0.29, 0.13, 0.38), segments=10, rows=6)),
         ],
         "dark": pair(egg((0.035, 0.02, 0.035), (0.305, 0.16, 0.385), segments=8, rows=6)),
@@ -96,12 +96,12 @@ def whale() -> ToyModel:
     flipper = turn(egg((0.08, 0.16, 0.025), segments=10, rows=4), "z", 30)
     looks: Looks = {
         "main": [
-            press(body, 0.0),
+            flatten_below(body, 0.0),
             *pair(move(fluke, (-0.5, 0.13, 0.42))),
             *pair(move(turn(flipper, "x", -20), (0.1, 0.31, 0.12))),
         ],
         "light": [
-            press(egg((0.27, 0.262, 0.28), (0.19, 0, 0.17)), 0.0),
+            flatten_below(egg((0.27, 0.262, 0.28), (0.19, 0, 0.17)), 0.0),
             *pair(egg((0.05, 0.04, 0.055), (0.27, 0.235, 0.33), segments=10, rows=6)),
         ],
         "accent": spout,
@@ -134,7 +134,7 @@ def octopus() -> ToyModel:
                 for x, y, z in ((0, 0, 0.735), (0.08, 0.12, 0.69), (-0.02, -0.15, 0.68))
             ),
         ],
-        "dark": pair(bead(0.045, (0.245, 0.1, 0.49))),
+        "dark": pair(small_ball(0.045, (0.245, 0.1, 0.49))),
     }
     solids = [
         cylinder((0, 0, 0.02), (0, 0, 0.26), 0.2),
@@ -145,13 +145,13 @@ def octopus() -> ToyModel:
 
 
 def _arm(angle: float) -> Mesh:
-    """Return an arm of an octopus, whose end curls up."""
+    """Return the mesh of an arm of an octopus, whose end curls up."""
     line = [(0.12, 0.24), (0.24, 0.12), (0.34, 0.065), (0.44, 0.07), (0.5, 0.13)]
     path = [(out * math.cos(angle), out * math.sin(angle), height) for out, height in line]
     return tube(path, (0.085, 0.08, 0.065, 0.05, 0.035), 6)
 
 
 def _hold(angle: float, height: float) -> Solid:
-    """Return what an arm of an octopus touches with; near its end it is as low as its height."""
+    """Return the collision shape of an arm of an octopus."""
     x, y = math.cos(angle), math.sin(angle)
     return capsule((0.15 * x, 0.15 * y, 0.17), (0.42 * x, 0.42 * y, height), 0.06)

@@ -1,4 +1,4 @@
-"""Play food that somebody made."""
+"""Toy baked goods, ice cream and a hamburger."""
 
 import math
 from functools import cache
@@ -13,7 +13,7 @@ from mimoc.toys.solids import capsule, cylinder, ellipsoid, hoop, sphere
 from mimoc.toys.transforms import move, turn
 
 MANY = 24
-"""Corners of circles that one looks at from near."""
+"""Corners of circles that are seen from close up."""
 
 
 @cache
@@ -31,7 +31,7 @@ def donut() -> ToyModel:
 
 @cache
 def cookie() -> ToyModel:
-    """Return a cookie with chips that somebody bit; what touches it is whole."""
+    """Return a bitten cookie with chips, whose collision shape is a whole disc."""
     angles = math.tau * np.arange(36) / 36
     bite = 0.17 * np.clip(1 - np.abs(angles - 3.6) / 0.42, 0, 1) ** 0.5
     radius = 0.5 - bite + 0.008 * np.cos(5 * angles)
@@ -56,7 +56,7 @@ def cookie() -> ToyModel:
 
 @cache
 def hamburger() -> ToyModel:
-    """Return a hamburger with all there is to it."""
+    """Return a hamburger with several layers."""
     leaf = [(0.49 + 0.03 * math.cos(9 * a), a) for a in (math.tau * k / 36 for k in range(36))]
     lettuce = [(r * math.cos(a), r * math.sin(a)) for r, a in leaf]
     bun = [(0.0, 0.34), (0.44, 0.34), (0.48, 0.4), (0.46, 0.5), (0.36, 0.62), (0.2, 0.69), (0.0, 0.71)]
@@ -105,7 +105,7 @@ def cupcake() -> ToyModel:
 
 @cache
 def ice_cream() -> ToyModel:
-    """Return two scoops in a wafer that stands."""
+    """Return two scoops of ice cream in a standing wafer."""
     wafer = [(0.14, 0.0), (0.18, 0.36), (0.255, 0.4), (0.265, 0.52), (0.2, 0.53)]
     ribs = [box((0.02, 0.02, 0.34), (0.162, 0, 0.18)) for _ in range(8)]
     scoops = [ball(0.24, (0, 0, 0.6)), _star_skirt(0.235, 0.56)]
@@ -144,7 +144,7 @@ def _bun_top(radius: float) -> float:
 
 
 def _star(factors: list[float], radius: float, height: float) -> list[tuple[float, float, float]]:
-    """Return a ring whose radius goes in and out."""
+    """Return a ring with a wavy radius."""
     turns = [math.tau * k / len(factors) for k in range(len(factors))]
     return [(f * radius * math.cos(a), f * radius * math.sin(a), height) for f, a in zip(factors, turns, strict=True)]
 

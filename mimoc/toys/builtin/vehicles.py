@@ -1,4 +1,4 @@
-"""Toys that drive, swim and fly; all look along x."""
+"""Toy vehicles, boats and planes; all face along x."""
 
 from functools import cache
 
@@ -7,7 +7,7 @@ from mimoc.toys.builtin.assembling import Looks, assemble
 from mimoc.toys.builtin.materials import SHELL, WOOD
 from mimoc.toys.builtin.wheels import axles, wheels
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import bead, board, box, egg, frustum, lathe, loft, plate, rod
+from mimoc.toys.shaping import board, box, egg, frustum, lathe, loft, plate, rod, small_ball
 from mimoc.toys.solids import block, capsule, sphere
 from mimoc.toys.transforms import move, pair, turn
 
@@ -36,7 +36,7 @@ def car() -> ToyModel:
 
 @cache
 def truck() -> ToyModel:
-    """Return a tipper that something can be put into."""
+    """Return a tipper that objects can be put into."""
     tyres, hubs = wheels((-0.3, 0.3), 0.2, 0.13, 0.1)
     floor, sides = (0.66, 0.46, 0.04), _tray(0.66, 0.46, 0.27, 0.2, -0.17)
     looks: Looks = {
@@ -51,7 +51,7 @@ def truck() -> ToyModel:
             box((0.02, 0.34, 0.14), (0.49, 0, 0.46)),
             *pair(box((0.14, 0.02, 0.13), (0.37, 0.22, 0.465))),
         ],
-        "light": [*hubs, *pair(bead(0.035, (0.505, 0.13, 0.26))), box((0.03, 0.42, 0.06), (0.5, 0, 0.16), 0.01)],
+        "light": [*hubs, *pair(small_ball(0.035, (0.505, 0.13, 0.26))), box((0.03, 0.42, 0.06), (0.5, 0, 0.16), 0.01)],
     }
     solids = [
         *axles((-0.3, 0.3), 0.2, 0.13, 0.1),
@@ -103,7 +103,7 @@ def train() -> ToyModel:
             *pair(box((0.16, 0.02, 0.16), (-0.29, 0.185, 0.5))),
             frustum((0.06, 0.34), (0.16, 0.3), 0.14, (0.45, 0, 0.03), lean=-0.04),
         ],
-        "light": [*hubs, bead(0.045, (0.39, 0, 0.37))],
+        "light": [*hubs, small_ball(0.045, (0.39, 0, 0.37))],
     }
     solids = [
         *axles((-0.3, 0.24), 0.17, 0.11, 0.07),
@@ -136,7 +136,7 @@ def tractor() -> ToyModel:
             box((0.02, 0.17, 0.15), (0.48, 0, 0.34)),
             move(turn(lathe([(0.075, 0.0), (0.075, 0.02)], segments=12), "y", -60), (0.0, 0, 0.54)),
         ],
-        "light": pair(bead(0.03, (0.48, 0.1, 0.42))),
+        "light": pair(small_ball(0.03, (0.48, 0.1, 0.42))),
     }
     solids = [
         *axles((-0.22,), 0.24, 0.25, 0.14),
@@ -201,7 +201,7 @@ def airplane() -> ToyModel:
         "dark": [
             *tyres,
             *(board([(0.18, 0.03), (0.22, 0.03), (0.21, 0.22), (0.19, 0.22)], 0.03, (0, y, 0)) for y in (-0.1, 0.1)),
-            bead(0.04, (-0.36, 0, 0.04)),
+            small_ball(0.04, (-0.36, 0, 0.04)),
             rod((-0.36, 0, 0.05), (-0.36, 0, 0.22), 0.015, 6),
             egg((0.11, 0.075, 0.07), (0.09, 0, 0.335), segments=12, rows=6),
         ],
@@ -221,12 +221,12 @@ def airplane() -> ToyModel:
 
 
 def _tray(length: float, width: float, low: float, height: float, x: float) -> list[tuple[Vec3, Vec3]]:
-    """Return size and middle of the four sides of a tray."""
+    """Return size and centre of the four sides of a tray."""
     z, thin = low + height / 2, 0.04
     ends = [((thin, width, height), (x + side * (length - thin) / 2, 0.0, z)) for side in (-1, 1)]
     return [*ends, *(((length, thin, height), (x, side * (width - thin) / 2, z)) for side in (-1, 1))]
 
 
 def _lying(profile: list[tuple[float, float]], at: Vec3, segments: int = 16) -> Mesh:
-    """Return what a lathe turns about the x axis; see `lathe`."""
+    """Return a surface of revolution about the x axis; see `lathe`."""
     return move(turn(lathe(profile, segments=segments), "y", 90), at)

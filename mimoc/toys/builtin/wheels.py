@@ -1,4 +1,4 @@
-"""Wheels, as they look and as they touch the floor."""
+"""Visual meshes and collision shapes of wheels."""
 
 from mimoc.toys.model import Mesh, Solid
 from mimoc.toys.shaping import lathe
@@ -9,7 +9,7 @@ from mimoc.toys.transforms import move, pair, turn
 def wheels(
     x: tuple[float, ...], out: float, radius: float, width: float, segments: int = 16
 ) -> tuple[list[Mesh], list[Mesh]]:
-    """Return tyres and hubs of wheels whose middles are at some x, and as far out to both sides."""
+    """Return tyres and hubs of pairs of wheels, with centres at the positions *x* and at y = ±*out*."""
     half = width / 2
     tread = [(0.88 * radius, -half), (radius, -0.6 * half), (radius, 0.6 * half), (0.88 * radius, half)]
     tyre = turn(lathe(tread, segments=segments), "x", -90)

@@ -1,4 +1,4 @@
-"""The toys of a folder of meshes, to choose from."""
+"""Builds the set of toys from a folder of meshes."""
 
 from functools import cache, partial
 from pathlib import Path
@@ -11,15 +11,15 @@ from mimoc.toys.toys4k.convex import has_coacd
 from mimoc.toys.toys4k.dataset import choose, expand_root, find_toys, unknown
 from mimoc.toys.toys4k.meshes import load_toy
 
-HULLS_ONLY = "toys touch with their convex hulls only; for a closer fit: pip install 'mimoc[toys]', and build again"
+HULLS_ONLY = "each toy collides as its convex hull; for a closer fit, run: pip install 'mimoc[toys]', and build again"
 
 
 def build(spec: ToysSpec, folder: Path) -> Toybox:
-    """Return the toys that a spec wants of its `root`, which is relative to *folder*.
+    """Return the toys that a spec selects from its `root`, which is relative to *folder*.
 
     Raises:
         ToyError: If there are no toys.
-        UnknownToysError: If there are none of some names.
+        UnknownToysError: If some of the selected names do not exist.
     """
     found = find_toys(expand_root(str(spec.root), folder))
     if wrong := unknown(found, spec.subset):

@@ -1,4 +1,4 @@
-"""Processed meshes, kept by the content they were made from."""
+"""Cache of processed meshes, by the content of the mesh file."""
 
 import io
 import os
@@ -17,28 +17,28 @@ from mimoc.toys.toys4k.processing import MOST_FACES_SEEN, VERSION, Shape
 
 VARIABLE = "MIMOC_CACHE"
 MOST_BYTES = 2**25
-"""Of an entry; whole ones have far less."""
+"""Maximum size of an entry; intact entries are far smaller."""
 
 
 class MeshCache:
-    """Shapes in a folder, one file each; those that are missing or damaged are made anew.
+    """A folder of processed shapes, one file each; missing or damaged ones are processed again.
 
-    Any number of processes may use it at once, and if it cannot be written, it is as good as none.
+    Any number of processes can use it at the same time; if it cannot be written, nothing is cached.
     """
 
     def __init__(self, folder: Path | None = None):
         self.folder = (folder or default_folder()) / "meshes"
 
     def load(self, key: str) -> Shape | None:
-        """Return the shape that was saved as *key*, if it is there and whole."""
+        """Return the shape that was saved as *key*, or None if it is missing or damaged."""
         try:
             path = self._path(key)
             return _unpacked(path.read_bytes()) if path.stat().st_size <= MOST_BYTES else None
-        except Exception:  # Whatever an archive has suffered: it is only a copy.
+        except Exception:  # A damaged archive can raise any error; the shape is then processed again.
             return None
 
     def save(self, key: str, shape: Shape) -> None:
-        """Keep a shape, if it can be kept."""
+        """Save a shape, if the folder can be written."""
         with suppress(OSError, OutputError):
             self.folder.mkdir(parents=True, exist_ok=True)
             write_file(self._path(key), _packed(shape))
@@ -48,13 +48,13 @@ class MeshCache:
 
 
 def key_of(content: bytes, kind: str) -> str:
-    """Return what decides a shape: the content of a mesh file, its format, and what it is processed with."""
+    """Return the digest of everything a shape depends on: the mesh file, its format and the processing libraries."""
     tools = f"{VERSION} {kind} coacd={has_coacd()} fast_simplification={has_simplifier()}"
     return sha256(tools.encode() + b"\n" + sha256(content).digest()).hexdigest()
 
 
 def default_folder() -> Path:
-    """Return the folder that `MIMOC_CACHE` names, or else the one that the system has for such things."""
+    """Return the folder given by `MIMOC_CACHE`, by default the user's cache folder on this system."""
     import platformdirs
 
     return Path(os.path.expanduser(os.environ.get(VARIABLE) or platformdirs.user_cache_dir("mimoc")))
@@ -77,7 +77,7 @@ def _packed(shape: Shape) -> bytes:
 
 
 def _unpacked(content: bytes) -> Shape | None:
-    """Return the shape in an archive, or None if it is none that was ever packed."""
+    """Return the shape in an archive, or None if it is not valid."""
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
         boxes, counts, vertices, faces, volume = (
             arrays[name] for name in ("boxes", "counts", "vertices", "faces", "volume")
@@ -96,10 +96,10 @@ def _box(row: list[float]) -> Solid:
 
 
 def _checked(mesh: Mesh) -> Mesh:
-    """Return a mesh that is one.
+    """Return a mesh after checking that it is valid.
 
     Raises:
-        ValueError: If it is none.
+        ValueError: If it is not.
     """
     right = mesh.vertices.shape[1:] == mesh.faces.shape[1:] == (3,) and mesh.faces.dtype.kind == "i"
     if not (right and len(mesh.faces) and np.isfinite(mesh.vertices).all()):

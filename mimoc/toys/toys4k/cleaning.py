@@ -1,4 +1,4 @@
-"""From any triangles to the surface they make: finite, of unit size, each corner and each triangle once."""
+"""Cleaning of a triangle mesh: finite coordinates, unit size, no duplicate or degenerate triangles."""
 
 import numpy as np
 import numpy.typing as npt
@@ -7,27 +7,27 @@ from mimoc.errors import ToyError
 from mimoc.toys.model import FloatArray, IntArray, Mesh
 
 GRID = 2**20 - 1
-"""Steps along the longest side; corners in one step are the same. As fine as 32-bit floats are."""
+"""Grid steps along the longest side; vertices in the same step are merged. As fine as 32-bit floats."""
 LEAST_SIZE = 1e-9
-"""Longest side, of the distance from the origin: less, and rounding is all that is left."""
+"""Smallest ratio of the longest side to the distance from the origin: below it, only rounding errors are left."""
 LEAST_AREA = 1e-13
-"""Of a triangle, of the square of the longest side."""
+"""Smallest area of a triangle, relative to the square of the longest side."""
 
 
 def clean(vertices: FloatArray, faces: IntArray) -> Mesh:
-    """Return a mesh from (0, 0, 0), whose longest side is 1.
+    """Return a cleaned mesh with its lower corner at the origin, whose longest side is 1.
 
     Args:
-        vertices: Shape (n, 3), of any size, and not always finite.
-        faces: Shape (m, 3), all of whose corners are there.
+        vertices: Shape (n, 3), of any scale; may contain values that are not finite.
+        faces: Shape (m, 3), valid indices of vertices.
 
     Raises:
-        ToyError: If nothing is left.
+        ToyError: If no triangle is left.
     """
     finite = np.logical_and.reduce(np.isfinite(vertices), axis=1)
     mesh = only_used(vertices, faces[finite[faces].all(axis=1)])
     if not len(mesh.faces):
-        raise ToyError("has no triangle whose corners are all finite numbers")
+        raise ToyError("has no triangle whose vertices are all finite numbers")
     mesh = tidy(merge(Mesh(_unit(mesh.vertices), mesh.faces)))
     if not len(mesh.faces):
         raise ToyError("has no surface: each of its triangles is a line or a point")
@@ -35,14 +35,14 @@ def clean(vertices: FloatArray, faces: IntArray) -> Mesh:
 
 
 def merge(mesh: Mesh) -> Mesh:
-    """Return a mesh from (0, 0, 0) to 1 without corners that lie on one another."""
+    """Return a mesh of unit size with coincident vertices merged."""
     x, y, z = np.round(mesh.vertices * GRID).astype(np.int64).T
     _, first, place = np.unique((x << 40) | (y << 20) | z, return_index=True, return_inverse=True)
     return Mesh(mesh.vertices[first], place[mesh.faces])
 
 
 def tidy(mesh: Mesh) -> Mesh:
-    """Return a mesh without triangles that have no area, that repeat another one, or corners of none."""
+    """Return a mesh without degenerate or duplicate triangles, and without unused vertices."""
     faces = mesh.faces[_areas(mesh) > LEAST_AREA]
     ordered = np.sort(faces, axis=1)
     order = np.lexsort(ordered.T)
@@ -52,7 +52,7 @@ def tidy(mesh: Mesh) -> Mesh:
 
 
 def only_used(vertices: FloatArray, faces: IntArray) -> Mesh:
-    """Return a mesh without vertices that are the corner of nothing."""
+    """Return a mesh without unused vertices."""
     used = np.zeros(len(vertices), bool)
     used[faces] = True
     return Mesh(vertices[used], (np.cumsum(used) - 1)[faces])
@@ -64,11 +64,11 @@ def _areas(mesh: Mesh) -> npt.NDArray[np.float64]:
 
 
 def _unit(vertices: FloatArray) -> FloatArray:
-    """Return vertices from (0, 0, 0), whose longest side is 1; the largest of floats are divided, never added."""
+    """Return vertices scaled to a longest side of 1, with the lower corner at the origin, without overflow."""
     reach = np.abs(vertices).max()
     shrunk = vertices / reach if reach else vertices
     low = shrunk.min(axis=0)
     size = (shrunk.max(axis=0) - low).max()
     if size < LEAST_SIZE:
-        raise ToyError("has all its corners in one place")
+        raise ToyError("has all its vertices at the same point")
     return (shrunk - low) / size

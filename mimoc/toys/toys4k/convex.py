@@ -1,4 +1,4 @@
-"""Convex shapes that together are nearly a mesh, for what touches it."""
+"""Approximate decomposition of a mesh into convex parts, for collisions."""
 
 import io
 import math
@@ -13,35 +13,36 @@ from mimoc.toys.transforms import mesh_volume
 
 MOST_PARTS = 10
 MOST_CORNERS = 64
-"""Of a part."""
+"""Maximum number of vertices of a part."""
 MOST_FACES = 2000
-"""Of what is given to coacd."""
+"""Maximum number of faces of a mesh that is passed to coacd."""
 LIMIT_S = 60
-"""What coacd may take: it needs 1 s to 10 s."""
+"""Limit on coacd's CPU time: it needs 1 s to 10 s."""
 COVER = 0.1
-"""By how much the bounding box of all parts may differ from that of the mesh, whose longest side is 1."""
+"""Largest difference between the bounding boxes of all parts and of the mesh, whose longest side is 1."""
 THIN = 0.01
-"""Of its longest side: what is thinner gets a box as thick, as its hull would be all rounding or none at all."""
+"""Smallest thickness, relative to the longest side: a thinner mesh gets a box of this thickness, because its convex
+hull would be dominated by rounding errors or degenerate."""
 LEAST_VOLUME = 1e-6
-"""Of a part of a mesh whose longest side is 1: MuJoCo refuses meshes of 1e-15 m³."""
+"""Smallest volume of a part of a mesh whose longest side is 1: MuJoCo rejects meshes of 1e-15 m³."""
 
 _CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 _FACES: IntArray = np.array([corners for a, b, c, d in _SIDES for corners in ((a, b, c), (a, c, d))])
-"""Of a box with those corners."""
+"""Faces of a box with those corners."""
 
 
 def has_coacd() -> bool:
-    """Tell whether meshes are decomposed into convex parts; without coacd, each gets its convex hull."""
+    """Return whether coacd is installed, which decomposes meshes; without it, each mesh gets its convex hull."""
     return find_spec("coacd") is not None
 
 
 def convex_parts(mesh: Mesh, *, simple: bool) -> tuple[list[Mesh], bool]:
-    """Return convex meshes, and whether they would be the same the next time.
+    """Return convex meshes, and whether the result is reproducible.
 
     Args:
-        mesh: Of no more than `MOST_FACES`, whose longest side is 1, not flat.
-        simple: It is one closed shell; anything else is first made into one, which rounds its edges off.
+        mesh: Mesh of at most `MOST_FACES` faces, whose longest side is 1, and which is not flat.
+        simple: Whether it is one closed shell; any other mesh is first converted to one, which rounds its edges.
     """
     whole = [hull(mesh.vertices)]
     if not has_coacd():
@@ -68,18 +69,18 @@ def _reaches_as_far(parts: list[Mesh], mesh: Mesh) -> bool:
 
 
 def hull(points: FloatArray, most_corners: int = MOST_CORNERS) -> Mesh:
-    """Return the convex hull of points that are not in a plane, or of those furthest out, if there are too many."""
+    """Return the convex hull of points that are not coplanar; if it has too many vertices, of the outermost ones."""
     around = _hull(points)
     return around if len(around.vertices) <= most_corners else _hull(_furthest(around.vertices, most_corners))
 
 
 def is_thin(points: FloatArray, thickness: float = THIN) -> bool:
-    """Tell whether points lie nearly in a plane or on a line."""
+    """Return whether points lie nearly in a plane or on a line."""
     return len(points) < 4 or np.ptp(points @ _axes(points), axis=0).min() < thickness
 
 
 def thin_box(points: FloatArray) -> Mesh:
-    """Return the smallest box around what is thin, made thick enough; `box_of` makes a box of it again."""
+    """Return the smallest box around thin points, with a minimum thickness, as a mesh; see `box_of`."""
     axes = _axes(points)
     boxes = [axes @ matrix_from_axis((0.0, 0.0, 1.0), math.radians(degrees)) for degrees in range(90)]
     box_axes = min(boxes, key=lambda box: math.prod(np.maximum(np.ptp(points @ box[:, :2], axis=0), THIN)))
@@ -89,7 +90,7 @@ def thin_box(points: FloatArray) -> Mesh:
 
 
 def box_of(mesh: Mesh) -> Solid:
-    """Return the box whose corners `thin_box` gave, wherever they are now."""
+    """Return the box solid of a mesh from `thin_box`, which may have been moved, rotated and scaled."""
     edges = mesh.vertices[[4, 2, 1]] - mesh.vertices[0]
     lengths = np.linalg.norm(edges, axis=1)
     quat = quaternion_from_matrix((edges / lengths[:, None]).T)
@@ -101,7 +102,7 @@ def box_of(mesh: Mesh) -> Solid:
 def _hull(points: FloatArray) -> Mesh:
     from trimesh.convex import convex_hull
 
-    around = convex_hull(points, repair=False)  # To repair takes networkx, which need not be there.
+    around = convex_hull(points, repair=False)  # Repairing requires networkx, which may not be installed.
     vertices, faces = np.asarray(around.vertices, float), np.asarray(around.faces, np.intp)
     a, b, c = (vertices[faces[:, corner]] - vertices.mean(axis=0) for corner in range(3))
     inwards = np.einsum("ij,ij->i", np.cross(a, b), c) < 0
@@ -109,7 +110,7 @@ def _hull(points: FloatArray) -> Mesh:
 
 
 def _furthest(points: FloatArray, most: int) -> FloatArray:
-    """Return no more than some points, each of which is the furthest out in a direction."""
+    """Return at most the given number of points, each the extreme point in some direction."""
     even = np.arange(most - 6) + 0.5
     height, angle = 1 - 2 * even / len(even), even * math.pi * (1 + 5**0.5)  # Fibonacci's spiral on a sphere.
     width = np.sqrt(1 - height**2)
@@ -120,7 +121,7 @@ def _furthest(points: FloatArray, most: int) -> FloatArray:
 
 
 def _axes(points: FloatArray) -> FloatArray:
-    """Return the principal axes of points as a rotation, whose columns are ordered from the largest variance."""
+    """Return the principal axes of points as the columns of a rotation matrix, largest variance first."""
     middle = points - points.mean(axis=0)
     axes = np.linalg.eigh(middle.T @ middle)[1][:, ::-1]
     return axes * np.sign(np.linalg.det(axes))

@@ -1,4 +1,4 @@
-"""The folder that Toys4K was unpacked to: which objects it holds, and their files."""
+"""The objects in a folder of Toys4K, or of other meshes, and their files."""
 
 import os
 import re
@@ -11,11 +11,11 @@ from pathlib import Path
 from mimoc.errors import ToyError, suggestion
 
 FORMATS = ("obj", "ply", "glb", "stl")
-"""What is read, the best first."""
+"""Supported formats, in order of preference."""
 FOLDER_STRUCTURE = "<category>/<category>_<NNN>/*.obj (or .ply, .glb, .stl), or meshes of any name in one folder"
 
 MOST_BYTES = 500 * 10**6
-"""Of a mesh file."""
+"""Maximum size of a mesh file."""
 
 _OBJECT = re.compile(r"(?P<category>[a-z0-9_]{1,56})_[0-9]{1,7}")
 _NUMBERED = re.compile("(?P<category>.+)_[0-9]{1,7}")
@@ -24,47 +24,47 @@ _VARIABLE = re.compile(r"\$(\w+|\{[^}]*\})", re.ASCII)
 
 @dataclass(frozen=True, slots=True)
 class Toys4K:
-    """The objects that are there."""
+    """The objects in a folder."""
 
     root: Path
-    """Their folder, with no symbolic link in its path."""
+    """The folder, with symbolic links resolved."""
     objects: Mapping[str, Path]
-    """The mesh of every object, sorted by name."""
+    """Mesh file of each object, sorted by name."""
     categories: Mapping[str, tuple[str, ...]]
-    """The objects of every category, both sorted."""
+    """Objects of each category, both sorted."""
     linked_away: Mapping[str, Path]
-    """Links to meshes that are not below the root; they are not read."""
+    """Symbolic links to meshes that are not below the root; they are not read."""
 
 
 def expand_root(text: str, spec_folder: Path) -> Path:
-    """Return the folder that a spec means: `~` and environment variables expanded, relative to the spec.
+    """Return the path of a folder in a spec, with `~` and environment variables expanded, relative to the spec.
 
     Raises:
-        ToyError: If a variable is not set, or nobody's home is.
+        ToyError: If a variable is not set, or a user does not exist.
     """
     unset = [name.strip("{}") for name in _VARIABLE.findall(text) if name.strip("{}") not in os.environ]
     if unset:
-        raise ToyError(f"'{text}': ${unset[0]} is not set; set it, or write the folder out")
+        raise ToyError(f"'{text}': ${unset[0]} is not set; set it, or write the full path")
     try:
         return spec_folder / Path(os.path.expandvars(text)).expanduser()
     except RuntimeError:
-        raise ToyError(f"'{text}': there is no such user; write the folder out") from None
+        raise ToyError(f"'{text}': the user does not exist; write the full path") from None
 
 
 def find_toys(root: Path) -> Toys4K:
     """Return the objects in a folder of either structure; see `FOLDER_STRUCTURE`.
 
     Raises:
-        ToyError: If there is no such folder, it cannot be read, or it holds no objects.
+        ToyError: If the folder does not exist, cannot be read, or contains no objects.
     """
     try:
         real = Path(os.path.realpath(root))
-        found = dict(sorted(_objects_in(real), reverse=True))  # Of several of one name, the first is kept.
+        found = dict(sorted(_objects_in(real), reverse=True))  # Of objects with the same name, the first is kept.
     except (OSError, ValueError) as error:
         where, reason = getattr(error, "filename", None) or root, getattr(error, "strerror", None) or error
         raise ToyError(f"{where}: cannot be read ({reason}); give the folder that Toys4K was unpacked to") from None
     if not found:
-        raise ToyError(f"{root}: holds no objects of Toys4K; give the folder that has {FOLDER_STRUCTURE}")
+        raise ToyError(f"{root}: contains no meshes of toys; give a folder with {FOLDER_STRUCTURE}")
     linked_away = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
     objects = {name: path for name, path in sorted(found.items()) if name not in linked_away}
     categories = defaultdict[str, list[str]](list)
@@ -74,10 +74,10 @@ def find_toys(root: Path) -> Toys4K:
 
 
 def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
-    """Return the objects of some categories and single objects, sorted; all of them if none are named.
+    """Return the selected objects, sorted: a subset names categories or single objects, and an empty one means all.
 
     Raises:
-        ToyError: If one is not there, with all that are not, one a line.
+        ToyError: If a name does not exist; the message has a line for each such name.
     """
     wrong = unknown(found, subset)
     if wrong:
@@ -100,7 +100,8 @@ def read_mesh(path: Path, root: Path) -> bytes:
     """Return the content of a mesh file.
 
     Raises:
-        ToyError: If it is not below the root, empty, too large or cannot be read; the message is the end of a sentence.
+        ToyError: If it is not below the root, is empty or too large, or cannot be read; the message is a predicate
+            without its subject, the mesh.
     """
     if not lies_in(path, root):
         raise ToyError(f"is a link to a file outside {root}")
@@ -112,29 +113,29 @@ def read_mesh(path: Path, root: Path) -> bytes:
     if not content:
         raise ToyError("is an empty file")
     if len(content) > MOST_BYTES:
-        raise ToyError(f"has more than {MOST_BYTES / 1e6:.0f} MB")
+        raise ToyError(f"is larger than {MOST_BYTES / 1e6:.0f} MB")
     return content
 
 
 def category_of(name: str) -> str:
-    """Return the category of an object: its name without a number, of which it may have none."""
+    """Return the category of an object: its name without its number, if it has one."""
     match = _NUMBERED.fullmatch(name)
     return match["category"] if match else name
 
 
 def is_named_as_toys4k(name: str) -> bool:
-    """Tell whether an object has a name as those of Toys4K do."""
+    """Return whether the name of an object has the form of those in Toys4K."""
     return _OBJECT.fullmatch(name) is not None
 
 
 def legible(name: str) -> str:
-    """Return the name of a file as it can be written down: question marks for what is no printable text."""
+    """Return the name of a file as printable text, with question marks for other characters."""
     text = name.encode("utf-8", "surrogateescape").decode("utf-8", "replace").replace("\ufffd", "?")
     return "".join(letter if letter.isprintable() else "?" for letter in unicodedata.normalize("NFC", text))
 
 
 def lies_in(path: Path, root: Path) -> bool:
-    """Tell whether a file is below a folder, once all symbolic links are followed."""
+    """Return whether a file is below a folder, with symbolic links resolved."""
     return Path(os.path.realpath(path)).is_relative_to(root)
 
 
@@ -151,14 +152,14 @@ def _objects_in(root: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _meshes_in(folder: Path) -> list[Path]:
-    """Return the meshes of an object, the best format first and then by name."""
+    """Return the mesh files of an object, sorted by format preference, then by name."""
     meshes = [path for path in _shown(folder) if path.is_file()] if folder.is_dir() else []
     ranks = {path: FORMATS.index(kind) for path in meshes if (kind := path.suffix[1:].lower()) in FORMATS}
     return sorted(ranks, key=ranks.__getitem__)
 
 
 def _shown(folder: Path) -> list[Path]:
-    """Return what is in a folder by name, but for what is hidden."""
+    """Return the sorted contents of a folder, without hidden files."""
     return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
 
 

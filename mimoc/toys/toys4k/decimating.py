@@ -1,4 +1,4 @@
-"""Fewer triangles for the same surface."""
+"""Decimation: reducing the number of triangles of a mesh."""
 
 from importlib.util import find_spec
 
@@ -8,20 +8,20 @@ from mimoc.toys.model import Mesh
 from mimoc.toys.toys4k.cleaning import only_used, tidy
 
 LARGE = 100_000
-"""Faces above which corners that are very close are joined before edges collapse."""
+"""Number of faces above which close vertices are merged before edges are collapsed."""
 FINE = (256, 128, 96, 64)
-"""Cells along the longest side: corners in one are close."""
+"""Grid cells along the longest side; vertices in the same cell are merged."""
 COARSENESS = (0.75, 12)
-"""Each try to cluster has so many times the cells of the one before, and there are so many tries."""
+"""Factor on the number of cells from one attempt at clustering to the next, and number of attempts."""
 
 
 def has_simplifier() -> bool:
-    """Tell whether quadric decimation is to be had; without it, corners near one another are joined."""
+    """Return whether fast_simplification (quadric decimation) is installed; without it, close vertices are merged."""
     return find_spec("fast_simplification") is not None
 
 
 def decimate(mesh: Mesh, most_faces: int) -> Mesh:
-    """Return a mesh of a longest side of at most 1 with no more than some faces, and at least one."""
+    """Return a mesh, whose longest side is at most 1, with at least one and at most the given number of faces."""
     if len(mesh.faces) <= most_faces:
         return mesh
     simple = _collapsed(mesh, most_faces) if has_simplifier() else _clustered(mesh, most_faces)
@@ -30,7 +30,7 @@ def decimate(mesh: Mesh, most_faces: int) -> Mesh:
 
 
 def _collapsed(mesh: Mesh, most_faces: int) -> Mesh:
-    """Collapse edges where that changes least; where it gets stuck, corners that are close are joined before."""
+    """Collapse the edges that change the shape least; if that gets stuck, merge close vertices first."""
     from fast_simplification import simplify
 
     simple = mesh if len(mesh.faces) <= LARGE else _joined(mesh, FINE[0])
@@ -46,10 +46,10 @@ def _collapsed(mesh: Mesh, most_faces: int) -> Mesh:
 
 
 def _clustered(mesh: Mesh, most_faces: int) -> Mesh:
-    """Join all corners in a cell of a grid, with larger cells until there are few enough faces.
+    """Merge all vertices in each cell of a grid, with larger and larger cells until there are few enough faces.
 
-    A surface crosses about 6 n² cells of n³, with two faces each. Of what comes apart before (confetti), the largest
-    faces are kept.
+    A surface crosses about 6 n² of n³ cells, with two faces each. If no surface is left before that (as with many
+    small, unconnected faces), the largest faces are kept.
     """
     factor, tries = COARSENESS
     cells = (most_faces / 2) ** 0.5
@@ -62,7 +62,7 @@ def _clustered(mesh: Mesh, most_faces: int) -> Mesh:
 
 
 def _joined(mesh: Mesh, cells: float) -> Mesh:
-    """Return a mesh with one corner in the middle of all that are in the same cell of a grid."""
+    """Return a mesh in which the vertices in each cell of a grid are replaced by their mean."""
     x, y, z = np.floor((mesh.vertices - mesh.vertices.min(axis=0)) * cells).astype(np.int64).T
     _, place, counts = np.unique((x << 40) | (y << 20) | z, return_inverse=True, return_counts=True)
     sums = [np.bincount(place, mesh.vertices[:, axis]) for axis in range(3)]

@@ -1,4 +1,4 @@
-"""From a mesh of Toys4K to a toy."""
+"""Conversion of a mesh of Toys4K to a toy."""
 
 from mimoc.errors import ToyError
 from mimoc.toys.model import Part, ToyModel
@@ -7,7 +7,7 @@ from mimoc.toys.toys4k.dataset import Toys4K, category_of, is_named_as_toys4k, l
 from mimoc.toys.toys4k.processing import Shape, process
 
 DENSITY_KG_M3 = 300.0
-"""Of toys of hollow plastic: between those of foam (30 kg/m³) and of solid plastic or wood (500 to 1100 kg/m³)."""
+"""Density of hollow plastic toys: between foam (30 kg/m³) and solid plastic or wood (500 to 1100 kg/m³)."""
 OWN_SOURCE = "the folder of toys"
 SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
 
@@ -16,12 +16,12 @@ def load_toy(found: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMod
     """Return the toy of an object of Toys4K.
 
     Args:
-        found: Where it is.
-        name: Of the object.
-        cache: Of meshes that were processed before.
+        found: The objects of the folder.
+        name: Name of the object.
+        cache: Cache of processed meshes.
 
     Raises:
-        ToyError: If there is no such object, or nothing can be made of its mesh; it names the object.
+        ToyError: If the object does not exist or its mesh cannot be used; the error names the object.
     """
     if name not in found.objects:
         raise ToyError(unknown(found, [name]).get(name, f"'{name}' is a category; name one of its objects"), name)
@@ -30,7 +30,7 @@ def load_toy(found: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMod
     try:
         shape = _shape(read_mesh(path, found.root), path.suffix[1:].lower(), cache)
     except ToyError as error:
-        raise ToyError(f"'{name}' ({file}) {error}; leave it out with 'subset', or repair the file", name) from None
+        raise ToyError(f"'{name}' ({file}) {error}; exclude it with 'subset', or repair the file", name) from None
     return ToyModel(
         name=name,
         category=category_of(name),

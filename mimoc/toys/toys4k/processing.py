@@ -1,4 +1,4 @@
-"""From the content of a mesh file to the shape of a toy."""
+"""Processing of a mesh file into the shape of a toy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,34 +16,34 @@ from mimoc.toys.toys4k.winding import Surface, face_outwards, from_both_sides
 from mimoc.toys.transforms import join, mesh_volume
 
 VERSION = 1
-"""Of the processing; higher with each change of what comes out."""
+"""Version of the processing, incremented with each change of its results."""
 MOST_FACES_SEEN = 5000
 MOST_FACES_READ = 4_000_000
 READING_LIMIT_S = 90
 LEAST_FILLED = 0.05
-"""Of the volume of its convex parts: a closed mesh that holds less is the skin of something."""
+"""Smallest volume of a closed mesh, relative to that of its convex parts: below it, the mesh is a thin shell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """What is taken from a mesh file: a toy without a name. Lengths are in units of its longest side."""
+    """The result of processing a mesh file. Lengths are in units of the longest side."""
 
     looks: Mesh
     solids: tuple[Solid, ...]
     volume: float
     lasting: bool = True
-    """It would be the same the next time; it is not if something took too long."""
+    """Whether the result is reproducible; it is not if a step exceeded its time limit."""
 
 
 def process(content: bytes, kind: str) -> Shape:
-    """Return the shape of a toy, set on z = 0 in its steadiest upright pose, its middle over the origin.
+    """Return the shape of a toy, standing on z = 0 in its most stable upright pose and centred over the origin.
 
     Args:
-        content: Of a mesh file.
+        content: Content of a mesh file.
         kind: Its format; see `mimoc.toys.toys4k.dataset.FORMATS`.
 
     Raises:
-        ToyError: If nothing can be made of it; the message is the end of a sentence about the mesh.
+        ToyError: If it cannot be used; the message is a predicate without its subject, the mesh.
     """
     try:
         arrays = run_worker("read", content, kind, MOST_FACES_READ, limit_s=READING_LIMIT_S)
@@ -72,7 +72,7 @@ def process(content: bytes, kind: str) -> Shape:
 
 
 def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
-    """Return a mesh of few enough faces, and it again with its open shells seen from both sides."""
+    """Return a decimated mesh, and a copy of it whose open shells are visible from both sides."""
     mesh = surface.mesh
     whole, torn = (only_used(mesh.vertices, mesh.faces[which]) for which in (surface.closed, ~surface.closed))
     share = MOST_FACES_SEEN / max(len(whole.faces) + 2 * len(torn.faces), MOST_FACES_SEEN)
@@ -81,14 +81,14 @@ def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
 
 
 def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
-    """Return the volume of a closed mesh, or else of its convex parts, which count once what shells have in common."""
+    """Return the volume of a closed mesh, or of its convex parts if the mesh is open, a thin shell or overlapping."""
     of_parts = sum(map(mesh_volume, parts))
     within = mesh_volume(closed) if closed else 0.0
     return min(within, of_parts) if within >= LEAST_FILLED * of_parts else of_parts
 
 
 def _rotation(parts: Sequence[Mesh], top: str) -> FloatArray:
-    """Return what sets some parts of one density down on a side of their common hull."""
+    """Return the rotation that places parts of equal density on a face of their common convex hull."""
     weights = np.array([mesh_volume(part) for part in parts])
     centre = weights @ np.stack([_centre(part) for part in parts]) / weights.sum()
     corners = np.concatenate([part.vertices for part in parts])
@@ -97,7 +97,7 @@ def _rotation(parts: Sequence[Mesh], top: str) -> FloatArray:
 
 
 def _centre(part: Mesh) -> FloatArray:
-    """Return the centre of mass of what is within a mesh, from the tetrahedra between its faces and its middle."""
+    """Return the centre of mass of the volume of a convex mesh, from tetrahedra between its faces and its middle."""
     middle = part.vertices.mean(axis=0)
     a, b, c = (part.vertices[part.faces[:, corner]] - middle for corner in range(3))
     volumes = np.einsum("ij,ij->i", np.cross(a, b), c)

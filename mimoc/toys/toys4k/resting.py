@@ -1,4 +1,4 @@
-"""How a thing is set down: on a side that it stays on, its top upwards where that can be."""
+"""Resting pose of an object: on a stable side, with its top upwards if possible."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,27 +6,27 @@ import numpy.typing as npt
 from mimoc.geometry.rotations import FloatArray, matrix_from_quaternion, quaternion_between
 
 STEADY_DEG = 5.0
-"""How far a thing must lean before it falls for a pose to be called steady."""
+"""Smallest angle at which an object tips over for a pose to count as stable."""
 NEAR_DEG = 20.0
-"""How far a thing may be turned to stand on its nearest side."""
+"""Largest rotation from the upright pose of the file to a pose on its nearest side."""
 FLAT_DEG = 2.0
-"""Sides that differ by less are one: the rest is rounding."""
+"""Sides whose normals differ by less count as one: the difference is due to rounding."""
 TOPS = {"obj": "y", "glb": "y", "ply": "z", "stl": "z"}
-"""Which axis points up: glTF demands y and Blender writes it to .obj by default; to .ply and .stl it writes z."""
+"""Up axis by file format: glTF requires y and Blender writes it to .obj by default; to .ply and .stl it writes z."""
 _UPRIGHT: dict[str, FloatArray] = {"y": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), "z": np.eye(3)}
-"""What turns an axis up."""
+"""Rotation that makes an axis point up."""
 
 
 def set_down(normals: FloatArray, distances: FloatArray, top: str) -> FloatArray:
-    """Return the rotation that sets a thing down on one of its sides, shape (3, 3).
+    """Return the rotation that places an object on one of its sides, shape (3, 3).
 
-    It is a steady side near what is the bottom if the axis that points up by the format does, or else another one
-    does; or else the steadiest side there is, the lower ones preferred.
+    The side is a stable one near the bottom of the object, first with the format's up axis pointing up, then with the
+    other one; if there is none, it is the most stable side, with a preference for lower ones.
 
     Args:
-        normals: Outward, of the planes of its convex hull, shape (n, 3).
-        distances: Of those planes from its centre of mass, shape (n,).
-        top: The axis that should point up: y or z.
+        normals: Outward normals of the faces of its convex hull, shape (n, 3).
+        distances: Distances of those faces from its centre of mass, shape (n,).
+        top: The format's up axis, y or z.
     """
     lean_deg = _lean_deg(normals, distances)
     for axis in sorted(_UPRIGHT, key=lambda axis: axis != top):
@@ -42,7 +42,7 @@ def set_down(normals: FloatArray, distances: FloatArray, top: str) -> FloatArray
 
 
 def planes(vertices: FloatArray, faces: npt.NDArray[np.intp], centre: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the outward normals and distances from a point of the faces of a convex mesh, but for slivers."""
+    """Return the outward normals of the faces of a convex mesh and their distances from a point, without slivers."""
     a, b, c = (vertices[faces[:, corner]] - centre for corner in range(3))
     cross = np.cross(b - a, c - a)
     lengths = np.linalg.norm(cross, axis=1)
@@ -52,10 +52,10 @@ def planes(vertices: FloatArray, faces: npt.NDArray[np.intp], centre: FloatArray
 
 
 def _lean_deg(normals: FloatArray, distances: FloatArray) -> FloatArray:
-    """Return how far a thing on each of its sides can lean before it falls; negative where it falls at once.
+    """Return the angle at which an object on each of its sides tips over; negative for a side that is unstable.
 
-    Below the centre of mass, in the plane of a side, is the point `-distance * normal`. The nearest edge is where
-    another plane cuts this one.
+    The point below the centre of mass, in the plane of a side, is `-distance * normal`. The nearest edge is where
+    another plane intersects this one.
     """
     lean_deg = np.empty(len(normals))
     for side, (normal, distance) in enumerate(zip(normals, distances, strict=True)):

@@ -15,30 +15,30 @@ from mimoc.toys.toys4k import worker
 MEMORY_BYTES = 12 * 2**30
 """Address space; far less is used, but libraries with threads reserve much."""
 WALL_TIME_FACTOR = 4
-"""Wall time that a task may take, in terms of its limit on CPU time."""
+"""Limit on the wall time of a task, as a multiple of its limit on CPU time."""
 OUT_OF_TIME = {-24, -9}
 """Return codes of a process that ran out of CPU time: SIGXCPU, and SIGKILL where both limits are the same."""
 
 
 class WorkerError(Exception):
-    """A task failed; the text is the end of a sentence about the mesh."""
+    """A task failed; the message is a predicate without its subject, the mesh."""
 
 
 class WorkerTimeoutError(WorkerError):
-    """A task ran out of wall time, as the machine was busy: it may succeed the next time."""
+    """A task exceeded its wall time because the machine was busy: it may succeed the next time."""
 
 
 def run_worker(task: str, content: bytes, *arguments: object, limit_s: int) -> dict[str, npt.NDArray]:
-    """Return the arrays that a task of `mimoc.toys.toys4k.worker` makes of some content.
+    """Return the arrays that a task of `mimoc.toys.toys4k.worker` computes from its input.
 
     Args:
-        task: Its name.
+        task: Name of the task.
         content: Its input.
         arguments: Its other arguments.
-        limit_s: CPU time it may take, which hardly depends on how busy the machine is.
+        limit_s: Limit on its CPU time, which hardly depends on how busy the machine is.
 
     Raises:
-        WorkerError: If it refuses, crashes, or runs out of time or memory.
+        WorkerError: If it rejects its input, crashes, or runs out of time or memory.
     """
     command = [sys.executable, "-P", worker.__file__, task, str(MEMORY_BYTES), str(limit_s), *map(str, arguments)]
     try:

@@ -1,4 +1,4 @@
-"""Which side of a surface is its outside."""
+"""Winding of the faces of a mesh, so that they face outwards."""
 
 from dataclasses import dataclass
 
@@ -10,17 +10,17 @@ from mimoc.toys.model import FloatArray, IntArray, Mesh
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """A mesh and what hangs together of it, at edges of two triangles."""
+    """A mesh and its shells, which are connected at edges of two triangles."""
 
     mesh: Mesh
     shells: IntArray
-    """The number of the shell of each face."""
+    """Index of the shell of each face."""
     closed: npt.NDArray[np.bool_]
-    """Whether that shell has an inside, for each face: all of its edges have two faces."""
+    """Whether the shell of each face is closed: all of its edges have two faces."""
 
 
 def face_outwards(mesh: Mesh) -> Surface:
-    """Return a mesh, each shell of which is wound alike all over, with a volume above zero."""
+    """Return a mesh in which the faces of each shell are wound consistently, so that its volume is positive."""
     edges, ahead = _edges(mesh.faces)
     first, second, face_pairs = _pairs(edges)
     count = len(mesh.faces)
@@ -36,20 +36,20 @@ def face_outwards(mesh: Mesh) -> Surface:
 
 
 def from_both_sides(mesh: Mesh) -> Mesh:
-    """Return a mesh with a second one, wound the other way, on it: MuJoCo draws triangles from the front only."""
+    """Return a mesh joined with a copy wound the other way, since MuJoCo renders triangles from the front only."""
     faces = np.concatenate([mesh.faces, mesh.faces[:, ::-1] + len(mesh.vertices)])
     return Mesh(np.concatenate([mesh.vertices, mesh.vertices]), faces)
 
 
 def _edges(faces: IntArray) -> tuple[IntArray, npt.NDArray[np.bool_]]:
-    """Return a number for each of the three edges of each face, edge by edge, and whether its corners rise."""
+    """Return an index for each of the three edges of each face, edge by edge, and whether its vertex indices rise."""
     starts, ends = faces.T.ravel(), np.roll(faces, -1, axis=1).T.ravel()
     keys = np.minimum(starts, ends) * (faces.max() + 1) + np.maximum(starts, ends)
     return np.unique(keys, return_inverse=True)[1], starts < ends
 
 
 def _pairs(edges: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Return the two places of every edge that has just two, and their faces, shape (n, 2)."""
+    """Return the two positions of every edge that has exactly two faces, and those faces, shape (n, 2)."""
     order = np.argsort(edges, kind="stable")
     counts = np.bincount(edges)
     first = (np.cumsum(counts) - counts)[counts == 2]
@@ -64,7 +64,7 @@ def _components(links: IntArray, count: int) -> IntArray:
 
 
 def _open(edges: IntArray, shells: IntArray) -> IntArray:
-    """Return the shells with an edge of other than two faces."""
+    """Return the shells that have an edge with one face or more than two."""
     keys, counts = np.unique(np.tile(shells, 3) * (edges.max() + 1) + edges, return_counts=True)
     return keys[counts != 2] // (edges.max() + 1)
 
@@ -74,7 +74,7 @@ def _flipped(faces: IntArray, wrong: npt.NDArray[np.bool_]) -> IntArray:
 
 
 def _volumes(vertices: FloatArray, faces: IntArray, shells: IntArray) -> FloatArray:
-    """Return the volume of each shell, of an open one as if each edge of it were joined to its middle."""
+    """Return the volume of each shell; an open shell is closed by joining its border to its middle."""
     corners = vertices[faces]
     sizes = np.bincount(shells)
     middles = np.stack([np.bincount(shells, corners[..., axis].mean(axis=1)) / sizes for axis in range(3)], axis=1)

@@ -1,7 +1,6 @@
-"""A process of its own for what other people's code does to a stranger's mesh: it may crash, hang or eat memory there.
+"""Script that processes untrusted meshes in a separate process, where a library may crash, hang or exhaust memory.
 
-`mimoc.toys.toys4k.subprocesses` runs it as a script. It imports nothing of mimoc, and takes and returns archives of
-arrays.
+It is run by `mimoc.toys.toys4k.subprocesses`, imports nothing from mimoc, and reads and writes archives of arrays.
 """
 
 import io
@@ -16,17 +15,17 @@ import numpy as np
 Arrays = dict[str, np.ndarray]
 
 REFUSED = 3
-"""The exit status when what stands on the standard error output is meant for a user."""
+"""Exit status if the standard error output is a message for the user."""
 
 
 class RefusedError(Exception):
-    """A mesh that cannot be used, and why."""
+    """A mesh cannot be used; the message says why."""
 
 
 def main(task: str, memory_bytes: str, processor_s: str, *arguments: str) -> int:
-    """Do a task with what is on the standard input, and write what comes out to the standard output."""
+    """Run a task on the standard input, and write its result to the standard output."""
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # Whatever a library prints is no answer.
+    os.dup2(2, 1)  # What libraries print goes to the standard error output.
     _set_limits(int(memory_bytes), int(processor_s))
     try:
         result = TASKS[task](sys.stdin.buffer.read(), *arguments)
@@ -40,7 +39,7 @@ def main(task: str, memory_bytes: str, processor_s: str, *arguments: str) -> int
 
 
 def read(content: bytes, kind: str, most_faces: str) -> Arrays:
-    """Return all triangles of a file, with what places them in its scene applied; materials are never looked at."""
+    """Return all triangles of a file, with the transforms of its scene applied; materials are ignored."""
     import trimesh
 
     try:
@@ -54,19 +53,19 @@ def read(content: bytes, kind: str, most_faces: str) -> Arrays:
         vertices, faces = _triangles(loaded)
     except (RefusedError, MemoryError):
         raise
-    except Exception as error:  # A parser fails on nonsense in every way there is.
+    except Exception as error:  # On invalid input, a parser can raise any error.
         raise RefusedError(f"is not a mesh that can be read ({type(error).__name__}: {error})"[:300]) from None
     if len(faces) > int(most_faces):
-        raise RefusedError(f"has {len(faces):,} triangles, more than the {int(most_faces):,} that are read")
+        raise RefusedError(f"has {len(faces):,} triangles, more than the limit of {int(most_faces):,}")
     if not len(faces):
-        raise RefusedError("holds no triangles")
+        raise RefusedError("contains no triangles")
     if faces.min() < 0 or faces.max() >= len(vertices):
-        raise RefusedError("has triangles with corners that are not in the file")
+        raise RefusedError("has triangles with vertices that are not in the file")
     return {"vertices": vertices, "faces": faces}
 
 
 def decompose(content: bytes, preprocessing: str, most_parts: str, most_corners: str) -> Arrays:
-    """Return the corners of convex parts that together are nearly a mesh, one after the other."""
+    """Return the vertices of convex parts that together approximate a mesh, one part after the other."""
     import coacd
 
     coacd.set_log_level("off")
@@ -94,13 +93,13 @@ TASKS: Mapping[str, Callable[..., Arrays]] = {"read": read, "decompose": decompo
 
 
 def _readable(content: bytes, kind: str) -> bytes:
-    """Return content without letters whose encoding needs guessing, if it is text; they stand in comments and names."""
+    """Return the content of a text file without non-ASCII characters, which occur only in comments and names."""
     text = kind == "obj" or (kind == "stl" and len(content) != _binary_length(content))
     return content.decode("ascii", errors="replace").encode("ascii", errors="replace") if text else content
 
 
 def _binary_length(content: bytes) -> int:
-    """Return how long a binary STL file is by its own account."""
+    """Return the length of a binary STL file according to its header."""
     return 84 + 50 * int.from_bytes(content[80:84], "little")
 
 
@@ -113,8 +112,8 @@ def _triangles(loaded: Any) -> tuple[np.ndarray, np.ndarray]:
         placed = [(graph[node][0], geometry[graph[node][1]]) for node in graph.nodes_geometry]
     meshes = [(np.asarray(place, float), mesh) for place, mesh in placed if len(getattr(mesh, "faces", ()))]
     if not meshes:
-        raise RefusedError("holds no triangles")
-    with np.errstate(all="ignore"):  # Corners that are not finite are dealt with later.
+        raise RefusedError("contains no triangles")
+    with np.errstate(all="ignore"):  # Vertices that are not finite are removed later.
         vertices = [np.asarray(mesh.vertices, float) @ place[:3, :3].T + place[:3, 3] for place, mesh in meshes]
     starts = np.cumsum([0, *map(len, vertices)])
     faces = [np.asarray(mesh.faces, np.int64) + start for start, (_, mesh) in zip(starts, meshes, strict=False)]
@@ -122,7 +121,7 @@ def _triangles(loaded: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _set_limits(memory_bytes: int, processor_s: int) -> None:
-    """Let no more memory and time of processors be had, and no core be dumped, where the system can."""
+    """Limit memory and CPU time and disable core dumps, where the system supports it."""
     with suppress(ImportError):
         import resource
 

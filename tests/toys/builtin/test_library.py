@@ -11,7 +11,7 @@ from scipy.spatial import Delaunay
 
 from mimoc.toys.builtin.library import BUILTIN
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.solids import reach, solid_volume
+from mimoc.toys.solids import bounds, solid_volume
 from mimoc.toys.transforms import mesh_volume
 
 CATEGORIES = set(
@@ -176,7 +176,7 @@ def looks(toy: ToyModel) -> tuple[np.ndarray, np.ndarray]:
 
 def touch(toy: ToyModel) -> tuple[np.ndarray, np.ndarray]:
     """Return the lowest and the highest corner of the box around what touches."""
-    corners = np.array([reach(solid) for solid in toy.solids])
+    corners = np.array([bounds(solid) for solid in toy.solids])
     return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
 
 

@@ -102,7 +102,7 @@ def test_a_root_that_cannot_be_says_so(root):
 
 
 def test_a_root_without_objects_says_what_is_expected(tmp_path):
-    with pytest.raises(ToyError, match="holds no objects of Toys4K; give the folder that has <category>/<category>_<N"):
+    with pytest.raises(ToyError, match="contains no meshes of toys; give a folder with <category>/<category>_<N"):
         find_toys(tmp_path)
 
 
@@ -195,12 +195,12 @@ def test_a_root_is_expanded_and_relative_to_the_spec(text, expected, monkeypatch
 
 @pytest.mark.parametrize("text", ["$NOT_SET_AT_ALL/toys", "${NOT_SET_AT_ALL}/toys"])
 def test_a_variable_that_is_not_set_is_an_error(text):
-    with pytest.raises(ToyError, match=r"\$NOT_SET_AT_ALL is not set; set it, or write the folder out$"):
+    with pytest.raises(ToyError, match=r"\$NOT_SET_AT_ALL is not set; set it, or write the full path$"):
         expand_root(text, Path("/specs"))
 
 
 def test_somebody_without_a_home_is_an_error():
-    with pytest.raises(ToyError, match="there is no such user"):
+    with pytest.raises(ToyError, match="the user does not exist"):
         expand_root("~nobody_of_this_name/toys", Path("/specs"))
 
 
