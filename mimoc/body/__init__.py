@@ -1,4 +1,4 @@
-"""From measurements to a body tree with masses and strengths."""
+"""The body: from measurements to a body tree with masses, joints and strengths."""
 
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.child import grow_child, measure_child

@@ -1,6 +1,6 @@
-"""Five fingers and two toes: the parts, joints and muscles that MIMo's second body has in place of mittens.
+"""Five-finger hands and two-toed feet: their parts, joints and motors, from MIMo's second body.
 
-Names with `{side}` stand for a right and a left part; figures are those of the right side. Fingers are
+Names with `{side}` stand for a right and a left part; values are those of the right side. Fingers are
 ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Mattern et al. 2024).
 """
 
@@ -26,7 +26,7 @@ _THUMB = ("hand_length", "thumb_diameter")
 _FOOT = ("foot_length", "foot_breadth")
 _SOLE_GRIP = (2.0, 0.02, 0.01)
 _GRIP_CONDIM = 6
-"""Contacts of a hand resist twisting and rolling too (MIMo)."""
+"""Contacts of a hand also have torsional and rolling friction (MIMo)."""
 
 
 def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigures:
@@ -59,7 +59,7 @@ def _hinge(
 def _finger(
     name: str, parent: str, masses_kg: tuple[float, float, float], stiffness: tuple[float, float, float]
 ) -> tuple[Part, Part, Part]:
-    """Return the three phalanges of a finger, whose first one also moves sideways."""
+    """Return the three phalanges of a finger, the first of which also moves sideways."""
     side = _hinge(f"{name}_side", (0, 1, 0), (-25, 25), 0.003, 0.001)
     knuckle = _hinge(f"{name}_knuckle", (1, 0, 0), (-20, 90), stiffness[0], 0.0005, 45)
     middle = _hinge(f"{name}_middle", (1, 0, 0), (-5, 100), stiffness[1], 0.0005, 45)
@@ -206,7 +206,7 @@ TOES: Mapping[str, tuple[Part, ...]] = {
     "right": (_toes("big_toe", (0.004425, 0.003934)), _toes("toes", (0.01006, 0.008612))),
     "left": (_toes("toes", (0.01006, 0.008612)), _toes("big_toe", (0.004425, 0.003934))),
 }
-"""Big toe and the others; MIMo lists them the other way round on the left."""
+"""The big toe and the other toes, which MIMo lists in reverse order on the left."""
 
 MASSES_KG: Mapping[str, float] = {
     "lb": 1.1684,
@@ -222,24 +222,24 @@ MASSES_KG: Mapping[str, float] = {
     "{side}_lower_leg1": 0.3370,
     "{side}_lower_leg2": 0.1170,
 }
-"""Where this body's parts weigh something else than the mitten body's: together they weigh 10.9 kg again."""
+"""Masses of the parts that differ from those of the mitten body; the total is again 10.9 kg."""
 
 EXCLUDED = (
     ("{side}_lower_arm", "{side}_thbase"),
     ("{side}_lower_arm", "{side}_lfmetacarpal"),
     ("{side}_thbase", "{side}_lfmetacarpal"),
 )
-"""The roots of thumb and little finger pass through their own forearm and each other (MIMo says so with bit masks)."""
+"""Pairs of bodies without contacts: roots of thumb and little finger, and the forearm (by bit masks in MIMo)."""
 
 _FLEXORS = (-0.345, 1.0)
-"""Fingers close with more force than they open (MIMo)."""
+"""Force range of fingers, which close with more force than they open (MIMo)."""
 _EVEN = (-1.0, 1.0)
 
 
 def _finger_motors(
     name: str, gears_nm: tuple[float, ...], vmax_lengths_per_s: tuple[float, ...]
 ) -> tuple[MotorFigures, ...]:
-    """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
+    """Return the motors of a finger: sideways, knuckle, middle and distal joint."""
     figures = zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
     return tuple(
         MotorFigures(
@@ -280,4 +280,4 @@ _TOE_FORCE = (-1.0, 0.3)
 _BIG_TOE = MotorFigures("act:{side}_big_toe", "robot:{side}_big_toe", 0.165, _TOE_FORCE, 1.774, "{side}_big_toe1")
 _TOES = MotorFigures("act:{side}_toes", "robot:{side}_toes", 0.165, _TOE_FORCE, 1.805, "{side}_toes1")
 TOE_MOTORS: Mapping[str, tuple[MotorFigures, ...]] = {"right": (_BIG_TOE, _TOES), "left": (_TOES, _BIG_TOE)}
-"""In the order of each side's toes."""
+"""Motors in the order of each side's toes."""

@@ -1,6 +1,6 @@
-"""Motors of all joints but those of fingers and toes: their gear, and the part whose growth it follows.
+"""Motors of all joints except fingers and toes: their gears, and the parts whose growth the gears follow.
 
-Figures are MIMo's (Mattern et al. 2024). `{side}` stands for a right and a left one.
+Values are MIMo's (Mattern et al. 2024). `{side}` stands for right and left.
 """
 
 from mimoc.body.figures import MotorFigures
