@@ -1,4 +1,4 @@
-"""From measurements to a body tree with masses and strengths."""
+"""The body: from measurements to a body tree with masses, joints and strengths."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

@@ -1,7 +1,7 @@
-"""The reference body but for hands and feet: its parts, joints and motors, and MIMo's figures for them at 18 months.
+"""The reference body without hands and feet: its parts, joints and motors, and MIMo's values for them at 18 months.
 
-Names with `{side}` stand for a right and a left part; figures are those of the right side (the left is
-its mirror image in y). Sizes and positions are not here: they follow from measurements (`segments`, `extremities`).
+Names with `{side}` stand for a right and a left part; values are those of the right side (the left is its mirror
+image in y). Sizes and positions follow from measurements (`segments`, `extremities`).
 Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
 """
 
@@ -17,7 +17,7 @@ from mimoc.body.figures import (
 )
 
 REFERENCE_AGE_MONTHS = 18.0
-"""Age at which gears are MIMo's own."""
+"""Age at which actuator gears are those of MIMo."""
 
 _AXIAL = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
 
@@ -297,20 +297,20 @@ WRIST_JOINTS = (
     JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
     JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
 )
-"""Of either kind of hand."""
+"""Parts that both kinds of hands have."""
 
 ANKLE_JOINTS = (
     JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
     JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
     JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
 )
-"""Of either kind of foot."""
+"""Parts that both kinds of feet have."""
 
 CHEST_JOINTS = (
     JointFigures("robot:chest_lean", (1, 0, 0), (-9, 9), 1.69, 0.38, 0.024, 0.01),
     JointFigures("robot:chest_rot", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
 )
-"""What the chest has where it is not rigid."""
+"""Joints of the chest, where it is not rigidly attached."""
 
 TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
     ("hip_bend", 0.01, (("robot:hip_bend1", 1), ("robot:hip_bend2", -1))),
@@ -332,7 +332,7 @@ EXCLUDED = (
     ("right_eye", "chest"),
     ("chest", "head"),
 )
-"""Bodies that pass through each other; MIMo's eyes met the chest when it became a body of its own."""
+"""Pairs of bodies without contacts; MIMo's eyes would collide with the chest now that it is a separate body."""
 
 FRICTIONLESS = (("lb", "ub1"),)
-"""Geoms that slide on each other when the trunk bends."""
+"""Pairs of geoms with frictionless contact, which slide on each other when the trunk bends."""

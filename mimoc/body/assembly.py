@@ -1,4 +1,4 @@
-"""One whole anatomy, put together from the tables: which hands, and whether the chest moves."""
+"""Assembly of a complete anatomy from the tables, for a kind of hands and with or without joints of the chest."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -20,25 +20,25 @@ IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs")
 
 @dataclass(frozen=True, slots=True)
 class Anatomy:
-    """A reference body: everything that does not grow."""
+    """A reference body: everything that does not depend on age."""
 
     hands: str
     """`mitten` or `five_finger`."""
     parts: Sided
-    """Each followed by all that is attached to it, in MIMo's order."""
+    """Side (empty for the midline) and part, parents first, in MIMo's order."""
     motors: tuple[tuple[str, MotorFigures], ...]
     """Side and motor, in MIMo's order."""
     excluded: tuple[tuple[str, str], ...]
-    """Bodies that pass through each other."""
+    """Pairs of bodies without contacts."""
 
     @property
     def geoms(self) -> Mapping[str, GeomFigures]:
-        """Every geom by its name with `{side}`."""
+        """All geoms by name with `{side}`."""
         return MappingProxyType({geom.name: geom for _, part in self.parts for geom in part.geoms})
 
     @property
     def follows(self) -> frozenset[str]:
-        """The measurements that make a difference to this body."""
+        """Names of the measurements that this body depends on."""
         own = {name for _, part in self.parts for name in part.follows}
         return frozenset(own.union(*((*geom.follows, *geom.placed_by) for geom in self.geoms.values())))
 

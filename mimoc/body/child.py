@@ -1,4 +1,4 @@
-"""The child that a spec describes: the average of its age, made an individual, with single parts changed."""
+"""The child described by a spec: the average child of its age, individualised, with single parts scaled."""
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.damping import scale_damping
@@ -13,10 +13,10 @@ from mimoc.units import cm_to_m
 
 
 def measure_child(spec: InfantSpec, anatomy: Anatomy) -> Measurements:
-    """Return the measurements of a spec's child: of its age, then of the individual, then those the spec gives.
+    """Return the measurements of a spec's child: those of its age, individualised, and replaced where the spec says so.
 
     Raises:
-        IndividualError: If no child measures what the individual should.
+        IndividualError: If no child matches the requested individual.
     """
     measurements = measure(spec.age_months)
     if spec.body.individual:
@@ -25,13 +25,13 @@ def measure_child(spec: InfantSpec, anatomy: Anatomy) -> Measurements:
 
 
 def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
-    """Return the measurements with those that the spec gives one by one in place of a child's own."""
+    """Return the measurements, with those that the spec gives replacing the child's own."""
     given = {key.removesuffix("_cm"): _given(key, value_cm) for key, value_cm in spec.body.measurements.items()}
     return measurements.replaced(given)
 
 
 def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -> BodyTree:
-    """Return the body of a spec's child: parts, strength and damping scaled, absent limbs left out.
+    """Return the body of a spec's child, with scaled parts, strength and damping, and without removed limbs.
 
     Raises:
         GeometryError: If no body has these measurements.

@@ -1,4 +1,4 @@
-"""Damping and armature that grow with extraordinary strength, so that no joint moves faster than an average child's."""
+"""Scaling of damping and armature with above-average strength, so that no joint moves faster than MIMo's."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,23 +13,23 @@ NOISE = 1e-9
 
 
 def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
-    """Return a body whose damping and armature grow with any strength beyond the ordinary.
+    """Return a body whose damping and armature are scaled with any strength above average.
 
-    A joint's damping and armature are MIMo's at every age, and strength follows the volume of a part. Where a motor is
-    stronger than that of the average child of the same age and of 18 months, because a spec makes a part or a child
-    larger or stronger, both grow by the same factor. So neither the speed at which damping balances the motor's torque
-    nor the acceleration that this torque gives the armature exceeds MIMo's.
+    A joint's damping and armature are MIMo's at every age, and strength follows the volume of a part. If a motor is
+    stronger than that of the average child both of the same age and of 18 months, because a spec makes a part or a
+    child larger or stronger, both are multiplied by the same factor. Therefore neither the speed at which damping
+    balances the motor's torque nor the acceleration of the armature under this torque exceeds MIMo's.
 
     Args:
         tree: The body, with its final strength.
-        anatomy: Of that body.
+        anatomy: Anatomy of that body.
     """
     factors = dict(_factors(tree, anatomy))
     return replace(tree, bodies=tuple(_scale_body(body, factors) for body in tree.bodies)) if factors else tree
 
 
 def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, float]]:
-    """Yield the joints whose motors are stronger than ordinary, and by what factor."""
+    """Yield the joints whose motors are stronger than average, with the factor."""
     average = grow(measure(tree.age_months), anatomy).motors
     for motor, usual, (_, figures) in zip(tree.motors, average, anatomy.motors, strict=True):
         ordinary_nm = max(usual.gear_nm, figures.gear_nm)

@@ -1,10 +1,10 @@
-"""Density: how much of each geom's volume is mass, the same at every age.
+"""Density of each geom, the same at every age.
 
-The average child of 18 months weighs, part by part, what MIMo does, so a geom's density is MIMo's mass over the volume
-that it has in that child. The hands of five fingers are the exception: they follow measured hands, of some half the
-volume of MIMo's, and have the density that MIMo's have (some 1,030 kg/m³) in place of MIMo's mass (lead has 11,300
-kg/m³; fingertips would have had 2,300). Masses and sizes are MIMo's (Mattern et al. 2024; López et al. 2025);
-`{side}` stands for right and left.
+At 18 months, each part of the average child has MIMo's mass, so a geom's density is MIMo's mass divided by the volume
+of the geom in that child. Five-finger hands are the exception: they follow measured hands, with about half the volume
+of MIMo's, and have the density of MIMo's hands (about 1,030 kg/m³) instead of their mass, with which fingertips would
+have a density of 2,300 kg/m³. Masses and sizes are MIMo's (Mattern et al. 2024; López et al. 2025); `{side}` stands
+for right and left.
 """
 
 from collections.abc import Mapping
@@ -19,14 +19,14 @@ from mimoc.fits import measure
 from mimoc.geometry.primitives import volume
 
 Size = tuple[float, ...]
-"""As MuJoCo wants it, in [m]."""
+"""Size as in MuJoCo, in [m]."""
 
 
 def density(figures: GeomFigures, hands: str) -> float:
-    """Return the density of a geom, in kg/m³; 0 for fillers without mass.
+    """Return the density of a geom, in [kg/m³]; 0 for geoms without mass.
 
     Args:
-        figures: Of the geom.
+        figures: Reference values of the geom.
         hands: `mitten` or `five_finger`.
     """
     if not figures.mass_kg:
@@ -37,7 +37,7 @@ def density(figures: GeomFigures, hands: str) -> float:
 
 
 def is_of_fingers(figures: GeomFigures, hands: str) -> bool:
-    """Return whether a geom belongs to a hand of five fingers, which has MIMo's density and not its mass."""
+    """Return whether a geom belongs to a five-finger hand, which has the density of MIMo's hand instead of its mass."""
     return hands == "five_finger" and figures.name in FIVE_FINGER_HAND
 
 
@@ -76,4 +76,4 @@ FIVE_FINGER_HAND: Mapping[str, Size] = {
     "{side}_thhub1": (0.00638, 0.00697),
     "{side}_thdistal1": (0.00618, 0.00587),
 }
-"""The sizes of MIMo's own hand of five fingers."""
+"""Sizes of MIMo's five-finger hand."""

@@ -8,7 +8,7 @@ from mimoc.geometry.rotations import Vec3
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """Size and centre of a geom, as MuJoCo wants them."""
+    """Size and centre of a geom, as in MuJoCo."""
 
     size_m: tuple[float, ...]
     pos_m: Vec3
@@ -16,14 +16,14 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Dimensions:
-    """Sizes and positions on the right side, by the names in `anatomy`."""
+    """Sizes and positions of the right side, by the names in `anatomy`."""
 
     origins: Mapping[str, Vec3] = field(default_factory=dict)
-    """Bodies, in the frame of their parent."""
+    """Origins of bodies, in the frame of their parent."""
     shapes: Mapping[str, Shape] = field(default_factory=dict)
-    """Geoms, in the frame of their body."""
+    """Shapes of geoms, in the frame of their body."""
     anchors: Mapping[str, Vec3] = field(default_factory=dict)
-    """Joints that do not turn about the origin of their body."""
+    """Anchors of the joints that are not at the origin of their body."""
 
     def __or__(self, other: "Dimensions") -> "Dimensions":
         """Return the union of both."""

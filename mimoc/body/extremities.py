@@ -1,4 +1,4 @@
-"""Shapes, joints and centres of hands and feet, from an infant's proportions; right side, in MIMo's frames."""
+"""Shapes and joint positions of hands and feet, from an infant's proportions; right side, in MIMo's frames."""
 
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.proportions import (
@@ -14,11 +14,11 @@ from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 
 FINGERS = {"ff": (0.95, 0.9), "mf": (1.0, 1.0), "rf": (0.95, 0.9), "lf": (0.91, 0.88)}
-"""Radius and length of each finger against the middle finger's (MIMo v2)."""
+"""Radius and length of each finger relative to the middle finger (MIMo v2)."""
 
 
 def mitten_dimensions(p: Proportions) -> Dimensions:
-    """Return palm and fingers, which end at the hand's length in a tip as round as the hand is thick."""
+    """Return palm and fingers, whose tip, at the length of the hand, is rounded with half the hand's thickness."""
     h = p.hand
     tip_m = h.half_thickness_m + 2 * CLEARANCE_M
     palm_m = (h.length_m - tip_m) * 0.0416 / 0.083
@@ -51,7 +51,7 @@ def _check_hand(h: Hand, half_width_m: float) -> None:
 
 
 def flat_foot_dimensions(p: Proportions) -> Dimensions:
-    """Return heel, sole and toes, spread along x so that the foot has its length."""
+    """Return heel, sole and toes, distributed along x so that the foot has its measured length."""
     f = p.foot
     heel_m, toe_m = f.half_breadth_m - CLEARANCE_M, f.half_height_m
     s = (f.length_m - heel_m - toe_m) / 0.084
@@ -75,7 +75,7 @@ def flat_foot_dimensions(p: Proportions) -> Dimensions:
 
 
 def fingers_dimensions(p: Proportions) -> Dimensions:
-    """Return a hand of five fingers: palm and middle finger are each half as long as the hand."""
+    """Return a five-finger hand, whose palm and middle finger are each half as long as the hand."""
     h = p.hand
     thick_m = 0.584 * h.half_thickness_m
     palm_m = h.length_m / 4 - thick_m
@@ -128,7 +128,7 @@ def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide
 
 
 def _finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float) -> Dimensions:
-    """Return three phalanges, the first twice as long as each of the others, joint to joint."""
+    """Return three phalanges, the first twice as long, from joint to joint, as each of the others."""
     tip_m = half_m / 2 - 0.45 * radius_m
     return Dimensions(
         origins={
@@ -163,7 +163,7 @@ def _thumb_dimensions(h: Hand, palm_m: float, wide: float) -> Dimensions:
 
 
 def toes_dimensions(p: Proportions) -> Dimensions:
-    """Return a foot with a big toe apart, spread along x so that the foot has its length."""
+    """Return a foot with a separate big toe, distributed along x so that the foot has its measured length."""
     f = p.foot
     heel_m, height_m, half_m = f.half_breadth_m - CLEARANCE_M, f.half_height_m, f.half_breadth_m
     s = (f.length_m - heel_m - height_m) / 0.079

@@ -1,6 +1,6 @@
-"""Five fingers and two toes: the parts, joints and muscles that MIMo's second body has in place of mittens.
+"""Five-finger hands and two-toed feet: their parts, joints and motors, from MIMo's second body.
 
-Names with `{side}` stand for a right and a left part; figures are those of the right side. Fingers are
+Names with `{side}` stand for a right and a left part; values are those of the right side. Fingers are
 ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Mattern et al. 2024).
 """
 
@@ -30,7 +30,7 @@ _THUMB = ("hand_length", "thumb_diameter")
 _FOOT = ("foot_length", "foot_breadth")
 _SOLE_GRIP = (2.0, 0.02, 0.01)
 _GRIP_CONDIM = 6
-"""Contacts of a hand resist twisting and rolling too (MIMo)."""
+"""Contacts of a hand also have torsional and rolling friction (MIMo)."""
 
 
 def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigures:
@@ -108,7 +108,7 @@ def _hinge(
 def _finger(
     name: str, parent: str, masses_kg: Figures, stiffness: Figures, motors: tuple[MotorFigures, ...]
 ) -> tuple[Part, Part, Part]:
-    """Return the three phalanges of a finger, whose first one also moves sideways."""
+    """Return the three phalanges of a finger, the first of which also moves sideways."""
     side = _hinge(f"{name}_side", (0, 1, 0), (-25, 25), 0.003, 0.001)
     knuckle = _hinge(f"{name}_knuckle", (1, 0, 0), (-20, 90), stiffness[0], 0.0005, 45)
     middle = _hinge(f"{name}_middle", (1, 0, 0), (-5, 100), stiffness[1], 0.0005, 45)
@@ -309,7 +309,7 @@ def _toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) 
 _BIG_TOE = _toes("big_toe", (0.004425, 0.003934), 1.774)
 _OTHER_TOES = _toes("toes", (0.01006, 0.008612), 1.805)
 TOES: Mapping[str, tuple[Part, ...]] = {"right": (_BIG_TOE, _OTHER_TOES), "left": (_OTHER_TOES, _BIG_TOE)}
-"""Big toe and the others; MIMo lists them the other way round on the left."""
+"""The big toe and the other toes, which MIMo lists in reverse order on the left."""
 
 MASSES_KG: Mapping[str, float] = {
     "lb": 1.1684,
@@ -325,11 +325,11 @@ MASSES_KG: Mapping[str, float] = {
     "{side}_lower_leg1": 0.3370,
     "{side}_lower_leg2": 0.1170,
 }
-"""Where this body's parts weigh something else than the mitten body's: together they weigh 10.9 kg again."""
+"""Masses of the parts that differ from those of the mitten body; the total is again 10.9 kg."""
 
 EXCLUDED = (
     ("{side}_lower_arm", "{side}_thbase"),
     ("{side}_lower_arm", "{side}_lfmetacarpal"),
     ("{side}_thbase", "{side}_lfmetacarpal"),
 )
-"""The roots of thumb and little finger pass through their own forearm and each other (MIMo says so with bit masks)."""
+"""Pairs of bodies without contacts: roots of thumb and little finger, and the forearm (by bit masks in MIMo)."""

@@ -1,4 +1,4 @@
-"""From measurements to a body: anatomy takes the shapes that geometry gives it."""
+"""Construction of a body from measurements and an anatomy."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -19,7 +19,7 @@ SIDES = ("", "right", "left")
 
 
 Factors = tuple[float, float]
-"""Along a part, and across it."""
+"""Factors on the length and the girth of a part."""
 
 
 def grow(
@@ -28,7 +28,7 @@ def grow(
     """Return the body of a child.
 
     Args:
-        measurements: Of the child.
+        measurements: Measurements of the child.
         anatomy: Its parts, joints and muscles.
         scales: Factors on length and girth of single parts, by the name of the body.
 
@@ -57,7 +57,7 @@ def grow_reference(hands: str) -> BodyTree:
 def _side_dimensions(
     measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str
 ) -> Dimensions:
-    """Return the dimensions of one side's measurements; of the middle's, where *side* is empty."""
+    """Return the dimensions from one side's measurements, or from both sides' if *side* is empty."""
     base = {name: measured.value_m for name, measured in measurements.base.items()}
     dimensions = body_dimensions(proportions(measurements.of_side(side), base), anatomy.hands)
     parts = [part for here, part in anatomy.parts if here in (side, "")]
@@ -78,7 +78,7 @@ def _growth(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
 
 
 def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
-    """Return a motor; its gear grows with the volume of the part that moves its joint."""
+    """Return a motor, whose gear is proportional to the volume of the part that its joint moves."""
     return Motor(
         name=figures.name.format(side=side),
         joint=figures.joint.format(side=side),
@@ -145,6 +145,6 @@ def _mirror(vector: Vec3, left: bool) -> Vec3:
 
 
 def _mirror_turn(vector: Vec3, left: bool) -> Vec3:
-    """Return an axis or Euler angles, mirrored in y: turns about x and z change sense, about y they do not."""
+    """Return an axis or Euler angles, mirrored in y: rotations about x and z change sign, about y they do not."""
     x, y, z = vector
     return (-x, y, -z) if left else vector

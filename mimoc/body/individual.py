@@ -1,4 +1,4 @@
-"""One child instead of the average one: the few scale factors that give it its length, weight and head."""
+"""Individual children: the scale factors with which a child has a given length, weight and head circumference."""
 
 import math
 from collections.abc import Callable
@@ -18,19 +18,19 @@ Bounds = tuple[float, float]
 
 WHY = "for this child"
 SIZES: Bounds = (0.75, 1.25)
-"""Least and largest size against the average child of the same age; WHO's percentiles 1 to 99 reach .81 to 1.17."""
+"""Range of size relative to the average child of the same age; WHO's percentiles 1 to 99 span .81 to 1.17."""
 BUILDS: Bounds = (0.65, 1.45)
-"""Least and largest girth against length, both relative to the average child's; WHO's combine to .71 to 1.35."""
+"""Range of girth over length, both relative to the average child's; WHO's percentiles combine to .71 to 1.35."""
 HEADS: Bounds = (0.75, 1.4)
-"""Least and largest head against length, both relative to the average child's; WHO's combine to .79 to 1.33."""
+"""Range of head over length, both relative to the average child's; WHO's percentiles combine to .79 to 1.33."""
 HEAD = ("head_circumference", "head_breadth", "head_length")
 _PRECISION = 1e-12
-"""Of a factor, so that no digit that files hold depends on the search."""
+"""Precision of a factor, such that no digit in a file depends on the root finding."""
 
 
 @dataclass(frozen=True, slots=True)
 class Targets:
-    """What is wanted of one child; None where it is to follow from the rest."""
+    """Requested measures of a child; None for those that follow from the others."""
 
     length_m: float | None
     weight_kg: float | None
@@ -38,13 +38,13 @@ class Targets:
 
 
 def targets(individual: IndividualSpec, age_months: float) -> Targets:
-    """Return what a child is to measure, percentiles looked up in WHO's tables for its sex and age."""
+    """Return the requested measures of a child, with percentiles looked up in WHO's tables for its sex and age."""
 
     def wanted(indicator: str, value: float | None, percentile: float | None) -> float | None:
         if percentile is None:
             return value
         z = NormalDist().inv_cdf(percentile / 100)
-        sex: Sex = individual.sex or "female"  # The schema asks for a sex where there is a percentile.
+        sex: Sex = individual.sex or "female"  # The schema requires a sex if a percentile is given.
         return load_tables().who[indicator].value(z, age_months, sex)
 
     length_cm = wanted("length_cm", individual.length_cm, individual.length_percentile)
@@ -57,19 +57,19 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
 
 
 def individualise(measurements: Measurements, individual: IndividualSpec, grow: Grow) -> Measurements:
-    """Return the measurements of one child.
+    """Return the measurements of an individual child.
 
-    Lengths, girths and head each have one factor, so that AnthroKids' proportions are kept. What is not
-    given follows: length from weight, or else from the head; girths from weight, or else from length; the
-    head from length.
+    Lengths, girths and head have one factor each, so that AnthroKids' proportions are kept. Measures that are not
+    given follow from the others: length from weight, or else from the head; girths from weight, or else from length;
+    the head from length.
 
     Args:
-        measurements: Of the average child of this age.
-        individual: What is known of the child.
-        grow: From measurements to the body whose weight counts.
+        measurements: Measurements of the average child of this age.
+        individual: Measures and percentiles of the child.
+        grow: Function from measurements to the body, for its weight.
 
     Raises:
-        IndividualError: If no child measures this; it says what is possible.
+        IndividualError: If no child matches; the message gives the possible range.
     """
     wanted = targets(individual, measurements.age_months)
     keys = tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None)
@@ -96,10 +96,10 @@ def _factors(measurements: Measurements, length: float, girth: float, head: floa
 
 
 def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm: Bounds, child: str) -> float | None:
-    """Return what is wanted over the average.
+    """Return the ratio of the requested measure to the average.
 
     Raises:
-        IndividualError: If that is not within *bounds*; it gives the lengths that are.
+        IndividualError: If it is not within *bounds*; the message gives the possible lengths.
     """
     if wanted_m is None:
         return None
@@ -111,21 +111,21 @@ def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm:
 
 
 def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, child: str) -> float:
-    """Return the factor at which a child weighs what is wanted.
+    """Return the factor with which a child has the requested weight.
 
     Raises:
-        IndividualError: If none within *bounds* does; it gives the weights that are possible.
+        IndividualError: If no factor within *bounds* gives it; the message gives the possible weights.
     """
     low, high = bounds
     lightest_kg, heaviest_kg = weigh(low), weigh(high)
     if not lightest_kg <= wanted_kg <= heaviest_kg:
         possible = _range((lightest_kg, heaviest_kg), WEIGHTS_KG, "kg")
-        raise IndividualError(f"a child of {child} does not weigh {wanted_kg:.1f} kg; {possible}")
+        raise IndividualError(f"a child of {child} cannot weigh {wanted_kg:.1f} kg; {possible}")
     return root(lambda factor: weigh(factor) - wanted_kg, low, high, _PRECISION)
 
 
 def _range(bounds: Bounds, limits: Bounds, unit: str) -> str:
-    """Return advice to stay within bounds, rounded inwards, and within what a spec can say."""
+    """Return advice with the range of values, rounded inwards and limited to those that a spec allows."""
     least, largest = max(bounds[0], limits[0]), min(bounds[1], limits[1])
     return f"give {math.ceil(10 * least) / 10:.1f} to {math.floor(10 * largest) / 10:.1f} {unit}"
 

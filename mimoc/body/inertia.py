@@ -1,4 +1,4 @@
-"""The least and the largest inertia about each joint, over all poses."""
+"""Bounds of each joint's inertia over all poses."""
 
 from collections.abc import Mapping
 
@@ -9,13 +9,13 @@ from mimoc.body.tree import BodyTree, Geom
 from mimoc.units import deg_to_rad
 
 POSES = 4
-"""Number of sampled poses, spread evenly over the ranges of all joints."""
+"""Number of sampled poses, distributed evenly over the ranges of all joints."""
 
 
 def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
-    """Return the least and the largest inertia about each joint over the sampled poses, armature included, in [kg m²].
+    """Return the smallest and the largest inertia about each joint over sampled poses, with armature, in [kg m²].
 
-    The least over all poses is at least half of what is found here, and for most joints at least four fifths.
+    The true minimum over all poses is at least half of the value returned, and for most joints at least four fifths.
     """
     moved, joints, found = _moved(tree), tree.joints, []
     for angles_rad in _spread_poses(tree):
@@ -29,7 +29,7 @@ def inertias(tree: BodyTree) -> Mapping[str, tuple[float, float]]:
 def _spread_poses(tree: BodyTree) -> list[dict[str, float]]:
     """Return angles of all joints, in [rad], within their ranges: points of an additive recurrence (Kronecker).
 
-    Both sides get the same angles, in whatever order the joints come, so that their inertias are equal.
+    Left and right get the same angles, regardless of the order of joints, so that their inertias are equal.
     """
     joints = sorted({_sideless(name) for name in tree.joints})
     steps = dict(zip(joints, np.sqrt(np.arange(2, 2 + len(joints)) + 0.5) % 1, strict=True))
@@ -57,7 +57,7 @@ def _moved(tree: BodyTree) -> FloatArray:
 
 
 def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatArray) -> FloatArray:
-    """Return the inertia of all that each joint moves about its axis, shape (joints,)."""
+    """Return the inertia about each joint's axis of all parts that it moves, shape (joints,)."""
     masses = np.array([geom.mass_kg for geom in posed.geoms])
     arms = np.cross(posed.centres - anchors[:, None], axes[:, None])
     own = np.array([_gyration_squares(geom) for geom in posed.geoms])
@@ -67,7 +67,7 @@ def _inertias(posed: Posed, moved: FloatArray, anchors: FloatArray, axes: FloatA
 
 
 def _gyration_squares(geom: Geom) -> tuple[float, float, float]:
-    """Return the squared radii of gyration about a geom's own axes, in [m²]; a capsule counts as its cylinder."""
+    """Return the squared radii of gyration about a geom's axes, in [m²]; a capsule is treated as its cylinder."""
     if geom.type == "box":
         x, y, z = (half_m**2 / 3 for half_m in geom.size_m)
         return y + z, x + z, x + y

@@ -1,4 +1,4 @@
-"""Where the parts of a body are in a given pose, and where it touches the ground."""
+"""Forward kinematics of a body, and its extents in a pose."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,37 +26,37 @@ class Posed:
 
     @property
     def centre_of_mass(self) -> FloatArray:
-        """Shape (3,), [m]; exact, for every geom is symmetric."""
+        """Centre of mass, shape (3,), [m]; exact, because every geom is symmetric."""
         masses = np.array([geom.mass_kg for geom in self.geoms])
         return masses @ self.centres / masses.sum()
 
     @property
     def solid(self) -> "Posed":
-        """The same without the geoms that collide with nothing."""
+        """This pose without the geoms that have no contacts."""
         kept = [index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity]
         return self.only(kept)
 
     @cached_property
     def extents(self) -> Extents:
-        """How far each geom reaches from its own centre."""
+        """Extents of each geom from its own centre."""
         return extents((geom.type, geom.size_m) for geom in self.geoms)
 
     def only(self, kept: Sequence[int]) -> "Posed":
-        """Return some of the geoms, by their index."""
+        """Return this pose with only some of the geoms, by index."""
         return Posed(tuple(self.geoms[index] for index in kept), self.centres[kept], self.rotations[kept])
 
     def reaches(self, direction: FloatArray) -> FloatArray:
-        """Return how far each geom reaches from the hip along a unit vector of the hip frame, shape (n,), [m]."""
+        """Return each geom's extent from the hip along a unit vector of the hip frame, shape (n,), [m]."""
         local = np.einsum("nij,i->nj", self.rotations, direction)
         return self.centres @ direction + self.extents.along(local)
 
     def extent(self, direction: FloatArray) -> float:
-        """Return how far the body reaches from the hip along a unit vector of the hip frame, in [m]."""
+        """Return the body's extent from the hip along a unit vector of the hip frame, in [m]."""
         return float(self.reaches(direction).max())
 
 
 def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
-    """Return the body with some joints turned; joints that are not named stay at zero."""
+    """Return the body with some joint angles; joints that are not named are at zero."""
     placed = frames(tree, angles_rad)
     geoms, centres, turns = [], [], []
     for body in tree.bodies:
@@ -71,7 +71,7 @@ def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
 def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
     """Return origin and rotation of every part in the frame of the hip, shapes (3,) and (3, 3).
 
-    Joints that are not named stay at zero.
+    Joints that are not named are at zero.
     """
     found: dict[str, Frame] = {}
     for body in tree.bodies:
@@ -83,7 +83,7 @@ def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
 def hinges(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
     """Return the anchor and the axis of every joint in the frame of the hip, shapes (3,) each; the axis a unit vector.
 
-    Joints that are not named stay at zero.
+    Joints that are not named are at zero.
     """
     placed, found = frames(tree, angles_rad), {}
     for body in tree.bodies:
@@ -98,7 +98,7 @@ def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
 
     Args:
         tree: The body.
-        state: Place and quaternion of the hip, then the hinges (qpos).
+        state: Position and quaternion of the hip, then the hinges (qpos).
     """
     hip, turn = hip_in_world(state)
     angles_rad = dict(zip(tree.joints, state[7:], strict=False))
@@ -107,14 +107,14 @@ def frames_in_world(tree: BodyTree, state: Sequence[float]) -> dict[str, Frame]:
 
 
 def hip_in_world(state: Sequence[float]) -> Frame:
-    """Return place and rotation of the hip, shapes (3,) and (3, 3), of a state (qpos)."""
+    """Return position and rotation of the hip, shapes (3,) and (3, 3), from a state (qpos)."""
     return np.array(state[:3]), matrix_from_quaternion(state[3:7])
 
 
 def _frame(
     body: Body, angles_rad: Mapping[str, float], parent_origin: FloatArray, parent_turn: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return origin and rotation of a body: its joints turn it one after another about their anchors."""
+    """Return origin and rotation of a body, which its joints rotate one after another about their anchors."""
     origin = parent_origin + parent_turn @ body.pos_m
     turn = parent_turn @ matrix_from_euler(body.euler_deg)
     for joint in body.joints:
@@ -129,7 +129,7 @@ def _frame(
 def _turns(
     body: Body, angles_rad: Mapping[str, float], parent_origin: FloatArray, parent_turn: FloatArray
 ) -> Iterator[tuple[Joint, FloatArray, FloatArray]]:
-    """Yield each joint of a body, where its anchor is, and how the body is turned before it turns."""
+    """Yield each joint of a body, the position of its anchor, and the rotation of the body before the joint's own."""
     for count, joint in enumerate(body.joints):
         before = replace(body, joints=body.joints[:count])
         origin, turn = _frame(before, angles_rad, parent_origin, parent_turn)

@@ -1,6 +1,6 @@
-"""Mitten hands, whose fingers move as one, and feet whose toes do (Mattern et al. 2024).
+"""Mitten hands, whose fingers move together, and feet whose toes do (Mattern et al. 2024).
 
-Names with `{side}` stand for a right and a left part; figures are those of the right side.
+Names with `{side}` stand for a right and a left part; values are those of the right side.
 """
 
 from mimoc.body.anatomy import ANKLE_JOINTS, WRIST_JOINTS

@@ -1,6 +1,6 @@
-"""Motors of all joints but those of fingers and toes, by the part they move: their gear, and the geom it grows with.
+"""Motors of all joints except fingers and toes, by the part they move: gears, and the geoms whose growth they follow.
 
-Figures are MIMo's (Mattern et al. 2024). `{side}` stands for a right and a left one.
+Values are MIMo's (Mattern et al. 2024). `{side}` stands for right and left.
 """
 
 from mimoc.body.figures import MotorFigures

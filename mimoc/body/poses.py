@@ -1,4 +1,4 @@
-"""The poses an infant starts in, resting on the ground."""
+"""Starting poses of an infant, resting on the ground."""
 
 import math
 from collections.abc import Mapping
@@ -15,12 +15,12 @@ from mimoc.units import deg_to_rad
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Joint angles, and how the whole body lies."""
+    """Joint angles and orientation of the hip."""
 
     pitch_deg: float
-    """Turn of the hip about y: 90 is face down, -90 face up."""
+    """Rotation of the hip about y: 90 is face down, -90 face up."""
     angles_deg: Mapping[str, float]
-    """By joint, without `robot:`; `{side}` stands for both sides."""
+    """Angles by joint, without `robot:`; `{side}` stands for both sides."""
 
 
 POSES: Mapping[str, Pose] = {
@@ -61,13 +61,13 @@ POSES: Mapping[str, Pose] = {
     ),
     "standing": Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30}),
 }
-"""Natural poses for infants, well inside the range of every joint; lumbar joints keep their couplings."""
+"""Natural poses of infants, well within the range of every joint; lumbar joints satisfy their couplings."""
 
 CONTACT_DEPTH_M = 1e-4
-"""How deep a resting body presses into the ground, so that the first physics step already carries it."""
+"""Penetration depth of a resting body, such that the first physics step already supports its weight."""
 
 _STEP_DEG = 0.5
-"""Step in which a rolling body is followed down to its resting pitch."""
+"""Step of pitch in the search for the resting pitch."""
 _PRECISION_RAD = 1e-9
 
 
@@ -87,13 +87,13 @@ def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
 
 
 def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
-    """Return a pose at rest on the ground as qpos: place and quaternion of the hip, then the hinges.
+    """Return a pose at rest on the ground as qpos: position and quaternion of the hip, then the hinges.
 
-    The body, rigid, rolls about y to the next minimum of the height of its centre of mass, and rests there.
+    The body, as if it were rigid, rolls about y to the nearest minimum of the height of its centre of mass.
 
     Args:
         tree: The body.
-        wanted: The pose; the minimum is the one downhill from its pitch.
+        wanted: The pose; the minimum is the one that is reached downhill from its pitch.
     """
     angles = pose_angles(tree, wanted)
     posed = pose(tree, angles)
@@ -103,7 +103,7 @@ def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
 
 
 def pitched(pitch_rad: float) -> Quaternion:
-    """Return the rotation about y of a hip, as qpos has it."""
+    """Return the rotation of a hip about y as a quaternion."""
     return quaternion_from_axis((0.0, 1.0, 0.0), pitch_rad)
 
 
@@ -121,9 +121,9 @@ def _resting_pitch(posed: Posed, start_rad: float) -> float:
     while height(start_rad + step) < height(start_rad):
         start_rad += step
     low, high = sorted((start_rad - step, start_rad + step))
-    return round(minimum(height, low, high, _PRECISION_RAD), 6)  # What follows is noise.
+    return round(minimum(height, low, high, _PRECISION_RAD), 6)  # Further digits are numerical noise.
 
 
 def _down(pitch_rad: float) -> FloatArray:
-    """Return which way is down in the frame of a hip that is turned about y, shape (3,)."""
+    """Return the direction of gravity in the frame of a hip that is rotated about y, shape (3,)."""
     return np.array([math.sin(pitch_rad), 0.0, -math.cos(pitch_rad)])

@@ -1,8 +1,8 @@
-"""The lengths and radii of an infant's segments, from measurements on a child.
+"""Lengths and radii of an infant's segments, from measurements of a child.
 
-A measurement is taken on the outside of a child, a model's segment runs between joints. Where the
-two differ, the segment keeps the share of the measurement that it has in the reference body, whose
-own measurements are the means of the 16-19 months group of AnthroKids.
+Measurements are taken on the surface of a child, whereas segments of a model run between joints. Where the two
+differ, the segment is the same fraction of the measurement as in the reference body, whose measurements are the means
+of the 16-19 months group of AnthroKids.
 """
 
 import math
@@ -28,28 +28,28 @@ REFERENCE_M: Mapping[str, float] = {
 """The reference child, about 18 months old (AnthroKids, 16-19 completed months)."""
 
 CLEARANCE_M = 1e-4
-"""By how much a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""
+"""Distance by which a part is made smaller than its neighbour where their surfaces would coincide (MIMo v2)."""
 
 FINGER_ROOM, THUMB_ROOM = 0.062, 0.073
-"""Radius over hand length up to which the first and the last phalanx do not touch each other when straight."""
+"""Largest ratio of radius to hand length at which the phalanges of a straight finger do not touch their neighbours."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trunk:
-    """Pelvis to shoulders: the radius and half width of each capsule, and the spacing of all."""
+    """Pelvis to shoulders: radius and half width of each capsule, and their spacing."""
 
     axial: float
     """Spacing of the trunk's bodies along z, 1 in the reference body."""
     pelvis: tuple[float, float]
-    """Radius and half width, in m; so below."""
+    """Radius and half width, in [m], as for the fields below."""
     waist: tuple[float, float]
     belly: tuple[float, float]
     ribs: tuple[float, float]
     girdle: tuple[float, float]
     shoulder_y_m: float
-    """From the midline to the shoulder joint."""
+    """Distance from the midline to the shoulder joint."""
     hip_y_m: float
-    """From the midline to the hip joint."""
+    """Distance from the midline to the hip joint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class Foot:
 
 @dataclass(frozen=True, slots=True)
 class Proportions:
-    """All that the shapes of an infant are made from."""
+    """Proportions that determine all shapes of an infant."""
 
     head_radius_m: float
     trunk: Trunk
@@ -105,8 +105,8 @@ def proportions(m: Mapping[str, float], base: Mapping[str, float]) -> Proportion
     """Return the proportions of a child, or of one of its sides.
 
     Args:
-        m: Measurements in m, by AnthroKids name.
-        base: The same before any of them was replaced: what a replaced length of the leg is a change against.
+        m: Measurements in [m], by AnthroKids name.
+        base: The same before any of them was replaced: the reference for replaced lengths of the leg.
 
     Raises:
         GeometryError: If a measurement does not fit the others.
@@ -130,9 +130,9 @@ def proportions(m: Mapping[str, float], base: Mapping[str, float]) -> Proportion
 
 
 def _trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: float) -> Trunk:
-    """Return the trunk: as wide as its breadths, as thick as its girths, as high as crown-rump less the head.
+    """Return the trunk: its width from breadths, its depth from girths, its height from crown-rump length and head.
 
-    Belly and pelvis lie .130 axial apart, and in a stout child the belly is as thick as that leaves room for.
+    The distance from belly to pelvis is .130 axial, which limits the depth of the belly in a stout child.
     The lowest point of the pelvis lies one radius below .005 axial, the head's at .302 axial, both
     from the hip's origin: that and the crown-rump length give the axial spacing.
     """
@@ -161,7 +161,7 @@ def _forearm_length(m: Mapping[str, float]) -> float:
 
 
 def _hand(m: Mapping[str, float], base: Mapping[str, float]) -> Hand:
-    """Return a hand; in a stout child fingers are as thick as they have room for, unless their thickness is given."""
+    """Return a hand; in a stout child the thickness of fingers is limited by their spacing, unless it is given."""
     thickness = (m["hand_length"] + m["hand_breadth"]) / (REFERENCE_M["hand_length"] + REFERENCE_M["hand_breadth"])
     return Hand(
         length_m=m["hand_length"],
@@ -183,10 +183,10 @@ def _foot(m: Mapping[str, float]) -> Foot:
 
 
 def _leg(m: Mapping[str, float], base: Mapping[str, float], trunk: Trunk, foot: Foot) -> tuple[float, float]:
-    """Return the lengths of thigh and shank: what crown-sole length leaves below the hip joint.
+    """Return the lengths of thigh and shank, which add up to the part of crown-sole length below the hip joint.
 
-    Thigh and shank share it in proportion to rump-knee and knee-sole length, as in the reference body;
-    where one of these was replaced, its segment differs in the same proportion.
+    It is divided in proportion to rump-knee and knee-sole length, as in the reference body; if one of these was
+    replaced, its segment changes in the same proportion.
     """
     hip_to_rump_m = trunk.pelvis[0] - 0.012 * trunk.axial
     leg_m = m["crown_sole_length"] - m["crown_rump_length"] + hip_to_rump_m - foot.half_height_m

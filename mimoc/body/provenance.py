@@ -1,4 +1,4 @@
-"""Where each number of a body comes from: table row, growth curve, rule."""
+"""Provenance of each number of a body: table row, growth curve or rule."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -12,12 +12,12 @@ from mimoc.schema.names import SIDES
 from mimoc.units import deg_to_rad, m_to_cm
 
 Entry = dict[str, Any]
-"""`value`, `unit`, `rule`, and where they apply `from` (keys of other entries), `fit`, `points` and `xml`."""
+"""`value`, `unit`, `rule`, and if they apply `from` (keys of other entries), `fit`, `points` and `xml`."""
 
 REFERENCE = "MIMo's reference body, 18 months"
 CONSTANT = f"{REFERENCE}; the same at every age"
 EXTRAORDINARY = "its motor is stronger than the average child's, of this age and of 18 months"
-"""Why a joint is harder to swing than the reference body's (`steady`)."""
+"""Reason why a joint has more damping and armature than in the reference body (`damping`)."""
 
 
 def trace_body(
@@ -26,10 +26,10 @@ def trace_body(
     """Return an entry for each number of a body, by key: `geom.head.size`, `measurements.foot_length_cm`.
 
     Args:
-        measurements: What it was grown from.
-        anatomy: What it was grown to.
+        measurements: Measurements that the body was grown from.
+        anatomy: Anatomy of the body.
         tree: The body.
-        scaled: The keys of the spec that scale a part, by name of the body.
+        scaled: Keys of the spec that scale a part, by name of the body.
     """
     figures = {geom.name.format(side=side): geom for side, part in anatomy.parts for geom in part.geoms}
     sides = {part.name.format(side=side): side for side, part in anatomy.parts}
@@ -108,14 +108,14 @@ def _trace_geom(
 
 
 def _weighing(figures: GeomFigures, hands: str) -> str:
-    """Return where the density of a geom comes from."""
+    """Return the source of the density of a geom."""
     if is_of_fingers(figures, hands):
         return f"the density of {REFERENCE}"
-    return f"the average child of 18 months has {figures.mass_kg:g} kg there, as {REFERENCE}"
+    return f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as {REFERENCE}"
 
 
 def _trace_joint(joint: Joint, figures: JointFigures, motor: str | None) -> Iterator[tuple[str, Entry]]:
-    """Yield a joint's constants; *motor* is what moves it."""
+    """Yield entries for a joint's constants; *motor* is the motor that moves it."""
     low, high = joint.range_deg
     constants = {
         "range": ((deg_to_rad(low), deg_to_rad(high)), "rad"),
@@ -137,7 +137,7 @@ def _trace_joint(joint: Joint, figures: JointFigures, motor: str | None) -> Iter
 
 
 def _keys(names: tuple[str, ...], side: str, measurements: Measurements, scaled: tuple[str, ...]) -> list[str]:
-    """Return the keys that a number comes from: its side's own measurements where the spec has those, else both's."""
+    """Return the keys that a number depends on: measurements of its side where the spec gives them, else of both."""
     sides = (side,) if side else SIDES
 
     def own(name: str) -> Iterator[str]:

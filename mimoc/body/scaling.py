@@ -1,4 +1,4 @@
-"""One part against what the age gives it: longer or shorter, thicker or thinner, with all that is attached."""
+"""Scaling of single parts in length and girth, and checks of the resulting proportions."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -18,7 +18,7 @@ LIMBS = (
 
 
 def check_limbs(dimensions: Dimensions) -> None:
-    """Pass a dimensions whose limbs are longer than wide.
+    """Check that limbs are longer than wide.
 
     Raises:
         GeometryError: If one is not.
@@ -30,12 +30,12 @@ def check_limbs(dimensions: Dimensions) -> None:
 
 
 DEEPEST = 0.5
-"""How far the belly may reach into the pelvis when the body stands, in radii of the pelvis: deeper than that, the two
-push each other apart with a force that no joint withstands."""
+"""Largest overlap of belly and pelvis when the body stands, in radii of the pelvis: beyond it, the contact force
+between them is more than any joint can resist."""
 
 
 def check_trunk(dimensions: Dimensions) -> None:
-    """Pass a dimensions whose belly and pelvis, which meet two joints apart, do not stand in one another.
+    """Check that belly and pelvis, which are separated by two joints, do not overlap too much.
 
     Raises:
         GeometryError: If they do.
@@ -53,12 +53,12 @@ def check_trunk(dimensions: Dimensions) -> None:
 
 
 def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length: float, girth: float) -> Dimensions:
-    """Return a dimensions in which one part is scaled.
+    """Return dimensions in which one part is scaled.
 
     Args:
-        dimensions: Of one side.
+        dimensions: Dimensions of one side.
         name: The part, by its name with `{side}`.
-        parts: All parts of that side, to find what is attached.
+        parts: All parts of that side, to find those that are attached.
         length: Factor along the part.
         girth: Factor across it.
     """
@@ -86,7 +86,7 @@ def _scale_solid(solid: Shape, geom: GeomFigures, scale: Vec3) -> Shape:
 
 
 def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
-    """Return scale factors of a body's axes as those of a geom's axes, which are turned by a right angle at most."""
+    """Return scale factors along a body's axes as factors along a geom's axes, turned by at most a right angle."""
     x, y, z = scale
     turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
     return turned.get(euler_deg, scale)

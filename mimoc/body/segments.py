@@ -1,7 +1,7 @@
-"""Shapes, joints and centres of trunk, head and limbs, from an infant's proportions.
+"""Shapes and joint positions of trunk, head and limbs, from an infant's proportions.
 
-Everything is written for the right side, in MIMo's frames: x forward, y left, z up on trunk and legs;
-along the limb on the arms. Numbers are the reference body's, in m.
+All values are for the right side, in MIMo's frames: x forward, y left, z up on trunk and legs; along the limb on the
+arms. Numbers are those of the reference body, in [m].
 """
 
 from collections.abc import Callable, Mapping
@@ -118,7 +118,7 @@ def _across(section: tuple[float, float], x_m: float, z_m: float) -> Shape:
 
 
 def _along(what: str, limb: Limb, embed_m: float) -> Shape:
-    """Return a capsule along +z whose axis starts at its joint and which ends *embed_m* past the next one."""
+    """Return a capsule along +z, whose axis starts at its joint and which ends *embed_m* beyond the next one."""
     axis_m = limb.length_m + embed_m - limb.radius_m
     if axis_m <= 0:
         raise GeometryError(f"{what}: a limb {limb.length_m:.3f} m long cannot be {2 * limb.radius_m:.3f} m thick")
@@ -126,7 +126,7 @@ def _along(what: str, limb: Limb, embed_m: float) -> Shape:
 
 
 def _flip(solid: Shape) -> Shape:
-    """Return the same solid hanging down instead of standing up."""
+    """Return the same solid along -z instead of +z."""
     x_m, y_m, z_m = solid.pos_m
     return Shape(solid.size_m, (x_m, y_m, -z_m))
 

@@ -1,4 +1,4 @@
-"""Length, weight, head and arm circumference of a body: the measures of growth standards."""
+"""Length, weight, head and arm circumference of a body, for comparison with growth standards."""
 
 import math
 from typing import TypedDict
@@ -11,7 +11,7 @@ from mimoc.units import m_to_cm
 
 
 class Stature(TypedDict):
-    """The measures that WHO has standards for, under the names of `fits.tables.WHO_FILES`."""
+    """Measures for which there are WHO standards, with the names of `fits.tables.WHO_FILES`."""
 
     length_cm: float
     weight_kg: float
@@ -21,7 +21,7 @@ class Stature(TypedDict):
 
 
 def stature(tree: BodyTree) -> Stature:
-    """Return the measures of a body; length is crown to sole, the left arm is measured if there is one, as WHO does."""
+    """Return the measures of a body: length is crown to sole, and the left arm is preferred, as WHO does."""
     posed = pose(tree, {})
     up = np.array([0.0, 0.0, 1.0])
     return Stature(

@@ -1,4 +1,4 @@
-"""The grown body as plain values, in the order and with the names of MIMo's published models."""
+"""The body as plain values, in the order and with the names of MIMo's published models."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,18 +17,18 @@ class Geom:
     name: str
     type: GeomType
     size_m: tuple[float, ...]
-    """As MuJoCo wants it: radius, then half length; half edges of a box."""
+    """Size as in MuJoCo: radius, then half length; half edges of a box."""
     pos_m: Vec3
     """Centre, in the frame of its body."""
     euler_deg: Vec3
     """Intrinsic x-y-z angles in the frame of its body."""
     mass_kg: float
     friction: Vec3
-    """Sliding, torsional and rolling."""
+    """Sliding, torsional and rolling friction."""
     contype: int
     conaffinity: int
     condim: int
-    """1, 3, 4 or 6: which relative motions friction resists."""
+    """Contact dimension, 1, 3, 4 or 6: the relative motions that friction resists."""
     material: str = "skin"
     """Name of its material."""
 
@@ -40,7 +40,7 @@ class Joint:
     name: str
     axis: Vec3
     anchor_m: Vec3
-    """Where it turns, in the frame of its body."""
+    """Anchor, in the frame of its body."""
     range_deg: tuple[float, float]
     stiffness_nm_per_rad: float
     damping_nms_per_rad: float
@@ -51,11 +51,11 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A body part: the segment that moves with its joints."""
+    """A body part, which its joints connect to its parent."""
 
     name: str
     parent: str | None
-    """None for the hip, which hangs in the world."""
+    """Name of the parent; None for the hip, which is free in the world."""
     pos_m: Vec3
     """Origin, in the frame of its parent."""
     euler_deg: Vec3
@@ -79,30 +79,30 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """What moves one joint, and how strongly."""
+    """The motor of one joint."""
 
     name: str
     joint: str
     gear_nm: float
     """Torque at full command."""
     force_range: tuple[float, float]
-    """Part of the gear that is reached towards negative and positive angles."""
+    """Fraction of the gear that is available towards negative and positive angles."""
     vmax_lengths_per_s: float
-    """The fastest that its muscles shorten, in optimal lengths a second."""
+    """Maximum shortening velocity of its muscles, in optimal lengths per second."""
     mover: str
-    """The geom whose volume the gear follows."""
+    """The geom whose volume determines the gear."""
     factors: tuple[tuple[str, float], ...] = ()
-    """What the spec multiplies the gear by: the key that says so, and the factor."""
+    """Factors of the spec on the gear: the key of the spec, and its value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tendon:
-    """A linear combination of joint angles that is kept within a range."""
+    """A linear combination of joint angles that is limited to a range."""
 
     name: str
     range_rad: tuple[float, float]
     coefficients: tuple[tuple[str, float], ...]
-    """Joint and factor."""
+    """Joints and their factors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,20 +111,20 @@ class BodyTree:
 
     age_months: float
     hands: str
-    """`mitten` or `five_finger`, also where hands are absent: feet differ too."""
+    """`mitten` or `five_finger`, even if hands are removed, because feet differ too."""
     bodies: tuple[Body, ...]
     """Parents before children, in MIMo's order."""
     motors: tuple[Motor, ...]
     tendons: tuple[Tendon, ...]
     excluded: tuple[tuple[str, str], ...]
-    """Pairs of bodies that pass through each other."""
+    """Pairs of bodies without contacts."""
     frictionless: tuple[tuple[str, str], ...]
-    """Pairs of geoms that slide on each other."""
+    """Pairs of geoms with frictionless contact."""
     merged: tuple[tuple[str, str], ...] = ()
-    """Parts that are of one piece with another here, which has their geoms: their name, and that of the other."""
+    """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
 
     def home(self, part: str) -> str:
-        """Return the body that has a part's geoms: that of its name, or the one it is merged with."""
+        """Return the body that has a part's geoms: the one of that name, or the one it is merged into."""
         return dict(self.merged).get(part, part)
 
     @property

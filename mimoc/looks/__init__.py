@@ -1,1 +1,1 @@
-"""What things look like: faces, clothes, the textures of rooms."""
+"""Appearance: textures of faces, clothes and rooms."""

@@ -1,4 +1,4 @@
-"""Textures and materials of an infant, as the MJCF lists them."""
+"""Textures and materials of an infant in the MJCF."""
 
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -24,7 +24,7 @@ PANTS: Colour = (112, 160, 172)
 
 @dataclass(frozen=True, slots=True)
 class HeadFeature:
-    """A geom that only shows: it has no mass and touches nothing. Lengths in head radii."""
+    """A visual geom of the head, without mass or contacts. Lengths are in head radii."""
 
     name: str
     """Name of the geom."""
@@ -33,9 +33,9 @@ class HeadFeature:
     size: tuple[float, ...]
     """Radius, or the three half-axes."""
     pos: tuple[float, float, float]
-    """Middle, from the middle of the head; x forward, y left, z up."""
+    """Centre, relative to the centre of the head; x forward, y left, z up."""
     euler_deg: tuple[float, float, float]
-    """Rotations about x, y and z in turn, in [deg]."""
+    """Successive rotations about x, y and z, in [deg]."""
     material: str
     """Name of its material."""
 
@@ -45,11 +45,11 @@ HEAD_FEATURES = (
     HeadFeature("right_ear", "ellipsoid", (0.13, 0.055, 0.19), (-0.05, -1.02, -0.13), (0, 10, 35), "ear"),
     HeadFeature("nose", "ellipsoid", (0.10, 0.11, 0.085), (0.925, 0, -0.275), (0, 0, 0), "skin"),
 )
-"""The nose, and the ears by which one knows a head from the side; the texture shows the rest."""
+"""The nose and the ears, so that a head is recognisable from the side; the rest of the face is in the texture."""
 
 
 def dress(expression: str) -> Appearance:
-    """Return what an infant with this expression looks like; the other faces are there to change to.
+    """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
     Args:
         expression: One of `mimoc.looks.expressions.FACES`.
@@ -68,17 +68,17 @@ def dress(expression: str) -> Appearance:
 
 
 def face_material(expression: str) -> str:
-    """Return the name of the material that shows an expression, whichever the infant starts with."""
+    """Return the name of the material of an expression."""
     return f"head_{expression}"
 
 
 def _cube(name: str, file: str) -> Texture:
-    """Return a texture whose picture is cut as all of ours are."""
+    """Return a cube texture with the grid layout of all of mimoc's textures."""
     return Texture(name, file, GRID_SIZE, GRID_LAYOUT)
 
 
 def _materials(expression: str) -> tuple[Material, ...]:
-    """Return one material for each name that the body's geoms use, and those of the head's features."""
+    """Return the materials of the body's geoms and of the head's features."""
     return (
         Material("skin", _rgba(SKIN)),
         Material("head", UNTINTED, face_texture(expression)),
@@ -97,6 +97,6 @@ def _materials(expression: str) -> tuple[Material, ...]:
 
 
 def _rgba(colour: Colour) -> Rgba:
-    """Return an opaque colour of 0 to 255 as MuJoCo's 0 to 1."""
+    """Return an opaque colour, with components of 0 to 255, as MuJoCo's RGBA of 0 to 1."""
     red, green, blue = colour
     return (round(red / 255, 4), round(green / 255, 4), round(blue / 255, 4), 1.0)

@@ -1,4 +1,4 @@
-"""The pictures an infant wears: face, eye and cloth, drawn texel by texel."""
+"""Drawing of the infant's textures: face, eyes, ears and clothes."""
 
 import functools
 import io
@@ -12,19 +12,19 @@ from PIL import Image
 from mimoc.looks.expressions import FACES, Face
 
 FloatArray = npt.NDArray[np.float64]
-"""Double precision, so that processors whose last digits differ still round to the same texels."""
+"""Double precision, so that results that differ in the last digits between processors round to the same texels."""
 Colour = tuple[float, float, float]
 """Red, green and blue, 0 to 255."""
 
 GRID_SIZE = "2 3"
 GRID_LAYOUT = "RLUDFB"
 FACE_CELL_PX = 85
-"""Three cells abreast are 255 px, the most that fits the 256 px a bundle's picture may have."""
+"""Size of a cell: three in a row have 255 px, within the limit of 256 px for images of a bundle."""
 EYE_CELL_PX = 48
 EAR_CELL_PX = 20
 CLOTH_CELL_PX = 60
 STRIPES = 8
-"""Around a capsule; an even number looks alike from the front and from behind."""
+"""Number of stripes around a capsule; with an even number, front and back look alike."""
 
 # MuJoCo looks a cube texture up as OpenGL does, with the geom's own x, y and z: found by rendering a coded
 # sphere from six sides. Each cell is (outward axis, direction of its columns, direction of its rows), so the
@@ -52,7 +52,7 @@ IRIS_RIM: Colour = (44, 54, 64)
 PUPIL: Colour = (22, 18, 20)
 
 EYE_Y, EYE_Z = 0.352, -0.090
-"""Middle of the eye opening, seen from the front, in head radii."""
+"""Centre of the eye opening in the frontal view, in head radii."""
 
 
 @functools.cache
@@ -91,7 +91,7 @@ def draw_stripes(ground: Colour, stripe: Colour) -> bytes:
 
 
 def directions(cell_px: int) -> FloatArray:
-    """Return where each texel of the grid points, unit vectors, shape `(2 * cell_px, 3 * cell_px, 3)`."""
+    """Return the direction of each texel of the grid, unit vectors, shape `(2 * cell_px, 3 * cell_px, 3)`."""
     steps = (np.arange(cell_px, dtype=np.float64) + 0.5) / cell_px * 2 - 1
     along = steps[None, :, None]
     down = steps[:, None, None]
@@ -102,13 +102,13 @@ def directions(cell_px: int) -> FloatArray:
 
 
 def _paint_cube(cell_px: int, colour: Callable[[FloatArray], FloatArray]) -> bytes:
-    """Return the PNG of a cube texture whose colour depends on the direction alone, so that no seam shows."""
+    """Return the PNG of a cube texture whose colour is a function of direction, so that it has no seams."""
     return encode_png(colour(directions(cell_px)))
 
 
 @functools.cache
 def _bare_head() -> FloatArray:
-    """Return the head as all expressions share it: skin, hair and lids; read-only.
+    """Return the parts of the head that all expressions share: skin, hair and lids; read-only.
 
     By direction from its centre: x forward, y left, z up.
     """
@@ -125,12 +125,12 @@ def _bare_head() -> FloatArray:
 
 
 def _hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-    """Lay thin hair over crown and back, with strands that fan out from the whorl."""
+    """Draw thin hair on the crown and the back of the head, with strands that radiate from the whorl."""
     whorl_x, whorl_z = -0.6, 0.8
     angle = np.arccos(np.clip(whorl_x * x + whorl_z * z, -1, 1))
     around = np.arctan2(np.abs(y), whorl_z * x - whorl_x * z)
     waves = 0.6 * np.sin(23 * around + 3 * angle) + 0.4 * np.sin(59 * around - 5 * angle)
-    strands = waves * np.clip(2 * angle, 0, 1)  # They would be finer than a texel at the whorl.
+    strands = waves * np.clip(2 * angle, 0, 1)  # At the whorl, they would be finer than a texel.
     reach = 1.18 + 0.08 * strands
     return over(image, HAIR, (0.62 + 0.10 * strands) * within(angle - reach, 0.45))
 
@@ -154,7 +154,7 @@ def _brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray,
 
 
 def _mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
-    """Draw the lips, and what is between them if the mouth is open."""
+    """Draw the lips, and the inside of the mouth if it is open."""
     across = y / face.mouth_width
     taper = np.sqrt(np.clip(1 - across**2, 0, 1))
     height = z - face.mouth_height - face.smile * (across**2 - 0.4)
@@ -167,7 +167,7 @@ def _mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, f
 
 
 def _eye_colour(direction: FloatArray) -> FloatArray:
-    """Return the colour of an eyeball, by direction from its centre; it looks along +x."""
+    """Return the colour of an eyeball by direction from its centre; the pupil is at +x."""
     x, y, z = np.moveaxis(direction, 2, 0)
     angle = np.degrees(np.arccos(np.clip(x, -1, 1)))
     image = np.full(direction.shape, WHITE, np.float64)
@@ -178,14 +178,14 @@ def _eye_colour(direction: FloatArray) -> FloatArray:
 
 
 def _ear_colour(direction: FloatArray) -> FloatArray:
-    """Return the colour of an ear, by direction from its middle; its hollow looks along y."""
+    """Return the colour of an ear by direction from its centre; its hollow faces along y."""
     x, _, z = np.moveaxis(direction, 2, 0)
     hollow = np.hypot(x / 0.55, (z - 0.12) / 0.62) - 1
     return over(np.full(direction.shape, EAR, np.float64), EAR_HOLLOW, 0.8 * within(hollow, 0.5))
 
 
 def _cloth_colour(direction: FloatArray, ground: Colour, stripe: Colour) -> FloatArray:
-    """Return the colour of striped cloth, by direction from the middle of a capsule along z."""
+    """Return the colour of striped cloth by direction from the centre of a capsule along z."""
     x, y, _ = np.moveaxis(direction, 2, 0)
     wave = np.cos(STRIPES * np.arctan2(y, x))
     return over(np.full(direction.shape, ground, np.float64), stripe, within(0.45 - wave, 0.5))
@@ -206,7 +206,7 @@ def within(distance: FloatArray, edge: float) -> FloatArray:
 
 
 def over(image: FloatArray, colour: Colour, coverage: FloatArray) -> FloatArray:
-    """Return *image* with *colour* laid over it; *coverage* is 0 to 1, shape `(rows, columns)`."""
+    """Return *image* blended with *colour*; *coverage* is its opacity, 0 to 1, shape `(rows, columns)`."""
     return image + coverage[..., None] * (np.asarray(colour, np.float64) - image)
 
 
@@ -218,7 +218,7 @@ def encode_png(image: npt.NDArray[Any]) -> bytes:
 
 
 def encode_palette_png(image: npt.NDArray[Any], colours: int = 64) -> bytes:
-    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), in a few colours: a third of the size."""
+    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), with a palette: a third of the size."""
     few = Image.fromarray(np.rint(image).astype(np.uint8)).quantize(colours, Image.Quantize.MEDIANCUT)
     buffer = io.BytesIO()
     few.save(buffer, "PNG", compress_level=6)

@@ -1,24 +1,24 @@
-"""What the seven expressions do to mouth and brows."""
+"""Shapes of mouth and brows in the seven facial expressions."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Face:
-    """One expression, seen from the front; lengths in head radii, heights from the middle of the head."""
+    """One expression in the frontal view; lengths are in head radii, heights relative to the centre of the head."""
 
     smile: float = 0.04
-    """How far the corners of the mouth stand above its middle."""
+    """Height of the corners of the mouth above its middle."""
     opening: float = 0.0
-    """Half of the gap between the lips."""
+    """Half of the distance between the lips."""
     mouth_width: float = 0.15
     """Half of the mouth's width."""
     mouth_height: float = -0.50
-    """Middle of the mouth."""
+    """Height of the middle of the mouth."""
     brow_height: float = 0.165
-    """Middle of the brows."""
+    """Height of the middle of the brows."""
     brow_tilt: float = -0.01
-    """How far the outer end of a brow stands above its middle."""
+    """Height of the outer end of a brow above its middle."""
 
 
 FACES = {
@@ -34,4 +34,4 @@ FACES = {
     ),
     "scared": Face(smile=-0.04, opening=0.055, mouth_width=0.23, brow_height=0.24, brow_tilt=-0.06),
 }
-"""Expression name to face."""
+"""Face by name of the expression."""

@@ -1,4 +1,4 @@
-"""A user's own pictures as wallpapers."""
+"""A user's own images as wallpapers."""
 
 import os
 import re
@@ -16,7 +16,7 @@ from mimoc.looks.wallpaper import Wallpaper
 
 MOST_PX = 20_000_000
 LONGER_SIDE_M = 1.0
-"""Of one repeat."""
+"""Width and height of one repeat."""
 
 
 def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
@@ -25,7 +25,7 @@ def read_textures(path: str | Path) -> tuple[Wallpaper, ...]:
     They are scaled down to a bundle's resolution, and metadata is dropped.
 
     Raises:
-        TextureError: If there is none, or with a line for each that is not a picture.
+        TextureError: If there is no image, or if some cannot be read; the message has a line for each of them.
     """
     textures, problems = [], []
     for file in _files(Path(path)):
@@ -46,11 +46,11 @@ def _files(path: Path) -> list[Path]:
             return [path]
         found = [path / name for name in sorted(os.listdir(path)) if name.lower().endswith(".png") and name[0] != "."]
     except OSError as error:
-        raise TextureError(f"{path}: cannot be read ({error.strerror}); name a PNG, or a folder of them") from None
-    except (ValueError, RuntimeError):  # A null character, or the home of nobody.
-        raise TextureError(f"{str(path)!r}: is not a path; name a PNG, or a folder of them") from None
+        raise TextureError(f"{path}: cannot be read ({error.strerror}); {_ADVICE}") from None
+    except (ValueError, RuntimeError):  # A null character, or the home folder of an unknown user.
+        raise TextureError(f"{str(path)!r}: is not a path; {_ADVICE}") from None
     if not found:
-        raise TextureError(f"{path}: has no *.png in it; put some there, or name another folder")
+        raise TextureError(f"{path}: the folder contains no *.png files; add some, or give another folder")
     return found
 
 
@@ -63,12 +63,12 @@ def _texture(file: Path, taken: set[str]) -> Wallpaper:
 
 
 def _decode(file: Path) -> Image.Image:
-    """Return a picture as RGB, what is transparent in it white."""
+    """Return an image as RGB, with transparent areas in white."""
     try:
         if not stat.S_ISREG(os.stat(file).st_mode):
-            raise TextureError(f"{file}: is not a file; remove it, or put a PNG there")
+            raise TextureError(f"{file}: is not a file; replace it with a PNG file, or remove it")
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Of a size that is refused here anyway.
+            warnings.simplefilter("ignore")  # Pillow warns of sizes that are rejected here anyway.
             with Image.open(file, formats=["PNG"]) as image:
                 _refuse_huge(file, *image.size)
                 return _rgb(image)
@@ -79,11 +79,12 @@ def _decode(file: Path) -> Image.Image:
     except OSError as error:
         fault = f"cannot be read ({error.strerror})" if error.strerror else "is not a PNG, or is damaged"
         raise TextureError(f"{file}: {fault}; save it as a PNG again, or remove it") from None
-    except Exception:  # Pillow has many ways to fail at a damaged file.
+    except Exception:  # On a damaged file, Pillow can raise any error.
         raise TextureError(f"{file}: is damaged; save it as a PNG again, or remove it") from None
 
 
-_TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; make it smaller: {TILE_PX} px a side are enough"
+_ADVICE = "give a PNG file or a folder of PNG files"
+_TOO_LARGE = f"has more than {MOST_PX // 1_000_000} megapixels; reduce it: {TILE_PX} px per side are enough"
 
 
 def _refuse_huge(file: Path, width_px: int, height_px: int) -> None:
@@ -92,14 +93,14 @@ def _refuse_huge(file: Path, width_px: int, height_px: int) -> None:
 
 
 def _rgb(image: Image.Image) -> Image.Image:
-    if image.mode.startswith("I"):  # Of 16 bits, which Pillow would cut off instead of scaling them.
+    if image.mode.startswith("I"):  # 16 bits per channel, which Pillow would clip instead of scaling.
         return Image.fromarray((np.asarray(image).astype(np.uint32) >> 8).astype(np.uint8)).convert("RGB")
     layer = image.convert("RGBA")
     return Image.alpha_composite(Image.new("RGBA", layer.size, "white"), layer).convert("RGB")
 
 
 def _small(image: Image.Image) -> FloatArray:
-    """Return a picture of `TILE_PX` a side at most.
+    """Return an image of at most `TILE_PX` per side.
 
     Each texel is the mean of what it covers and of nothing beyond, so that what was seamless stays so.
     """

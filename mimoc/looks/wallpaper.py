@@ -1,4 +1,4 @@
-"""Textures for floors, ceilings and walls, and pictures to hang there."""
+"""Wallpapers: textures for floors, ceilings and walls, and pictures that hang on them."""
 
 import functools
 import math
@@ -10,23 +10,23 @@ from mimoc.looks.drawing import FloatArray, encode_palette_png
 from mimoc.looks.patterns import ceilings, floors, pictures, walls
 
 WHOLE = math.inf
-"""Extent of a tile that is as wide, or as high, as the surface it covers."""
+"""Width or height of a tile that spans the whole surface."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wallpaper:
-    """A texture, and how large it is in the world."""
+    """A texture and its size in the scene."""
 
     name: str
-    """Of the material, and of the file: [a-z0-9_]+."""
+    """Name of the material and of the file: [a-z0-9_]+."""
     tile_m: tuple[float, float]
-    """Width and height of one repeat; or of a picture, with its frame."""
+    """Width and height of one repeat, or of a picture with its frame."""
     draw: Callable[[], bytes]
-    """Returns the PNG, whose top is up on a wall; the same bytes each time."""
+    """Function that returns the PNG, whose top is up on a wall; always the same bytes."""
 
 
 def _table(kind: str, *rows: tuple[tuple[float, float], Callable[[], FloatArray]]) -> Mapping[str, Wallpaper]:
-    """Return wallpapers by name: that of the function that draws one."""
+    """Return wallpapers by the names of the functions that draw them."""
     return MappingProxyType(
         {
             paint.__name__: Wallpaper(
@@ -86,7 +86,7 @@ PICTURES = _table(
 
 @dataclass(frozen=True, slots=True)
 class Wallpapers:
-    """What floors, ceilings and walls may look like."""
+    """The wallpapers to choose from for floors, ceilings and walls."""
 
     floors: Sequence[Wallpaper] = tuple(FLOORS.values())
     ceilings: Sequence[Wallpaper] = tuple(CEILINGS.values())
@@ -95,4 +95,4 @@ class Wallpapers:
 
 
 OWN_WALLPAPERS = Wallpapers()
-"""Mimoc's own."""
+"""The wallpapers that come with mimoc."""

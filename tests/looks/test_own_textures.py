@@ -143,7 +143,7 @@ def test_what_is_no_texture_is_named_with_what_to_do(tmp_path):
 
 def test_a_huge_picture_is_told_how_large_it_may_be(tmp_path):
     (tmp_path / "a.png").write_bytes(png_of_size(6000, 4000))
-    with pytest.raises(TextureError, match="more than 20 megapixels; make it smaller: 256 px"):
+    with pytest.raises(TextureError, match="more than 20 megapixels; reduce it: 256 px"):
         read_textures(tmp_path / "a.png")
 
 

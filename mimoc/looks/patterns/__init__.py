@@ -1,1 +1,1 @@
-"""How floors, walls, ceilings and pictures are drawn."""
+"""Drawing of textures for floors, walls, ceilings and pictures."""

@@ -1,4 +1,4 @@
-"""What an infant on its back looks at."""
+"""Textures of ceilings."""
 
 import numpy as np
 
@@ -50,7 +50,7 @@ def golden_stars() -> FloatArray:
 
 
 def star(x: FloatArray, y: FloatArray, radius: float) -> FloatArray:
-    """Return how far outside a star of five points each texel is; it stands on two of them."""
+    """Return the distance of each texel to a five-pointed star that stands on two points; negative inside."""
     angle = np.arctan2(x, -y)
     sector = np.pi / 5
     folded = np.abs((angle + sector) % (2 * sector) - sector)

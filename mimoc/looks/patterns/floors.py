@@ -1,4 +1,4 @@
-"""What floors are covered with."""
+"""Textures of floors."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from mimoc.looks.drawing import Colour, FloatArray
 from mimoc.looks.patterns.tiling import Field, cells, grid, lit, noise, paint, plain, tones
 
 BOARDS = 6
-"""Side by side in a tile."""
+"""Number of boards side by side in a tile."""
 MAT_COLOURS: tuple[Colour, ...] = ((238, 130, 112), (250, 205, 104), (126, 190, 150), (112, 160, 208))
 
 
@@ -35,7 +35,7 @@ def parquet() -> FloatArray:
 
 
 def chequered_tiles() -> FloatArray:
-    """Return cream and blue tiles by turns."""
+    """Return a checkerboard of cream and blue tiles."""
     right, down = grid()
     column, x = cells(right, 2)
     row, y = cells(down, 2)
@@ -47,7 +47,7 @@ def chequered_tiles() -> FloatArray:
 
 
 def terracotta() -> FloatArray:
-    """Return square fired tiles, no two of one colour."""
+    """Return square terracotta tiles, each of a different colour."""
     right, down = grid()
     column, x = cells(right, 4)
     row, y = cells(down, 4)
@@ -90,7 +90,7 @@ def cork() -> FloatArray:
 
 
 def _boards(colour: Colour, gap: Colour, contrast: float) -> FloatArray:
-    """Return boards that run down the tile, each with its tone, its grain and one end."""
+    """Return vertical boards, each with its own tone, grain and end."""
     right, down = grid()
     board, x = cells(right, BOARDS)
     end = (0.37 * board + 0.11) % 1
@@ -102,5 +102,5 @@ def _boards(colour: Colour, gap: Colour, contrast: float) -> FloatArray:
 
 
 def _teeth(along: Field) -> Field:
-    """Return how far the edge of a foam square stands out: eight rounded teeth a tile."""
+    """Return the offset of the edge of a foam square: eight rounded teeth per tile."""
     return 0.014 * np.clip(2.5 * np.sin(16 * np.pi * along), -1, 1)

@@ -1,4 +1,4 @@
-"""Pictures to hang on walls, framed."""
+"""Framed pictures for walls."""
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -8,7 +8,7 @@ from mimoc.looks.drawing import Colour, FloatArray
 WIDTH_PX, HEIGHT_PX = 256, 192
 FRAME_PX, MOUNT_PX = 12, 10
 SCALE = 2
-"""Texels drawn for one that is kept, a side."""
+"""Factor of supersampling, in each direction."""
 WOOD: Colour = (122, 82, 52)
 EDGE: Colour = (164, 118, 78)
 MOUNT: Colour = (246, 242, 232)
@@ -19,14 +19,14 @@ Point = tuple[float, float]
 
 
 class Canvas:
-    """A picture in its frame; places are told in hundredths of the width, from the top left corner."""
+    """A framed picture; coordinates are in hundredths of its width, from the top left corner."""
 
     def __init__(self, ground: Colour):
         self._image = Image.new("RGB", (SCALE * WIDTH_PX, SCALE * HEIGHT_PX), _ints(ground))
         self._draw = ImageDraw.Draw(self._image)
 
     def polygon(self, colour: Colour, *points: Point) -> None:
-        """Fill the area between some points."""
+        """Fill a polygon."""
         self._draw.polygon([_texel(point) for point in points], _ints(colour))
 
     def ellipse(self, colour: Colour, middle: Point, half_width: float, half_height: float) -> None:

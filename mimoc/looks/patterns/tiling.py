@@ -1,4 +1,4 @@
-"""What seamless textures are drawn with: every function here runs on from one edge of a tile to the opposite one."""
+"""Functions for drawing seamless textures: all of them are periodic over a tile."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,16 +6,16 @@ import numpy.typing as npt
 from mimoc.looks.drawing import Colour, FloatArray, over
 
 TILE_PX = 256
-"""The most a bundle's picture may have."""
+"""Size of a tile, which is the maximum for images of a bundle."""
 SOFT = 1.5 / TILE_PX
 """Width of the blend at an edge, in tiles."""
 
 Field = FloatArray
-"""A number for each texel, shape `(TILE_PX, TILE_PX)`."""
+"""One value per texel, shape `(TILE_PX, TILE_PX)`."""
 
 
 def grid() -> tuple[Field, Field]:
-    """Return how far right and how far down each texel is, 0 to 1."""
+    """Return the coordinates of each texel, rightwards and downwards, 0 to 1."""
     steps = (np.arange(TILE_PX, dtype=np.float64) + 0.5) / TILE_PX
     right, down = np.meshgrid(steps, steps)
     return right, down
@@ -28,19 +28,19 @@ def plain(colour: Colour, tone: Field | float = 0.0) -> FloatArray:
 
 
 def lit(image: FloatArray, shade: npt.NDArray[np.floating]) -> FloatArray:
-    """Return a picture in the light of *shade*, 1 for as it is."""
+    """Return an image with its brightness multiplied by *shade*."""
     return np.clip(image * shade[..., None], 0, 255)
 
 
 def cells(along: Field, count: int) -> tuple[Field, Field]:
-    """Return which of *count* equal cells each texel is in, and where in it, -0.5 to 0.5."""
+    """Return the index of each texel's cell among *count* equal ones, and its position in it, -0.5 to 0.5."""
     scaled = along * count
     index = np.floor(scaled)
     return index, scaled - index - 0.5
 
 
 def half_drop(count: int) -> tuple[Field, Field]:
-    """Return where each texel is in its cell, -0.5 to 0.5 rightwards and downwards.
+    """Return the position of each texel in its cell, -0.5 to 0.5 rightwards and downwards.
 
     As on wallpaper, every other column is half a cell lower.
 

@@ -1,4 +1,4 @@
-"""What walls are covered with; the top of a picture is the top of the wall."""
+"""Textures of walls; the top of an image is the top of the wall."""
 
 import numpy as np
 
@@ -86,7 +86,7 @@ def bricks() -> FloatArray:
 
 
 def wainscot() -> FloatArray:
-    """Return panels up to a third of the wall's height, a ledge, and a plain green wall above; as high as a wall."""
+    """Return panels up to a third of the wall's height, a ledge, and plain green above; a tile is as high as a wall."""
     right, down = grid()
     _, x = cells(right, 2)
     image = plain((164, 190, 160), 0.03 * noise(271, 6, 6))
@@ -112,7 +112,7 @@ def gingham() -> FloatArray:
 
 
 def _leaf(x: FloatArray, y: FloatArray, turn: float) -> FloatArray:
-    """Return how far outside a pointed leaf each texel is; it is upright at no turn, in [rad]."""
+    """Return the distance of each texel to a pointed leaf, which is upright at a rotation of 0 rad; negative inside."""
     along = -np.sin(turn) * x + np.cos(turn) * y
     aside = np.cos(turn) * x + np.sin(turn) * y
     return np.abs(aside) - 0.4 * (0.18 - np.minimum(along**2 / 0.18, 1))
