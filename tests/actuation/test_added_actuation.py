@@ -86,7 +86,7 @@ def test_its_numbers_are_explained_whether_it_says_so_or_not(weak):
 
 def test_inverse_dynamics_says_why_it_cannot_use_it(weak):
     env = mimoc.InfantEnv(weak)
-    with pytest.raises(mimoc.MimocError, match="which the actuation model 'weak' does not take"):
+    with pytest.raises(mimoc.MimocError, match="which the actuation model 'weak' does not accept"):
         mimoc.InverseDynamics(env.model, env.data, env.manifest)
 
 

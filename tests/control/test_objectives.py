@@ -79,8 +79,8 @@ def test_a_target_cannot_change_behind_a_tasks_back():
         (lambda: LookAt("eye", (0, np.inf, 0)), "the target is .*inf.*; give 3 finite numbers"),
         (lambda: LookAt("eye", (0, 0, 0), axis=(0, 0, 0)), "the axis is zero"),
         (lambda: Align("hand", (0, 0, 0, 0)), "the quaternion is zero"),
-        (lambda: Align("hand", np.ones((3, 3))), "the orientation is no rotation"),
-        (lambda: Align("hand", -np.eye(3)), "the orientation is no rotation"),
+        (lambda: Align("hand", np.ones((3, 3))), "the orientation is not a rotation"),
+        (lambda: Align("hand", -np.eye(3)), "the orientation is not a rotation"),
         (lambda: Align("hand", (1, 2)), r"the orientation is \(1, 2\); give 3 x 3 finite numbers"),
     ],
 )

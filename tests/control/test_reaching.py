@@ -52,7 +52,7 @@ def test_an_infant_without_hands_cannot_reach(open_env):
 
 
 def test_servos_cannot_reach_by_torques(open_env):
-    with pytest.raises(ControlError, match="'position' does not take"):
+    with pytest.raises(ControlError, match="'position' does not accept"):
         Run(open_env(actuation={"model": "position"}), "reach", seed=0)
 
 
