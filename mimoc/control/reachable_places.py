@@ -40,9 +40,7 @@ class ReachablePlaces:
         self.eyes = tuple(eye for eye in eyes if moved.intersection(self._joints_to(eye)))
         """Cameras of the eyes that commanded joints move."""
         if not self.hands:
-            raise ControlError(
-                "this infant has no hand with a commanded arm; add 'arms' to actuation.regions"
-            )
+            raise ControlError("this infant has no hand with a commanded arm; add 'arms' to actuation.regions")
         self._frames = [find_frame(hand, model) for hand in self.hands]
         self._eyes = [find_frame(eye, model) for eye in self.eyes]
         joints = [joint for hand in self.hands for joint in self._joints_to(hand)]
