@@ -1,4 +1,4 @@
-"""What moves an infant's joints: the actuation models, a folder each."""
+"""Actuation models, each in its own folder."""
 
 from mimoc.kinds import ActuationKind, Kinds
 

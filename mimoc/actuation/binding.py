@@ -12,7 +12,7 @@ from mimoc.senses.sense import FloatArray, IntArray
 
 
 class Actuation(Protocol):
-    """What turns an action into controls."""
+    """Converts actions to controls."""
 
     @property
     def actuators(self) -> IntArray:
@@ -21,7 +21,7 @@ class Actuation(Protocol):
 
     @property
     def low(self) -> FloatArray:
-        """Least command, shape (n,)."""
+        """Smallest command, shape (n,)."""
         ...
 
     @property
@@ -49,14 +49,14 @@ class Actuation(Protocol):
         ...
 
     def __call__(self, action: npt.ArrayLike) -> FloatArray:
-        """Return the control of each actuator, shape (n,), an array of its own."""
+        """Return the control of each actuator as a new array, shape (n,)."""
         ...
 
     def effort(self, data: mujoco.MjData) -> float:
-        """Return what the actuators' work costs now."""
+        """Return the present effort of the actuators, a cost."""
         ...
 
 
 def bind_actuation(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
-    """Return what turns actions into controls, for the actuators of *entry* in *model*."""
+    """Return the conversion of actions to controls for the actuators of *entry* in *model*."""
     return function_of(ACTUATIONS[entry.model].run, "bind")(entry, model)

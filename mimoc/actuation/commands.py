@@ -1,4 +1,4 @@
-"""Commands: an action as controls of MuJoCo's actuators."""
+"""Conversion of an action to controls of MuJoCo's actuators."""
 
 from dataclasses import dataclass
 
@@ -12,22 +12,22 @@ from mimoc.senses.sense import FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Commands:
-    """One command for each of n actuators; a control of MuJoCo's, which clips it to its range."""
+    """One command for each of n actuators, used directly as MuJoCo's control, which MuJoCo clips to its range."""
 
     actuators: IntArray
-    """Index of each in the model, shape (n,)."""
+    """Index of each actuator in the model, shape (n,)."""
     low: FloatArray
-    """Least command, shape (n,)."""
+    """Smallest command, shape (n,)."""
     high: FloatArray
     """Largest command, shape (n,)."""
     limits_nm: FloatArray
     """Largest torque about the joint towards negative and positive angles, shape (n, 2)."""
 
     def __call__(self, action: npt.ArrayLike) -> FloatArray:
-        """Return the control of each actuator, shape (n,), an array of its own.
+        """Return the control of each actuator as a new array, shape (n,).
 
         Raises:
-            ValueError: If the action has another shape, or a NaN or an infinity.
+            ValueError: If the action has the wrong shape, or contains a NaN or an infinity.
         """
         if np.shape(action) != self.low.shape:
             raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {np.shape(action)}")
@@ -59,17 +59,17 @@ def all_commanded(entry: ActuationEntry) -> ActuationEntry:
 
 
 def commanded(entry: ActuationEntry) -> list[ActuatorEntry]:
-    """Return the actuators that an action has commands for, in its order."""
+    """Return the commanded actuators, in the order of the action."""
     return [actuator for actuator in entry.actuators if actuator.commanded]
 
 
 def find_actuators(entry: ActuationEntry, model: mujoco.MjModel) -> IntArray:
-    """Return the index in *model* of each actuator that is commanded, shape (n,)."""
+    """Return the index in *model* of each commanded actuator, shape (n,)."""
     return np.array([model.actuator(actuator.name).id for actuator in commanded(entry)], dtype=np.intp)
 
 
 def command_range(entry: ActuationEntry) -> tuple[FloatArray, FloatArray]:
-    """Return the least and the largest commands, shape (n,) each."""
+    """Return the smallest and the largest commands, shape (n,) each."""
     low = np.array([actuator.action_low for actuator in commanded(entry)])
     return low, np.array([actuator.action_high for actuator in commanded(entry)])
 
@@ -80,11 +80,11 @@ def limits_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
 
 
 def mean_effort(shares: FloatArray, torques_nm: FloatArray) -> float:
-    """Return the sum of u² T over n times the sum of T (MIMo), between 0 and 1 / n; 0 where nothing has strength.
+    """Return the sum of u² T divided by n times the sum of T (MIMo), between 0 and 1 / n; 0 if all T are zero.
 
     Args:
-        shares: How much of its strength each actuator uses (u), shape (n,).
-        torques_nm: The largest torque of each (T), shape (n,).
+        shares: Fraction u of its strength that each actuator uses, shape (n,).
+        torques_nm: Largest torque T of each actuator, shape (n,).
     """
     strength_nm = len(shares) * torques_nm.sum()
     return float(shares**2 @ torques_nm / strength_nm) if strength_nm else 0.0

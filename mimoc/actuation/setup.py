@@ -1,4 +1,4 @@
-"""What an actuation model makes of a body."""
+"""The actuators that an actuation model adds to a body, and its changes to joints."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -12,34 +12,34 @@ from mimoc.mjcf.scene import Keyframe
 
 
 def unchanged(keyframe: Keyframe) -> Keyframe:
-    """Return a state as it is: actuators at rest have no state of their own in it."""
+    """Return a keyframe unchanged, for actuators that need no values in it."""
     return keyframe
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a number comes from."""
+    """Origin of a number, for provenance."""
 
     rule: str
-    """How it is computed, and from which publication."""
+    """How it is computed, and the publication."""
     sources: tuple[str, ...] = ()
-    """The numbers that it is computed from, by their keys for `mimoc explain`."""
+    """Keys (of `mimoc explain`) of the numbers that it is computed from."""
     unit: str = ""
-    """Its unit; empty where it has none, or is several numbers with different units."""
+    """Its unit; empty if it has none, or consists of numbers with different units."""
 
 
 @dataclass(frozen=True, slots=True)
 class ActuationSetup:
-    """The actuators of an infant, and its joints with the springs and dampers that the actuators leave them."""
+    """The actuators of an infant, and its joints with the stiffness and damping that remain beside the actuators."""
 
     actuators: tuple[Actuator, ...]
-    """In the order of the model."""
+    """The actuators, in the order of the model."""
     defaults: tuple[tuple[str, str], ...]
-    """The attributes that all actuators have in common."""
+    """Attributes that all actuators share."""
     integrator: str
-    """MuJoCo's integrator: where actuators damp, one that is implicit in their damping."""
+    """MuJoCo's integrator: implicit in velocity if the actuators have damping."""
     joints: Mapping[str, Joint]
-    """The hinges, by name, with the springs and dampers that are left to them."""
+    """The hinges by name, with the stiffness and damping that remain beside the actuators."""
     at_rest: Callable[[Keyframe], Keyframe] = unchanged
     """Returns a state with the actuators at rest."""
     origins: Mapping[str, Origin] = field(default_factory=dict)

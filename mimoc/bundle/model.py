@@ -51,7 +51,7 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
         pose: A keyframe; else the bundle's own.
 
     Raises:
-        ModelError: If MuJoCo refuses the model.
+        ModelError: If MuJoCo rejects the model.
         UnknownNameError: If the bundle has no such pose.
     """
     pose = pose_of(bundle.manifest, pose)
@@ -66,7 +66,7 @@ def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Return the compiled scene of a bundle and its state with all joints at zero.
 
     Raises:
-        ModelError: If MuJoCo refuses the model.
+        ModelError: If MuJoCo rejects the model.
     """
     model = load_model(bundle)
     data = mujoco.MjData(model)

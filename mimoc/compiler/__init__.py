@@ -1,1 +1,1 @@
-"""From a spec to a bundle."""
+"""The compiler: from a spec to a bundle."""

@@ -1,4 +1,4 @@
-"""Which parts of a model are which parts of the body, for a runtime that knows no anatomy."""
+"""The anatomy in the manifest: names of the parts that the runtime and controllers use."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from mimoc.bundle.manifest import AnatomyEntry, EyeEntry, LimbEntry
 
 
 def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
-    """Return what the manifest says of the parts of a body."""
+    """Return the anatomy of a body for the manifest."""
     here = {body.name for body in tree.bodies}
     groups: dict[str, list[str]] = {}
     for joint, group in muscle_groups(tree).items():

@@ -1,4 +1,4 @@
-"""What the spec language can say and this version of mimoc cannot build yet."""
+"""Check for keys of the spec language that this version of mimoc cannot build yet."""
 
 from collections.abc import Iterator
 
@@ -11,10 +11,10 @@ KeyPath = tuple[str, ...]
 
 
 def refuse_unavailable(spec: InfantSpec) -> None:
-    """Pass a spec that this version can build.
+    """Check that this version can build a spec.
 
     Raises:
-        SpecError: If it asks for more, with everything it asks for in vain.
+        SpecError: If it cannot; the error lists everything that is unavailable.
     """
     problems = [_problem(spec, path, what, advice) for path, what, advice in _unavailable(spec)]
     if problems:
@@ -22,7 +22,7 @@ def refuse_unavailable(spec: InfantSpec) -> None:
 
 
 def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
-    """Yield the path of each key that asks for too much, what it asks for, and what to write instead."""
+    """Yield the path of each unavailable key, what is unavailable, and advice."""
     leave_out = "leave it out"
     anatomy = assemble(spec.body.hands, spec.body.chest_joint)
     for key in spec.body.measurements:

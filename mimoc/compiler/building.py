@@ -1,4 +1,4 @@
-"""From a spec to a builder of its bundles, one for each seed of the scene."""
+"""Builders, which compile the bundles of a spec for any seed of its scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -53,47 +53,47 @@ from mimoc.version import __version__
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Builder:
-    """A spec whose infant is built: what is left is the world that a seed draws."""
+    """A spec whose infant has been built, and whose scene is built for each seed."""
 
     spec: InfantSpec
-    """What is built."""
+    """The spec."""
     target: str | None
-    """Other software that it is built for, by name."""
+    """Name of the other software that it is built for, if any."""
     tree: body.BodyTree
     """The infant's body."""
     infant: SceneTree
-    """The infant with senses and actuators, its poses at the origin, before it is put into a world."""
+    """The infant with senses and actuators, with its poses at the origin, before it is placed in a world."""
     task_setup: TaskSetup
-    """What its task needs."""
+    """The setup of its task."""
     footprint: npt.NDArray[np.float64]
-    """The floor that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
+    """The floor area that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
     scene_assets: SceneAssets
-    """The toys and wallpapers that scenes are drawn from."""
+    """The toys and wallpapers that scenes choose from."""
     files: Mapping[str, bytes]
     """The infant's files, by path in the bundle."""
     manifest: Manifest
-    """The manifest, but for what depends on the seed."""
+    """The manifest, without the fields that depend on the seed."""
     origins: Mapping[str, Any]
-    """Where the infant's numbers come from, by key in `provenance.json`."""
+    """Provenance of the infant's numbers, by key in `provenance.json`."""
 
     def __repr__(self) -> str:
-        """Return which infant it builds, in a line."""
+        """Return name and age of its infant."""
         return f"Builder({self.spec.name!r}, {self.spec.age_months:g} months)"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Let it be copied and sent to other processes, which build the infant anew."""
+        """Pickle only the spec: copies and other processes build the infant again."""
         return builder, (self.spec, self.target)
 
     def __call__(self, seed: int, *, check: bool = True) -> Bundle:
         """Return the bundle of a seed.
 
         Args:
-            seed: Of the scene.
-            check: Whether to have MuJoCo check the model; what loads it next does so too.
+            seed: Seed of the scene.
+            check: Whether to compile the model with MuJoCo to check it; loading the bundle does so as well.
 
         Raises:
-            SpecError: If there is no room for the toys, or nothing can be made of one.
-            ModelError: If MuJoCo refuses the model.
+            SpecError: If there is not enough space for the toys, or a mesh cannot be used.
+            ModelError: If MuJoCo rejects the model.
         """
         spec = _with_seed(self.spec, seed)
         furnished = self.furnished(seed)
@@ -111,7 +111,7 @@ class Builder:
         """Return the scene of a seed, before it is written.
 
         Raises:
-            SpecError: If there is no room for the toys, or nothing can be made of one.
+            SpecError: If there is not enough space for the toys, or a mesh cannot be used.
         """
         spec = _with_seed(self.spec, seed)
         try:
@@ -141,10 +141,10 @@ class Builder:
 
 
 def builder(spec: InfantSpec, target: str | None = None) -> Builder:
-    """Return what compiles a spec for any seed of its scene; the infant, which is always the same, is built now.
+    """Return a builder of a spec; the infant, which does not depend on the seed, is built at once.
 
     Raises:
-        UnknownNameError: If there is no such target.
+        UnknownNameError: If the target does not exist.
         SpecError: As `build`.
     """
     compatibility = find_target(target)
@@ -190,7 +190,7 @@ def _grow(
 def _equip(
     spec: InfantSpec, tree: body.BodyTree, compatibility: CompatibilityTarget
 ) -> tuple[ActuationSetup, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
-    """Return actuators and senses of a body, what its task needs, the infant with all of them, and its manifest."""
+    """Return actuators and senses of a body, the setup of its task, the complete infant, and its manifest."""
     try:
         actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
@@ -204,7 +204,7 @@ def _equip(
 
 
 def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:
-    """Return the file that holds the large arrays of all senses, if there are any."""
+    """Return the file with the large arrays of all senses, if there are any."""
     arrays = {
         f"{sense}/{name}": rounded_array(array)
         for sense, placed in senses.items()

@@ -1,4 +1,4 @@
-"""An infant with its senses, actuators and looks, before it is placed in its world."""
+"""Composition of an infant from body, senses, actuators and appearance, before it is placed in its world."""
 
 from collections.abc import Mapping
 
@@ -22,18 +22,18 @@ BODY_GROUP, LOOKS_GROUP = 0, 1
 
 
 def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
-    """Return the senses that a spec asks for on a body, by name."""
+    """Return the senses of a spec, built on a body, by name."""
     asked = {name: getattr(spec.senses, name) for name in SENSES}
     return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
 
 
 def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> SceneTree:
-    """Return the scene of a spec around a grown body, its poses at the origin of a world without anything.
+    """Return a scene with the infant of a spec, with its poses at the origin of an empty world.
 
     Args:
         spec: The spec.
         tree: The body.
-        actuation: What moves it.
+        actuation: Its actuators.
         senses: Its senses.
     """
     parts = _parts(tree, actuation, senses)
@@ -58,7 +58,7 @@ def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses:
 
 
 def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> dict[str, Node]:
-    """Return all parts by name, each with those that it carries."""
+    """Return all parts by name, each with its child parts."""
     sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
     for placed in senses.values():
         cameras |= placed.cameras
@@ -80,7 +80,7 @@ def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Place
 
 
 def _sites(tree: BodyTree, senses: Mapping[str, Placed]) -> dict[str, tuple[Site, ...]]:
-    """Return the sites of each body: of sensors, of senses, then keypoints."""
+    """Return the sites of each body: those of sensors, of senses, then keypoints."""
     of_sensors, keypoints = sensor_sites.sites(tree), keypoint_sites(tree)
     return {
         body.name: (
@@ -125,7 +125,7 @@ def _geom(geom: Geom) -> PrintedGeom:
 
 
 def _features(body: Body) -> tuple[PrintedGeom, ...]:
-    """Return the geoms of the head that are only seen: nose, ears, lids."""
+    """Return the visual geoms of the head: nose, ears, lids."""
     if body.name != "head":
         return ()
     (head,) = body.geoms

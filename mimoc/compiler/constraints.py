@@ -1,4 +1,4 @@
-"""What of an infant is kept as it starts: joints that are locked and parts that are held."""
+"""Constraints of an infant: locked joints and parts that are held in place."""
 
 from collections.abc import Collection, Sequence
 
@@ -16,9 +16,9 @@ from mimoc.schema.names import single_groups
 from mimoc.tasks.setup import Hold, TaskSetup
 
 SAME = 1e-6
-"""How far apart, in [m] or [rad], what is kept may be in two poses that both keep it."""
+"""Tolerance, in [m] or [rad], within which two poses count as satisfying the same constraint."""
 FIRM, LOOSE = 1.0, 0.0
-"""`torquescale` of a part that keeps how it is turned, and of one that turns about a point."""
+"""`torquescale` of a part whose orientation is fixed, and of one that can turn about a point."""
 
 
 def locked_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[str, ...]:
@@ -28,10 +28,10 @@ def locked_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[s
 
 
 def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Collection[str]:
-    """Return the hinges that take commands: of the spec's regions, those of its task that are not locked.
+    """Return the commanded hinges: those in the spec's regions that its task uses and that are not locked.
 
     Raises:
-        UnsupportedTaskError: If the task is left without any.
+        UnsupportedTaskError: If the task has no commanded hinge.
     """
     regions = spec.actuation.regions
     groups = None if regions is None else single_groups(regions)
@@ -47,14 +47,14 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Coll
         key = "locked" if regions is None else "regions"
         raise UnsupportedTaskError(
             f"none of this infant's commanded actuators moves a joint of task '{setup.entry.kind}'; "
-            + ("name other groups" if regions is not None else "lock fewer groups"),
+            + ("choose other groups" if regions is not None else "lock fewer groups"),
             ("actuation", key),
         )
     return found
 
 
 def holds(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[Hold, ...]:
-    """Return the parts that are held, for the task or by the spec, each once.
+    """Return the parts that are held, by the task or by the spec, each once.
 
     Raises:
         UnsupportedTaskError: If the spec holds a part that this infant does not have.
@@ -63,7 +63,7 @@ def holds(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[Hold, ...
     homes = {tree.home(name): name for name in spec.scene.held}
     for home, name in homes.items():
         if home not in here:
-            raise UnsupportedTaskError(f"this infant has no '{name}' to hold; leave it out", ("scene", "held"))
+            raise UnsupportedTaskError(f"this infant has no '{name}' to hold; remove it", ("scene", "held"))
     by_task = {hold.body for hold in setup.holds}
     return (*setup.holds, *(Hold(home) for home in homes if home not in by_task))
 
@@ -74,7 +74,7 @@ def hold_name(body: str) -> str:
 
 
 def lock(joints: Collection[str], tree: BodyTree, state: Sequence[float]) -> tuple[Lock, ...]:
-    """Return constraints that keep some hinges as they are in a state (qpos); those of the others are not active."""
+    """Return constraints that lock some hinges at their angles in a state (qpos), and inactive ones for the others."""
     angles_rad = dict(zip(tree.joints, state[7:], strict=False))
     return tuple(
         Lock(lock_name(joint), joint, angle_rad, active=True)
@@ -85,7 +85,7 @@ def lock(joints: Collection[str], tree: BodyTree, state: Sequence[float]) -> tup
 
 
 def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tuple[Weld, ...]:
-    """Return constraints that keep some parts where they are in a state (qpos)."""
+    """Return constraints that fix some parts at their poses in a state (qpos)."""
     placed = frames_in_world(tree, state) if held else {}
     return tuple(_weld(hold, *placed[hold.body]) for hold in held)
 
@@ -93,7 +93,7 @@ def weld(held: Collection[Hold], tree: BodyTree, state: Sequence[float]) -> tupl
 def keeps(
     joints: Collection[str], held: Collection[Hold], tree: BodyTree, start: Sequence[float], state: Sequence[float]
 ) -> bool:
-    """Return whether a state (qpos) has locked hinges and held parts where they are at the start."""
+    """Return whether a state (qpos) has locked hinges and held parts at their starting poses."""
     here, there = lock(joints, tree, state), lock(joints, tree, start)
     if any(abs(mine.angle_rad - theirs.angle_rad) > SAME for mine, theirs in zip(here, there, strict=True)):
         return False

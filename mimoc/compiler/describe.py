@@ -1,4 +1,4 @@
-"""What the runtime must know of a scene."""
+"""The manifest of a scene."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -62,7 +62,7 @@ def describe(
 
 
 def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
-    """Return what the manifest says of toys."""
+    """Return the entries of toys in the manifest."""
     return tuple(
         ToyEntry(
             body=toy.name,
@@ -78,7 +78,7 @@ def describe_toys(toys: Iterable[FreeObject]) -> tuple[ToyEntry, ...]:
 
 
 def used_plugins(spec: InfantSpec) -> dict[str, str]:
-    """Return which kinds of a spec are not mimoc's own, such as `senses.sound`, and the distribution of each.
+    """Return the distributions of a spec's kinds that are not part of mimoc, by section and name (`senses.sound`).
 
     The distribution is empty for a kind that a script registered.
     """

@@ -1,4 +1,4 @@
-"""Which line of a spec makes a child impossible, and what to write there instead."""
+"""Diagnosis of an impossible child: the key of the spec that causes it, and the range of possible values."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -15,29 +15,29 @@ from mimoc.schema.source import Source
 from mimoc.units import m_to_cm
 
 PRECISION = 1e-7
-"""Of the value that is just possible, as a share of its distance from one that is."""
+"""Precision of the limit of possible values, relative to its distance from a possible value."""
 FARTHEST = 0.5
-"""How far below what it is without a number the number is tried, as a factor; its inverse above."""
+"""Smallest value that is tried, relative to the default value; its inverse is the largest."""
 
 Possible = Callable[[InfantSpec], bool]
 
 
 @dataclass(frozen=True, slots=True)
 class Suspect:
-    """One number of a spec that may have made its child impossible."""
+    """A number in a spec that may have made its child impossible."""
 
     path: KeyPath
     value: float
     neutral: float
-    """What it would be if it were not written."""
+    """Its value if it were not given."""
 
     @property
     def deviation(self) -> float:
-        """How far it is from neutral, up or down."""
+        """Deviation from neutral in either direction."""
         return abs(math.log(self.value / self.neutral))
 
     def replaced(self, spec: InfantSpec, value: float) -> InfantSpec:
-        """Return the spec with another value in this place, unchecked."""
+        """Return the spec with another value of this key, without validation."""
         section, name, *key = map(str, self.path[1:])
         table = getattr(spec.body, section)
         changed = table[name].model_copy(update={key[0]: value}) if key else value
@@ -45,7 +45,7 @@ class Suspect:
         return spec.model_copy(update={"body": body})
 
     def advise(self, limit: float) -> str:
-        """Return what to write, where values between neutral and *limit* are possible."""
+        """Return advice, given that values between neutral and *limit* are possible."""
         digits = 1 if self.path[1] == "measurements" else 2
         if self.value > limit:
             bound = f"{math.floor(limit * 10**digits) / 10**digits:.{digits}f}"
@@ -55,15 +55,15 @@ class Suspect:
 
 
 def diagnose(error: GeometryError | IndividualError, spec: InfantSpec, written: Source) -> Problem:
-    """Return the problem at the key of the spec that an error of the body comes from.
+    """Return the problem, located at the key of the spec that causes an error of the body.
 
-    That is the number without which there would be such a child: of several, the one that is farthest
-    from what it would be otherwise. What to write instead is found by trying.
+    That is the number without which the child would be possible; of several, the one that deviates most from its
+    neutral value. The limit of possible values is found by bisection.
 
     Args:
-        error: What is wrong with the body.
-        spec: The infant.
-        written: The file it was written in.
+        error: The error.
+        spec: The spec.
+        written: The file of the spec.
     """
     if isinstance(error, IndividualError):
         return written.problem(("body", "individual"), str(error))
@@ -87,7 +87,7 @@ def _plain(spec: InfantSpec) -> InfantSpec:
 
 
 def _likeliest(spec: InfantSpec, average_m: dict[str, float], is_possible: Possible) -> tuple[KeyPath, str]:
-    """Return the key that most likely causes the error, and what to write there."""
+    """Return the key that most likely causes the error, and advice."""
     suspects = sorted(_suspects(spec, average_m), key=lambda suspect: (-suspect.deviation, suspect.path))
     for farther in (1.0, FARTHEST):
         for suspect in suspects:
@@ -107,7 +107,7 @@ def _suspects(spec: InfantSpec, average_m: dict[str, float]) -> Iterator[Suspect
 
 
 def _limit(spec: InfantSpec, suspect: Suspect, good: float, is_possible: Possible) -> float:
-    """Return the value nearest to what was written with which there is such a child."""
+    """Return the possible value that is nearest to the given one."""
 
     def value(share: float) -> float:
         return good + share * (suspect.value - good)

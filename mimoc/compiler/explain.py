@@ -1,4 +1,4 @@
-"""Where a number of a bundle comes from, told from the XML attribute back to the table row."""
+"""Explanation of the numbers of a bundle, from the XML attribute back to the table row."""
 
 import json
 from collections import defaultdict
@@ -13,21 +13,21 @@ from mimoc.errors import MimocError
 
 Entries = Mapping[str, Mapping[str, Any]]
 MOST_FOLLOWED = 8
-"""Of the numbers that one is made of; of more, such as the masses of all bodies, only the values are told."""
+"""Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """A number, the rule it follows, and the numbers that the rule takes."""
+    """A number, the rule that gives it, and the numbers that the rule depends on."""
 
     key: str
     lines: tuple[str, ...]
-    """Value and unit; then the rule, the data behind it and the XML attribute it ends up in."""
+    """Value and unit, then the rule, its data, and the XML attribute that it is written to."""
     sources: tuple["Explanation", ...]
 
 
 def contents(bundle: Bundle) -> dict[str, tuple[str, ...]]:
-    """Return the names of all numbers that can be explained, sorted, by what they are of: `body.left_foot`."""
+    """Return the sorted names of all numbers that can be explained, by object, such as `body.left_foot`."""
     groups = defaultdict[str, list[str]](list)
     for key in sorted(_entries(bundle)):
         thing, _, name = key.rpartition(".")
@@ -36,14 +36,14 @@ def contents(bundle: Bundle) -> dict[str, tuple[str, ...]]:
 
 
 def find(bundle: Bundle, text: str) -> dict[str, str]:
-    """Return the values of all numbers whose key a text is, or else a part of, by key, sorted.
+    """Return the values of all numbers whose key equals or contains a text, sorted by key.
 
     Args:
-        bundle: Whose numbers.
-        text: A key; a part of one in small or capital letters, with `_` or blanks; or a pattern with `*` and `?`.
+        bundle: The bundle.
+        text: A key, part of a key (in any case, with `_` or blanks), or a pattern with `*` and `?`.
 
     Raises:
-        MimocError: If there is no such number; it names near ones.
+        MimocError: If there is no such number; the message suggests similar ones.
     """
     entries, part = _entries(bundle), "_".join(text.lower().split())
     if text in entries:
@@ -56,10 +56,10 @@ def find(bundle: Bundle, text: str) -> dict[str, str]:
 
 
 def explain(bundle: Bundle, key: str) -> Explanation:
-    """Return where a number comes from, all the way back.
+    """Return the provenance of a number, back to its original sources.
 
     Raises:
-        MimocError: If the bundle has no such number; it names near ones.
+        MimocError: If the bundle has no such number; the message suggests similar ones.
     """
     entries = _entries(bundle)
     if key not in entries:
@@ -80,7 +80,7 @@ def _explain(key: str, entries: Entries) -> Explanation:
 
 
 def _named(key: str, entries: Entries) -> Explanation:
-    """Return a number without where it comes from."""
+    """Return a number without its provenance."""
     return Explanation(key, (_value(entries[key]),), ())
 
 
@@ -105,7 +105,7 @@ def _text(value: Any) -> str:
 
 
 def _advice(text: str, entries: Entries) -> str:
-    """Return which numbers, or parts of their names, may have been meant."""
+    """Return advice with numbers, or parts of their names, that may have been meant."""
     parts = {part for key in entries for part in (key, *key.split("."), *key.replace(":", ".").split("."))}
     near = get_close_matches(text, sorted(parts), n=3, cutoff=0.6)
     if near:

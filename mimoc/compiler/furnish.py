@@ -1,4 +1,4 @@
-"""An infant placed in the world of its spec, with toys around it."""
+"""Placement of an infant in the world of its spec, with toys around it."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -35,25 +35,25 @@ class FurnishedScene:
     """An infant in the world of its spec."""
 
     scene: SceneTree
-    """Both of them, ready to print."""
+    """The infant and its world, ready to print."""
     toys: tuple[FreeObject, ...]
-    """The toys among the objects of its world."""
+    """The toys."""
     task_objects: tuple[FreeObject, ...]
-    """The others, which its task needs."""
+    """The movable objects of the task."""
     origins: Mapping[str, Entry]
-    """Where the numbers of the kind of scene come from."""
+    """Provenance of the numbers of the scene."""
 
 
 def set_up_task(
     scene: SceneTree, spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup
 ) -> tuple[SceneTree, TaskSetup]:
-    """Return the scene with one more pose, if the task of its spec starts from its own, and what the task needs.
+    """Return the scene, with the starting pose of its task if there is one, and the setup of the task.
 
-    Poses in which held parts or locked joints would be elsewhere are left out: MuJoCo would pull the infant out of
-    them.
+    Poses in which held parts or locked joints would be elsewhere are removed: the constraints would pull the infant
+    out of them.
 
     Raises:
-        UnsupportedTaskError: If the infant lacks what the task is about, or a part that the spec holds.
+        UnsupportedTaskError: If the infant lacks a part that the task or the spec requires.
     """
     setup = build_task(spec.task, tree)
     poses = scene.keyframes
@@ -72,7 +72,7 @@ def start_pose(spec: InfantSpec, setup: TaskSetup) -> str:
 
 
 def covered_floor(scene: SceneTree, spec: SceneSpec, tree: BodyTree) -> FloatArray:
-    """Return the discs of floor that an infant covers in all its poses, shape (n, 3); none where it does not matter."""
+    """Return the floor area that an infant covers in all its poses, as discs, shape (n, 3); none if not needed."""
     if spec.toys is None and not SCENES[spec.kind].needs_footprint:
         return np.empty((0, 3))
     return footprint(tree, [pose.qpos for pose in scene.keyframes])
@@ -86,19 +86,19 @@ def furnish(
     setup: TaskSetup = NO_TASK,
     discs: FloatArray | None = None,
 ) -> FurnishedScene:
-    """Return a scene with the world of its spec, and the infant's poses where they are in that.
+    """Return a scene with the world of its spec, and the infant's poses placed in it.
 
     Args:
         scene: The infant, with its poses resting on the floor at the origin.
         spec: The spec.
         tree: The infant's body.
-        assets: What the scene is drawn from.
-        setup: What its task needs.
+        assets: Toys and wallpapers of the scene.
+        setup: The setup of its task.
         discs: The infant's `covered_floor`, if it is known already: it is the same for every seed.
 
     Raises:
-        NoSpaceError: If there is no room for a toy.
-        ToyError: If nothing can be made of a toy.
+        NoSpaceError: If there is not enough space for the toys.
+        ToyError: If the mesh of a toy cannot be used.
         UnsupportedTaskError: If the spec holds a part that the infant does not have.
     """
     discs = covered_floor(scene, spec.scene, tree) if discs is None else discs
@@ -108,7 +108,7 @@ def furnish(
     start = starts[start_pose(spec, setup)]
     taken = place_discs(np.concatenate([discs, np.reshape(setup.taken, (-1, 3))]), built.start)
     toys = _toys(spec.scene, built, tree, start, taken, assets.toybox)
-    task_objects = tuple(place_object(thing, built.start) for thing in setup.props)
+    task_objects = tuple(place_object(thing, built.start) for thing in setup.objects)
     world = replace(
         _with_task(built.world, setup),
         objects=(*toys, *task_objects),
@@ -129,7 +129,7 @@ def _in_world(scene: SceneTree, world: World, poses: Iterable[Keyframe]) -> Scen
 
 
 def _with_task(world: World, setup: TaskSetup) -> World:
-    """Return a world with the furniture of a task, and without gravity if the task wants none."""
+    """Return a world with the furniture of a task, and without gravity if the task is weightless."""
     return replace(
         world,
         furniture=world.furniture + setup.furniture,
@@ -140,7 +140,7 @@ def _with_task(world: World, setup: TaskSetup) -> World:
 def _toys(
     spec: SceneSpec, built: BuiltScene, tree: BodyTree, start: Keyframe, taken: FloatArray, toybox: Toybox
 ) -> tuple[FreeObject, ...]:
-    """Return the toys of a scene, around where the infant starts and clear of the discs that are taken."""
+    """Return the toys of a scene, around the infant's starting position and outside of occupied discs."""
     if spec.toys is None:
         return ()
     toys = choose_toys(spec.toys, spec.seed, toybox)
@@ -151,7 +151,7 @@ def _toys(
     )
     if places is None:
         raise NoSpaceError(
-            f"there is no room for {len(toys)} toys around the infant; use fewer, smaller ones or a larger room"
+            f"there is not enough space for {len(toys)} toys; use fewer or smaller ones, or a larger room"
         )
     return tuple(
         make_object(toy, number, place) for number, (toy, place) in enumerate(zip(toys, places, strict=True), 1)

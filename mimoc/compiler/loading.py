@@ -9,9 +9,9 @@ SPEC_SUFFIXES = (".yaml", ".yml")
 
 
 def load_spec(path: str | Path) -> InfantSpec:
-    """Return the spec that a YAML file holds.
+    """Return the spec in a YAML file.
 
     Raises:
-        SpecError: If anything is wrong with it, with all that is.
+        SpecError: If the spec is invalid; the error lists all problems.
     """
     return read_spec(source.read(path))

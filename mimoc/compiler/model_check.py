@@ -14,22 +14,22 @@ def compile_model(files: Mapping[str, bytes]) -> mujoco.MjModel:
     """Return the compiled scene of a bundle's files.
 
     Raises:
-        ModelError: If MuJoCo refuses it.
+        ModelError: If MuJoCo rejects it.
     """
     try:
         return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
     except ValueError as error:
         message = _refusal(files) or " ".join(str(error).split())
-        raise ModelError(f"MuJoCo refuses the model: {message}", _element(message, files)) from None
+        raise ModelError(f"MuJoCo rejects the model: {message}", _element(message, files)) from None
 
 
 def trace_model_error(error: ModelError, written: Source, provenance: Mapping[str, Mapping[str, Any]]) -> ModelError:
     """Return the error with the places in the spec that determine the element it is about.
 
     Args:
-        error: Of `compile_model`.
-        written: Where the spec was written.
-        provenance: Where each number of the bundle comes from, by key.
+        error: The error of `compile_model`.
+        written: The file of the spec.
+        provenance: Provenance of each number of the bundle, by key.
     """
     if error.element is None:
         return ModelError(f"{written.file}: {error}; please report this")
@@ -39,7 +39,7 @@ def trace_model_error(error: ModelError, written: Source, provenance: Mapping[st
 
 
 def _sources(element: str, provenance: Mapping[str, Mapping[str, Any]]) -> set[str]:
-    """Return the keys of all numbers that those of an element follow from, its own included."""
+    """Return the keys of an element's numbers and of all numbers that these depend on."""
     pending = [key for key, entry in provenance.items() if f"[@name='{element}']" in entry.get("xml", "")]
     found: set[str] = set()
     while pending:
@@ -51,7 +51,7 @@ def _sources(element: str, provenance: Mapping[str, Mapping[str, Any]]) -> set[s
 
 
 def _refusal(files: Mapping[str, bytes]) -> str | None:
-    """Return what MuJoCo says of the infant alone: its line counts are those of that file, not of what includes it."""
+    """Return MuJoCo's message for `infant.xml` alone, whose line numbers are those of this file."""
     try:
         mujoco.MjModel.from_xml_string(files["infant.xml"].decode(), assets=dict(files))
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""What the user of a bundle should know of how it was built."""
+"""Notes for the user of a bundle on how it was built."""
 
 from collections.abc import Iterator, Mapping
 
@@ -12,23 +12,23 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
     """Return the notes of a bundle, for its README and manifest.
 
     Args:
-        spec: What was built.
-        toybox: What its toys were chosen from.
-        plugins: The kinds that are not mimoc's own, and the distribution of each.
-        target: The software that it was built for, if not for mimoc alone.
+        spec: The spec.
+        toybox: The toys to choose from.
+        plugins: Distributions of the kinds that are not part of mimoc.
+        target: Name of the other software that it was built for, if any.
     """
-    built_for = (f"built for {target}: parts, joints and commands are as its code wants",) if target else ()
+    built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
     return (*built_for, *_plugin_notes(plugins), *_task_notes(spec), *(toybox.notes if spec.scene.toys else ()))
 
 
 def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:
     for kind, distribution in sorted(plugins.items()):
         if distribution:
-            yield f"'{kind}' is not mimoc's own: to build this bundle again, install '{distribution}'"
+            yield f"'{kind}' is a plug-in: to build this bundle again, install '{distribution}'"
         else:
-            yield f"'{kind}' is not mimoc's own: a script registered it"
+            yield f"'{kind}' is a plug-in that a script registered"
 
 
 def _task_notes(spec: InfantSpec) -> Iterator[str]:
     if spec.task and TASKS[spec.task.kind].poses == () and spec.scene.pose != SceneSpec().pose:
-        yield f"'{spec.task.kind}' starts from a pose of its own; 'scene.pose: {spec.scene.pose}' has no effect"
+        yield f"task '{spec.task.kind}' has its own starting pose; 'scene.pose: {spec.scene.pose}' has no effect"

@@ -1,4 +1,4 @@
-"""From a spec to a bundle in memory, checked by MuJoCo."""
+"""Compilation of a spec to a bundle in memory, which MuJoCo checks."""
 
 from pathlib import Path
 
@@ -16,22 +16,22 @@ def build(spec: InfantSpec | str | Path, target: str | None = None) -> Bundle:
         target: Other software to build it for, by a name of `mjcf.compatibility.TARGETS`.
 
     Raises:
-        UnknownNameError: If there is no such target.
-        SpecError: If the spec is wrong or has not passed validation, if this version cannot build what it asks for, if
-            no child matches the requested measures, or if toys or pictures are missing.
-        ModelError: If MuJoCo refuses the model.
+        UnknownNameError: If the target does not exist.
+        SpecError: If the spec is invalid, if this version cannot build it, if no child matches the requested measures,
+            or if toys or textures are missing.
+        ModelError: If MuJoCo rejects the model.
     """
     compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec), target)
     return compiler(compiler.spec.scene.seed)
 
 
 def compiled(source: Bundle | InfantSpec | str | Path) -> Bundle:
-    """Return a bundle as it is, the bundle in a folder, or what a spec or the file of one (.yaml, .yml) compiles to.
+    """Return a bundle: the given one, the one in a folder, or that of a compiled spec or spec file (.yaml, .yml).
 
     Raises:
-        BundleError: If a folder is not a whole bundle.
+        BundleError: If a folder is not a complete bundle.
         SpecError: As `build`.
-        ModelError: If MuJoCo refuses the model.
+        ModelError: If MuJoCo rejects the model.
     """
     if isinstance(source, Bundle):
         return source

@@ -1,4 +1,4 @@
-"""The toys and wallpapers that scenes are drawn from: mimoc's own and the user's, read once for all seeds."""
+"""The toys and wallpapers that scenes choose from, mimoc's and the user's, read once for all seeds."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,23 +17,23 @@ from mimoc.toys.spec import ToysSpec
 
 @dataclass(frozen=True, slots=True)
 class SceneAssets:
-    """What scenes are drawn from."""
+    """The toys and wallpapers that scenes choose from."""
 
     wallpapers: Wallpapers = OWN_WALLPAPERS
-    """For floors, ceilings and walls."""
+    """Wallpapers for floors, ceilings and walls."""
     toybox: Toybox = BUILTIN_TOYS
     """The toys to choose from."""
 
 
 def load_scene_assets(spec: InfantSpec, written: Source) -> SceneAssets:
-    """Return what the scenes of a spec are drawn from.
+    """Return the toys and wallpapers for the scenes of a spec.
 
     Args:
         spec: The spec.
-        written: Where it was written: paths are relative to its folder, and problems point into it.
+        written: Its file: paths are relative to its folder, and problems are located in it.
 
     Raises:
-        SpecError: If a toy or a picture that it names is missing or cannot be read.
+        SpecError: If a toy or a texture is missing or cannot be read.
     """
     folder = written.folder
     wallpapers = Wallpapers(

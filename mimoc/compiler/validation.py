@@ -1,4 +1,4 @@
-"""How the compiled infant compares with WHO's children, month by month."""
+"""Comparison of the compiled infant with WHO's growth standards, by age."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -27,16 +27,16 @@ from mimoc.schema.infant import InfantSpec, validated
 from mimoc.units import m_to_cm, ms_to_s
 
 MONTHS = range(25)
-"""The whole ages that mimoc builds."""
+"""Ages of the comparison, in whole months."""
 
 FloatArray = npt.NDArray[np.float64]
 Progress = Callable[[int, int], None]
-"""Told how many infants are measured, and how many there are."""
+"""Called with the number of infants measured and their total number."""
 
 ROOT = "hip"
 """The root body of the infant."""
 BODY_GROUP = 0
-"""The geom group of flesh and bone; others only show."""
+"""Geom group of the body; geoms in other groups are only visual."""
 
 PRIMITIVES: Mapping[int, Kind] = {
     int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
@@ -45,18 +45,18 @@ PRIMITIVES: Mapping[int, Kind] = {
     int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
     int(mujoco.mjtGeom.mjGEOM_BOX): "box",
 }
-"""Kinds of geoms by MuJoCo's type."""
+"""Kinds of primitives by MuJoCo's geom type."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One measure of the infant at one age, beside WHO's children of that age."""
+    """One measure of the infant at one age, with its scores in WHO's standards."""
 
     age_months: float
     indicator: str
     """`length_cm`, `weight_kg`, `head_circumference_cm` or `arm_circumference_cm`."""
     value: float
-    """In the unit of the indicator's name."""
+    """Value, in the unit of the indicator's name."""
     z: Mapping[Reference, float]
     """Standard deviations above the median of boys, of girls and of their mean."""
 
@@ -67,16 +67,16 @@ class Row:
 
     @property
     def outside_one_sd(self) -> bool:
-        """Whether it lies more than one standard deviation off the mean of boys and girls."""
+        """Whether it is more than one standard deviation from the mean of boys and girls."""
         return abs(self.z["mean"]) > 1
 
 
 @dataclass(frozen=True, slots=True)
 class GrowthReport:
-    """An infant against WHO's standards over many ages."""
+    """Comparison of an infant with WHO's standards at several ages."""
 
     rows: tuple[Row, ...]
-    """Youngest first; at each age length, weight, head and, from three months on, arm."""
+    """Rows by age, youngest first; at each age length, weight, head and, from three months on, arm."""
 
     @property
     def within_one_sd(self) -> bool:
@@ -126,11 +126,11 @@ class GrowthReport:
 def grow_against_who(
     spec: InfantSpec | None = None, months: Iterable[float] | None = None, progress: Progress | None = None
 ) -> GrowthReport:
-    """Return how an infant, compiled at every age, compares with WHO's children.
+    """Return the comparison of an infant, compiled at several ages, with WHO's standards.
 
     Args:
-        spec: The infant, measured at its own age too; None is the average child.
-        months: Ages in months, 0 to 24; None is every whole one, unless the spec gives measures of one age.
+        spec: The infant, which is measured at its own age too; None means the average child.
+        months: Ages in months, 0 to 24; None means every whole month, or only the spec's age if it gives measurements.
         progress: Called after each age.
 
     Raises:
@@ -151,7 +151,7 @@ def grow_against_who(
 
 
 def _is_of_one_age(spec: InfantSpec) -> bool:
-    """Say whether a spec gives lengths or weights, which fit no age but its own; percentiles and factors fit all."""
+    """Return whether a spec gives lengths or weights, which are valid only for its age, unlike percentiles."""
     individual = spec.body.individual
     measured = individual and (individual.length_cm, individual.weight_kg, individual.head_circumference_cm)
     return bool(spec.body.measurements) or any(value is not None for value in measured or ())
@@ -161,7 +161,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
 
     Raises:
-        ModelError: If MuJoCo refuses it.
+        ModelError: If MuJoCo rejects it.
     """
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
@@ -172,7 +172,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
 
 
 def measure_compiled(model: mujoco.MjModel) -> Stature:
-    """Return what a tape and a scale say of a compiled infant: standing as the model does, left arm measured."""
+    """Return length, weight and circumferences of a compiled infant with all joints at zero, of the left arm."""
     return Stature(
         length_cm=m_to_cm(_standing_height_m(model)),
         weight_kg=float(model.body_subtreemass[model.body(ROOT).id]),
@@ -202,7 +202,7 @@ def _row_data(row: Row) -> dict[str, Any]:
 
 
 def _arm_circumference_cm(model: mujoco.MjModel) -> float | None:
-    """Return the girth of the left upper arm, of the right one where there is no left, or None."""
+    """Return the circumference of the left upper arm, or of the right one if there is no left one, or None."""
     geom = mujoco.mjtObj.mjOBJ_GEOM
     arms = [name for name in ("left_uarm1", "right_uarm1") if mujoco.mj_name2id(model, geom, name) >= 0]
     return m_to_cm(_girth_m(model, arms[0])) if arms else None
@@ -213,7 +213,7 @@ def _girth_m(model: mujoco.MjModel, geom: str) -> float:
 
 
 def _standing_height_m(model: mujoco.MjModel) -> float:
-    """Return crown to sole: the vertical extent of the infant's own geoms where no joint is turned."""
+    """Return the crown-sole length: the vertical extent of the infant's geoms with all joints at zero."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     own = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id

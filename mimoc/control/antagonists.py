@@ -1,4 +1,4 @@
-"""Antagonists: from the torques that joints are to have to the commands of their muscles."""
+"""Antagonists: from desired joint torques to muscle commands."""
 
 import mujoco
 import numpy as np
@@ -8,24 +8,23 @@ from mimoc.mujoco_layout import TIME_CONSTANT
 from mimoc.senses.sense import FloatArray, IntArray
 
 LEAST_NM = 1e-12
-"""A muscle that pulls no harder than this, for it shortens too fast, does not pull."""
+"""Torque below which a muscle counts as not pulling, as when it shortens too fast."""
 
 
 class Antagonists:
-    """Two muscles a joint: one pulls as hard as is needed, as its length and speed allow, and the other rests.
+    """Two muscles per joint, of which one produces the torque, within its force-length-velocity limits, and one rests.
 
-    What a muscle makes of its activation is not worked out here but asked of MuJoCo: force is gain x activation + bias,
-    so that its force at full activation and at none tell both.
+    A muscle's force is gain x activation + bias; MuJoCo's forces at full and at zero activation determine both.
     """
 
     def __init__(self, actuation: Actuation, joints: IntArray, model: mujoco.MjModel, step_s: float):
         """Find the muscles of n joints.
 
         Args:
-            actuation: What turns an action into controls.
+            actuation: Conversion of actions to controls.
             joints: Index of each joint, shape (n,).
-            model: Where the muscles are.
-            step_s: A control step, at whose end muscles are to pull as they should.
+            model: The model.
+            step_s: Duration of a control step, at whose end the torques are to be reached.
         """
         driven = model.actuator_trnid[actuation.actuators, 0]
         gears = model.actuator_gear[actuation.actuators, 0]
@@ -45,10 +44,10 @@ class Antagonists:
         return self._strength_nm
 
     def rest(self, model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
-        """Let the joints' muscles rest, as far as `data.qfrc_actuator`; those of others are left as they are.
+        """Set the joints' muscles to rest and update `data.qfrc_actuator`; other muscles keep their activation.
 
         Returns:
-            What they could add to that now, at least and at most, shape (n, 2), [N m].
+            Smallest and largest torque that they could add in this state, shape (n, 2), [N m].
         """
         self._active = data.act[self._activations]
         data.act[self._activations] = 1.0
@@ -60,9 +59,9 @@ class Antagonists:
         return self._pulls_nm
 
     def command(self, torques_nm: FloatArray) -> FloatArray:
-        """Return the action, shape (nu,), that adds some torques, shape (n,), to those at rest.
+        """Return the action, shape (nu,), that adds torques, shape (n,), to those at rest.
 
-        The activation that is needed is there at the end of the control step, if a command in [0, 1] can do that.
+        The required activation is reached at the end of the control step, if a command in [0, 1] can achieve that.
         """
         pulling = np.abs(self._pulls_nm) > LEAST_NM
         needed = np.divide(torques_nm[:, None], self._pulls_nm, out=np.zeros_like(self._pulls_nm), where=pulling)
@@ -73,5 +72,5 @@ class Antagonists:
 
 
 def _slot(found: np.ndarray) -> int:
-    """Return which number of the action is meant: the only one for which *found*, shape (nu,), is true."""
+    """Return the only index of the action at which *found*, shape (nu,), is true."""
     return int(np.flatnonzero(found)[0])

@@ -1,4 +1,4 @@
-"""Balance: what keeps an infant steady while its arms swing, in whichever pose it is."""
+"""Balance: objectives that stabilise legs and trunk while the arms move."""
 
 import mujoco
 import numpy as np
@@ -12,13 +12,13 @@ from mimoc.control.posture import Posture
 from mimoc.senses.sense import IntArray
 
 BALANCING = Gains(100.0, viscosity_per_s=20.0)
-"""For the chest, which stays as it is while the arms swing."""
+"""Gains for the chest, which keeps its orientation while the arms move."""
 LYING = 0.5
-"""Cosine of the tilt of the chest beyond which an infant lies, 60°."""
+"""Cosine of 60°, the tilt of the chest beyond which an infant counts as lying."""
 
 
 class Balance:
-    """Tells how an infant lies, sits or stands, and which objectives keep it so."""
+    """Determines whether an infant lies, sits or stands, and the objectives that keep it stable."""
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
         """Find trunk and legs of an infant."""
@@ -32,13 +32,13 @@ class Balance:
         return bool(data.xmat[self._trunk[-1]].reshape(3, 3)[2, 2] < LYING)
 
     def sits_freely(self, data: mujoco.MjData) -> bool:
-        """Return whether nothing but the ground holds an upright infant."""
+        """Return whether the infant is upright and supported only by the ground."""
         return not self._manifest.constraints.welds and not self.lies(data)
 
     def objectives(self, data: mujoco.MjData) -> list[Posture | Align]:
-        """Return what keeps an infant steady: legs that stay as they are first, then an upright chest.
+        """Return the objectives that keep the infant stable: first the posture of its legs, then an upright chest.
 
-        For one that lies it is only legs and spine that stay as they are: the ground holds its chest.
+        For an infant that lies, these are only the postures of legs and spine, since the ground supports its chest.
         """
         model = self._model
         roots = [model.body(leg.root).id for leg in self._manifest.anatomy.legs]
@@ -49,9 +49,9 @@ class Balance:
         return [Posture(joints=legs), Align(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
 
     def loose_feet(self, data: mujoco.MjData) -> list[str]:
-        """Return the feet of an infant that sits: counted as held by the ground, they would creep until legs cross.
+        """Return the feet of a sitting infant, which must not count as supports: they would creep until legs cross.
 
-        Those of one that stands, higher above them than half the way to them, support it.
+        The feet of a standing infant, whose hip is high above them, support it.
         """
         feet = [leg.end for leg in self._manifest.anatomy.legs if leg.end]
         root_m = data.body(self._manifest.root_body).xpos
@@ -59,6 +59,6 @@ class Balance:
         return [foot for foot, way in zip(feet, away_m, strict=True) if way[2] < 0.5 * np.linalg.norm(way)]
 
     def _joints_on(self, bodies: IntArray) -> list[str]:
-        """Return the joints of some bodies that commands move."""
+        """Return the commanded joints of some bodies."""
         chosen = np.isin(self._model.jnt_bodyid[self._moved], bodies)
         return [self._model.joint(joint).name for joint, is_on in zip(self._moved, chosen, strict=True) if is_on]

@@ -1,4 +1,4 @@
-"""Frames: the places of a body that tasks are about, where they are and how they move."""
+"""Frames: sites, cameras and bodies that objectives control, with their poses and motion."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from mimoc.errors import UnknownNameError
 from mimoc.senses.sense import FloatArray
 
 X_AXIS, VIEW = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0])
-"""Ways to point: along x, as bodies of infants do, and down z, as MuJoCo's cameras look."""
+"""Pointing axes: x for bodies of infants, and -z for MuJoCo's cameras."""
 
 KINDS = {
     "site": (mujoco.mjtObj.mjOBJ_SITE, "site_bodyid", "site_xpos", "site_xmat", X_AXIS),
@@ -22,20 +22,20 @@ way it points. A body is where its centre of mass is, which of a hand is its pal
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """Where a frame is and how it moves, in the world."""
+    """Pose and motion of a frame, in the world."""
 
     place_m: FloatArray
     """Shape (3,)."""
     axes: FloatArray
     """Its axes as columns, shape (3, 3)."""
     pointing: FloatArray
-    """Which way it points in its own frame, shape (3,)."""
+    """Its pointing axis, in its own frame, shape (3,)."""
     velocity: FloatArray
-    """Linear, then angular, shape (6,), [m/s, rad/s]."""
+    """Linear, then angular velocity, shape (6,), [m/s, rad/s]."""
     jacobian: FloatArray
-    """Of that velocity, shape (6, nv)."""
+    """Jacobian of that velocity, shape (6, nv)."""
     drift: FloatArray
-    """Its change while no joint accelerates, shape (6,), [m/s², rad/s²]."""
+    """Its derivative at zero joint acceleration, shape (6,), [m/s², rad/s²]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,16 +46,16 @@ class Frame:
     kind: str
     """Key of `KINDS`."""
     index: int
-    """In the model, among its kind."""
+    """Index in the model, among its kind."""
     body: int
-    """The body it is part of."""
+    """Index of the body that it is attached to."""
 
     def place_m(self, data: mujoco.MjData) -> FloatArray:
-        """Return where it is in the world, shape (3,)."""
+        """Return its position in the world, shape (3,), [m]."""
         return getattr(data, KINDS[self.kind][2])[self.index]
 
     def motion(self, model: mujoco.MjModel, data: mujoco.MjData) -> Motion:
-        """Return where it is and how it moves; *data* must be up to date with its positions and velocities."""
+        """Return its pose and motion; *data* must be up to date with its positions and velocities."""
         _, _, _, axes, pointing = KINDS[self.kind]
         place_m = self.place_m(data)
         rates = np.empty((12, model.nv))
@@ -73,10 +73,10 @@ class Frame:
 
 
 def find_frame(name: str, model: mujoco.MjModel) -> Frame:
-    """Return the site of this name, or else the camera, or else the body.
+    """Return the site, camera or body of this name, in this order of precedence.
 
     Raises:
-        UnknownNameError: If there is none.
+        UnknownNameError: If none has this name.
     """
     for kind, (object_type, bodies, *_) in KINDS.items():
         index = mujoco.mj_name2id(model, object_type, name)

@@ -1,4 +1,4 @@
-"""Gains: how strongly an error is answered, as a polynomial law."""
+"""Gains: a polynomial feedback law from error and velocity to desired acceleration."""
 
 import math
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from mimoc.senses.sense import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """The acceleration that answers an error d: strength x (d / scale)^power towards the target, less viscosity x v.
+    """Feedback law for an error d and velocity v: strength x (d / scale)^power towards the target, less viscosity x v.
 
-    Errors and scales are in [m] or in [rad], whichever the task's error is in; accelerations in that per s².
+    Errors and scales are in [m] or [rad], as the error of the objective; accelerations are in [m/s²] or [rad/s²].
     """
 
     strength: float
@@ -23,22 +23,22 @@ class Gains:
     scale: float = 1.0
     """Error at which the acceleration is *strength*, [m] or [rad]."""
     cap: float = math.inf
-    """Larger errors are answered like this one, [m] or [rad]."""
+    """Error at which the acceleration saturates, [m] or [rad]."""
     viscosity_per_s: float = 0.0
-    """Deceleration by velocity."""
+    """Deceleration per unit of velocity."""
 
     def __post_init__(self) -> None:
         for name, least in (("strength", 0.0), ("power", 0.0), ("scale", 1e-9), ("cap", 0.0), ("viscosity_per_s", 0.0)):
             value = getattr(self, name)
             if not value >= least or (value == math.inf and name != "cap"):
-                raise ControlError(f"the {name} of gains is {value:g}; give a number from {least:g} on")
+                raise ControlError(f"the {name} of gains is {value:g}; give a number of at least {least:g}")
 
     def acceleration(self, error: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Return the acceleration that is wanted.
+        """Return the desired acceleration.
 
         Args:
-            error: From where it is to the target, shape (n,), [m] or [rad].
-            velocity: Of what is to get there, shape (n,).
+            error: Vector from the present value to the target, shape (n,), [m] or [rad].
+            velocity: Present velocity, shape (n,).
         """
         distance = math.sqrt(error @ error)
         if distance == 0.0:
@@ -47,6 +47,6 @@ class Gains:
         return (pull / distance) * error - self.viscosity_per_s * velocity
 
     def accelerations(self, errors: FloatArray, velocities: FloatArray) -> FloatArray:
-        """Return the acceleration that is wanted of each of n by itself, such as joints; all of shape (n,)."""
+        """Return the desired accelerations of n independent values, such as joint angles; all of shape (n,)."""
         pulls = self.strength * (np.minimum(np.abs(errors), self.cap) / self.scale) ** self.power
         return np.sign(errors) * pulls - self.viscosity_per_s * velocities

@@ -1,4 +1,4 @@
-"""Inverse dynamics: torques with which an infant pursues several objectives at once, in the order of priority."""
+"""Inverse dynamics: joint torques for several objectives at once, in order of priority."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,7 +14,7 @@ from mimoc.control.frames import Motion, find_frame
 from mimoc.control.joints import Joints, find_joints
 from mimoc.control.objectives import Objective
 from mimoc.control.posture import Posture
-from mimoc.control.priorities import Wish, joined, size_of
+from mimoc.control.priorities import LinearDemand, joined, size_of
 from mimoc.control.stopping import HELD, Turning, fulfil_within
 from mimoc.control.supports import Supports
 from mimoc.control.torque_mapping import map_torques
@@ -23,19 +23,19 @@ from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""All of a state that accelerations follow from."""
+"""The part of a state that determines accelerations."""
 
 Objectives = Sequence[Objective | Posture | Sequence[Objective]]
-"""The most important first; those in a sequence of their own share one priority."""
+"""Objectives, the most important first; those in a nested sequence share one priority."""
 
 
 class InverseDynamics:
-    """A controller: each call returns the action that its objectives ask for in the infant's present state.
+    """A controller: each call returns the action that its objectives require in the infant's present state.
 
-    An objective never disturbs those before it, and what all of them leave free goes to the posture. Joints stop
-    before the ends of their ranges, and no torque is larger than the infant's own. The model and the data are only
-    read: the environment that they belong to can be reset and put into any state. After it has changed its scene, it
-    has another model, which `bind` hands over.
+    An objective never disturbs those before it, and the remaining degrees of freedom follow the posture. Joints stop
+    before the ends of their ranges, and torques do not exceed the infant's strength. The controller only reads the
+    model and the data: their environment can be reset and set to any state. When the environment has changed its
+    scene, it has another model, which must be passed to `bind`.
     """
 
     def __init__(
@@ -52,15 +52,16 @@ class InverseDynamics:
         Args:
             model: The infant and its world, such as `env.unwrapped.model`.
             data: Its state, which each call reads, such as `env.unwrapped.data`.
-            manifest: What its bundle says of it, with motors or muscles, such as `env.unwrapped.manifest`.
+            manifest: Manifest of its bundle, such as `env.unwrapped.manifest`; it must have motors or muscles.
             objectives: `Reach`, `Align`, `LookAt`, or the `Posture` of some joints, the most important first; those in
-                a list or tuple share one priority. A `Posture` of all joints is last, and added if there is none.
-            joints: Those that may move; all others rest. None is all that have actuators.
-            loose: Bodies that support nothing though they touch the ground, such as the feet of an infant that sits.
+                a list or tuple share one priority. A `Posture` of all joints must be last, and is added if missing.
+            joints: Joints that are controlled; all others stay at rest. None means all commanded joints.
+            loose: Bodies that do not count as supports though they touch the ground, such as the feet of a sitting
+                infant.
 
         Raises:
-            ControlError: If the infant has servos, or something comes after the posture.
-            UnknownNameError: If there is no such site, camera, body or joint.
+            ControlError: If the infant has servos, or an objective comes after the posture of all joints.
+            UnknownNameError: If a site, camera, body or joint does not exist.
         """
         self._manifest = manifest
         self._levels, self._posture = _in_order(objectives)
@@ -70,7 +71,7 @@ class InverseDynamics:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints that it controls."""
+        """Names of the controlled joints."""
         return self._joints.names
 
     def __call__(self) -> npt.NDArray[np.float32]:
@@ -87,7 +88,7 @@ class InverseDynamics:
         """Look up all names in a model: at the start, and whenever the environment has changed its scene.
 
         Raises:
-            UnknownNameError: If there is no such site, camera, body or joint.
+            UnknownNameError: If a site, camera, body or joint does not exist.
         """
         manifest, self._observed = self._manifest, data
         self._model, self._data = model, mujoco.MjData(model)
@@ -105,12 +106,12 @@ class InverseDynamics:
         self._supports = Supports(model, manifest, [frame.body for frame in self._frames.values()], loose)
 
     def errors(self) -> tuple[float, ...]:
-        """Return how far each objective is from its target now, [m] or [rad], in their order; postures left out."""
+        """Return the present error of each objective, [m] or [rad], in order, without postures."""
         self._look()
         return tuple(objective.error(self._motion(objective)) for objective in self._frames)
 
     def _look(self) -> None:
-        """Bring the controller's own copy of the state up to date."""
+        """Update the controller's copy of the state."""
         mujoco.mj_getState(self._model, self._observed, self._state, STATE)
         mujoco.mj_setState(self._model, self._data, self._state, STATE)
         mujoco.mj_forward(self._model, self._data)
@@ -119,43 +120,43 @@ class InverseDynamics:
         return self._frames[objective].motion(self._model, self._data)
 
     def _shares(self, now: Dynamics) -> FloatArray:
-        """Return which share of its strength each joint is to use, shape (n,), however large that comes out."""
+        """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
         turning, wanted = self._turning(now), self._wanted(now)
-        wishes = [
+        linear_demands = [
             self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[each] for each in level])
             for level in self._levels
         ]
         least, largest = self._joints.bounds(self._data)
-        return fulfil_within(turning, least, largest, wishes, self._hold(self._posture, turning))
+        return fulfil_within(turning, least, largest, linear_demands, self._hold(self._posture, turning))
 
     def _turning(self, now: Dynamics) -> Turning:
-        """Return how the joints themselves move."""
+        """Return the accelerations of the joints themselves."""
         strength_nm = self._torques.strength_nm
         response, drift = now.joint_response()
         return Turning(response * strength_nm, drift, now.unheld_response() * strength_nm)
 
-    def _hold(self, posture: Posture, turning: Turning) -> Wish:
-        """Return what a posture wants of the torques."""
+    def _hold(self, posture: Posture, turning: Turning) -> LinearDemand:
+        """Return the accelerations that a posture demands."""
         members = self._members[posture]
         errors_rad = posture.targets_rad(self.joints, self._present_rad) - self._data.qpos[self._joints.angles]
         wanted = posture.gains.accelerations(errors_rad, self._data.qvel[self._joints.speeds])
-        return turning.wish(members, wanted[members])
+        return turning.demand(members, wanted[members])
 
-    def _wanted(self, now: Dynamics) -> dict[Objective, Wish]:
-        """Return what each objective wants of the torques; nothing, if the world holds what it is about."""
+    def _wanted(self, now: Dynamics) -> dict[Objective, LinearDemand]:
+        """Return the accelerations that each objective demands, without those whose frame is held by the world."""
         motions = {objective: self._motion(objective) for objective in self._frames}
         demands = {objective: objective.demand(motion) for objective, motion in motions.items()}
         if not demands:
             return {}
         jacobians = [demand.directions @ motions[objective].jacobian for objective, demand in demands.items()]
         response, unheld, drift = now.response(np.concatenate(jacobians), self._torques.strength_nm)
-        wishes, first = {}, 0
+        linear_demands, first = {}, 0
         for objective, demand in demands.items():
             rows = slice(first, first := first + len(demand.accelerations))
             wanted = demand.accelerations - demand.directions @ motions[objective].drift - drift[rows]
             is_held = size_of(response[rows]) <= HELD * size_of(unheld[rows])
-            wishes[objective] = Wish(response[rows] * (not is_held), wanted)
-        return wishes
+            linear_demands[objective] = LinearDemand(response[rows] * (not is_held), wanted)
+        return linear_demands
 
 
 def _in_order(objectives: Objectives) -> tuple[list[tuple[Objective, ...] | Posture], Posture]:

@@ -1,4 +1,4 @@
-"""Limbs: what hangs on the trunk, from the first body to the last."""
+"""Limbs: the chains of bodies that are attached to the trunk."""
 
 from collections.abc import Collection
 
@@ -13,7 +13,7 @@ def trunk_of(anatomy: AnatomyEntry, model: mujoco.MjModel) -> tuple[int, ...]:
 
 
 def limb_of(body: int, trunk: Collection[int], model: mujoco.MjModel) -> int:
-    """Return the body next to the trunk that a body hangs on, or is; 0, the world, for what is not of a limb."""
+    """Return the first body of the limb that a body belongs to; 0, the world, for bodies that are not in a limb."""
     while body not in trunk and body:
         parent = int(model.body_parentid[body])
         if parent in trunk:
@@ -23,7 +23,7 @@ def limb_of(body: int, trunk: Collection[int], model: mujoco.MjModel) -> int:
 
 
 def joints_between(model: mujoco.MjModel, body: int, root: int) -> list[int]:
-    """Return the joints that move a body relative to the parent of *root*, which it hangs on, or is."""
+    """Return the joints that move a body relative to the parent of *root*, its ancestor or itself."""
     found: list[int] = []
     while True:
         first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])

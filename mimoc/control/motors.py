@@ -1,4 +1,4 @@
-"""Motors: from the torques that joints are to have to the commands of their motors."""
+"""Motors: from desired joint torques to motor commands."""
 
 import mujoco
 import numpy as np
@@ -8,16 +8,16 @@ from mimoc.senses.sense import FloatArray, IntArray
 
 
 class Motors:
-    """One motor a joint, whose torque is gear x command."""
+    """One motor per joint, whose torque is gear x command."""
 
     def __init__(self, actuation: Actuation, joints: IntArray, model: mujoco.MjModel, step_s: float):
         """Find the motors of n joints.
 
         Args:
-            actuation: What turns an action into controls.
+            actuation: Conversion of actions to controls.
             joints: Index of each joint, shape (n,).
-            model: Where the motors are.
-            step_s: A control step; motors need none.
+            model: The model.
+            step_s: Duration of a control step, which motors do not depend on.
         """
         driven = model.actuator_trnid[actuation.actuators, 0]
         self._slots = np.array([np.flatnonzero(driven == joint)[0] for joint in joints], np.intp)
@@ -32,17 +32,17 @@ class Motors:
         return np.abs(self._limits_nm).max(axis=1)
 
     def rest(self, model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
-        """Let all motors rest, as far as `data.qfrc_actuator`.
+        """Set all motors to rest and update `data.qfrc_actuator`.
 
         Returns:
-            What those of the joints could add to that, at least and at most, shape (n, 2), [N m].
+            Smallest and largest torque that each joint's motor could add, shape (n, 2), [N m].
         """
         data.ctrl[self._actuators] = self._at_rest
         mujoco.mj_fwdActuation(model, data)
         return self._limits_nm
 
     def command(self, torques_nm: FloatArray) -> FloatArray:
-        """Return the action, shape (nu,), in which only the joints have torques, shape (n,), within their limits."""
+        """Return the action, shape (nu,), with torques of the joints, shape (n,), clipped to their limits."""
         action = self._at_rest.copy()
         strong = self._gears_nm != 0
         action[self._slots[strong]] = torques_nm[strong] / self._gears_nm[strong]

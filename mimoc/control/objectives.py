@@ -1,4 +1,4 @@
-"""Objectives: what a part of the body is to do, and the acceleration that does it."""
+"""Objectives: targets of parts of the body, and the accelerations towards them."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -14,55 +14,55 @@ from mimoc.errors import ControlError
 from mimoc.senses.sense import FloatArray
 
 REACHING = Gains(800.0, cap=0.1, viscosity_per_s=40.0)
-"""For positions."""
+"""Default gains for positions."""
 TURNING = Gains(400.0, viscosity_per_s=40.0)
-"""For orientations."""
+"""Default gains for orientations."""
 LOOKING = Gains(900.0, viscosity_per_s=60.0)
-"""For lines of sight: eyes are held back by dry friction, which weaker gains leave degrees of."""
+"""Default gains for gaze: with weaker ones, the dry friction of the eyes leaves errors of several degrees."""
 
 _PLACE, _TURN = np.eye(6)[:3], np.eye(6)[3:]
 """The linear and the angular part of a velocity."""
 _NEAREST_M = 1e-6
-"""Nearer than this, a target has no direction."""
+"""Distance below which a target has no direction."""
 
 
 @dataclass(frozen=True, slots=True)
 class Demand:
-    """Accelerations that an objective wants of its frame."""
+    """Accelerations of its frame that an objective demands."""
 
     directions: FloatArray
-    """Of m accelerations among the six linear and angular ones, shape (m, 6)."""
+    """Directions of the m accelerations in the six linear and angular components, shape (m, 6)."""
     accelerations: FloatArray
-    """Shape (m,), [m/s²] or [rad/s²]."""
+    """Accelerations, shape (m,), [m/s²] or [rad/s²]."""
 
 
 class Objective(Protocol):
-    """What a part of the body is to do."""
+    """A target of a part of the body."""
 
     @property
     def site(self) -> str:
-        """Name of the site, camera or body that does it."""
+        """Name of the controlled site, camera or body."""
         ...
 
     def demand(self, motion: Motion) -> Demand:
-        """Return the accelerations it wants."""
+        """Return the demanded accelerations."""
         ...
 
     def error(self, motion: Motion) -> float:
-        """Return how far it is from its target, [m] or [rad]."""
+        """Return the error, [m] or [rad]."""
         ...
 
 
 class Aimed:
-    """What a site does about a place."""
+    """An objective with a target position."""
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains):
-        """Say which site, what place in the world, and how strongly."""
+        """Set the site, the target position in the world, and the gains."""
         self.site, self.target, self.gains = site, target, gains
 
     @property
     def target(self) -> FloatArray:
-        """The place in the world, shape (3,), [m]."""
+        """Target position in the world, shape (3,), [m]."""
         return self._target_m
 
     @target.setter
@@ -71,15 +71,15 @@ class Aimed:
 
 
 class Reach(Aimed):
-    """A site goes to a place."""
+    """Moves a site to a position."""
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains = REACHING):
-        """Say what goes where; a body goes there with its centre of mass.
+        """Create the objective.
 
         Args:
-            site: Name of a site, a camera or a body.
-            target: In the world, shape (3,), [m]; it can be set anew at any time.
-            gains: For the distance.
+            site: Name of a site, a camera or a body; a body is controlled at its centre of mass.
+            target: Target position in the world, shape (3,), [m]; it can be changed at any time.
+            gains: Gains for the distance.
 
         Raises:
             ControlError: If the target is not three finite numbers.
@@ -96,22 +96,23 @@ class Reach(Aimed):
 
 
 class Align:
-    """A site takes on an orientation, or points in a direction."""
+    """Turns a site to an orientation, or points it in a direction."""
 
     def __init__(
         self, site: str, orientation: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = TURNING
     ):
-        """Say what turns which way.
+        """Create the objective.
 
         Args:
             site: Name of a site, a camera or a body.
-            orientation: Of its frame in the world: a quaternion (w, x, y, z), or a matrix with its axes as columns,
-                or a direction, shape (3,), for one axis alone; it can be set anew at any time.
-            axis: Which axis of its frame is to point in a direction, shape (3,); that of a camera's view, else x.
-            gains: For the angle.
+            orientation: Target orientation of its frame in the world, as a quaternion (w, x, y, z) or a matrix with
+                its axes as columns, or a target direction of one axis, shape (3,); it can be changed at any time.
+            axis: Axis of its frame that is to point in the direction, shape (3,); by default the viewing direction of a
+                camera, and x otherwise.
+            gains: Gains for the angle.
 
         Raises:
-            ControlError: If these are not finite, of no such shape, or zero.
+            ControlError: If these are not finite, have the wrong shape, or are zero.
         """
         self.site, self.gains = site, gains
         self.axis = None if axis is None else _unit("axis", axis)
@@ -119,7 +120,7 @@ class Align:
 
     @property
     def orientation(self) -> FloatArray:
-        """The axes as columns, shape (3, 3), or the direction, shape (3,)."""
+        """Target orientation, with the axes as columns, shape (3, 3), or target direction, shape (3,)."""
         return self._orientation
 
     @orientation.setter
@@ -132,7 +133,7 @@ class Align:
             self._orientation = _checked_rotation(_finite("orientation", orientation, (3, 3)))
 
     def demand(self, motion: Motion) -> Demand:
-        """Return the angular acceleration of the site; about a direction it may turn as it likes."""
+        """Return the demanded angular acceleration; rotation about a target direction is left free."""
         if self._orientation.ndim == 1:
             return _demand_pointing(motion, self.axis, self._orientation, self.gains)
         turn = turn_to(motion.axes, self._orientation)
@@ -146,16 +147,17 @@ class Align:
 
 
 class LookAt(Aimed):
-    """A site, or the eye that a camera is, points at a place."""
+    """Points a site or a camera, such as an eye, at a position."""
 
     def __init__(self, site: str, target: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = LOOKING):
-        """Say what looks where.
+        """Create the objective.
 
         Args:
             site: Name of a camera (`eye_left`), a site or a body.
-            target: In the world, shape (3,), [m]; it can be set anew at any time.
-            axis: Which axis of its frame looks, shape (3,); that of a camera's view, else x.
-            gains: For the angle.
+            target: Target position in the world, shape (3,), [m]; it can be changed at any time.
+            axis: Axis of its frame that is to point at the target, shape (3,); by default the viewing direction of a
+                camera, and x otherwise.
+            gains: Gains for the angle.
 
         Raises:
             ControlError: If these are not three finite numbers, or the axis is zero.
@@ -164,7 +166,7 @@ class LookAt(Aimed):
         self.axis = None if axis is None else _unit("axis", axis)
 
     def demand(self, motion: Motion) -> Demand:
-        """Return the angular acceleration that turns the line of sight; about itself it may turn as it likes."""
+        """Return the demanded angular acceleration; rotation about the pointing axis is left free."""
         return _demand_pointing(motion, self.axis, self._wanted(motion), self.gains)
 
     def error(self, motion: Motion) -> float:
@@ -178,7 +180,7 @@ class LookAt(Aimed):
 
 
 def _pointing(motion: Motion, axis: FloatArray | None) -> FloatArray:
-    """Return which way a frame points in the world, shape (3,)."""
+    """Return the pointing direction of a frame in the world, shape (3,)."""
     return motion.axes @ (motion.pointing if axis is None else axis)
 
 
@@ -205,7 +207,7 @@ def _unit(what: str, numbers: npt.ArrayLike) -> FloatArray:
     found = _finite(what, numbers, np.shape(numbers) if np.shape(numbers) == (4,) else (3,))
     length = float(np.linalg.norm(found))
     if length == 0.0:
-        raise ControlError(f"the {what} is zero, which points nowhere; give one of any other length")
+        raise ControlError(f"the {what} has length zero; give a vector of any other length")
     return found / length
 
 
@@ -217,7 +219,7 @@ def _rotation(quaternion: FloatArray) -> FloatArray:
 
 def _checked_rotation(matrix: FloatArray) -> FloatArray:
     if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
-        raise ControlError("the orientation is no rotation; its columns are to be unit vectors at right angles")
+        raise ControlError("the orientation is not a rotation matrix; its columns must be orthogonal unit vectors")
     return matrix
 
 

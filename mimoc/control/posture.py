@@ -1,4 +1,4 @@
-"""Posture: what joints do by themselves."""
+"""Posture: target angles of joints."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,11 +9,11 @@ from mimoc.errors import ControlError, UnknownNameError
 from mimoc.senses.sense import FloatArray
 
 HOLDING = Gains(100.0, cap=0.3, viscosity_per_s=20.0)
-"""For joint angles."""
+"""Default gains for joint angles."""
 
 
 class Posture:
-    """Joints go to some angles and come to rest there, as far as nothing before it wants them elsewhere."""
+    """Moves joints to angles and holds them there, as far as objectives of higher priority allow."""
 
     def __init__(
         self,
@@ -21,12 +21,13 @@ class Posture:
         joints: Sequence[str] | None = None,
         gains: Gains = HOLDING,
     ):
-        """Say which joints and which angles.
+        """Create the posture.
 
         Args:
-            angles_rad: By joint; those that are not named stay where they are when control begins.
-            joints: What is held, such as the trunk while hands reach; None is all joints, which comes last.
-            gains: For the angle of each joint by itself; a strength of 0 leaves damping alone.
+            angles_rad: Target angles by joint; other joints keep the angles that they have when control begins.
+            joints: Controlled joints, such as those of the trunk while the hands reach; None means all joints, which
+                is only possible at the lowest priority.
+            gains: Gains for the angle of each joint; with a strength of 0, there is only damping.
 
         Raises:
             ControlError: If an angle is not finite.
@@ -36,7 +37,7 @@ class Posture:
 
     @property
     def angles_rad(self) -> Mapping[str, float]:
-        """Where joints are to go, by joint; it can be set anew at any time."""
+        """Target angles by joint; they can be changed at any time."""
         return self._angles_rad
 
     @angles_rad.setter
@@ -47,10 +48,10 @@ class Posture:
         self._angles_rad = MappingProxyType({joint: float(angle) for joint, angle in angles_rad.items()})
 
     def members(self, joints: Sequence[str]) -> list[int]:
-        """Return which of some joints it is about.
+        """Return the indices of the controlled joints among some joints.
 
         Raises:
-            UnknownNameError: If it is about others, or has an angle for others.
+            UnknownNameError: If a controlled joint, or one with a target angle, is not among them.
         """
         for name in (*(self.joints or ()), *self._angles_rad):
             if name not in joints:
@@ -58,11 +59,11 @@ class Posture:
         return [index for index, name in enumerate(joints) if self.joints is None or name in self.joints]
 
     def targets_rad(self, joints: Sequence[str], present_rad: FloatArray) -> FloatArray:
-        """Return where each of n joints is to go, shape (n,).
+        """Return the target angle of each of n joints, shape (n,).
 
         Args:
             joints: Their names.
-            present_rad: Where those stay that are not named, shape (n,).
+            present_rad: Target angles of joints for which none is given, shape (n,).
         """
         targets_rad = present_rad.copy()
         for name, angle_rad in self._angles_rad.items():

@@ -1,4 +1,4 @@
-"""Priorities: of many wishes, each is fulfilled as far as those before it leave it free."""
+"""Task priorities: each demand is fulfilled in the null space of those before it."""
 
 import math
 from collections.abc import Sequence
@@ -9,65 +9,66 @@ import numpy as np
 from mimoc.senses.sense import FloatArray
 
 RANK = 1e-4
-"""Singular values below this share of a task's size count as none: what is before it leaves so little of them free."""
+"""Threshold, relative to the size of a demand, below which singular values count as zero, since demands of higher
+priority leave almost no freedom in these directions."""
 DAMPING = 0.01
-"""Of inverses, by the task's size (λ)."""
+"""Damping λ of inverses, relative to the size of the demand."""
 SINGULAR = 0.1
-"""Share of a task's size below which a singular value is near none, and damped more."""
+"""Threshold, relative to the size of a demand, below which a singular value is damped more strongly."""
 SINGULAR_DAMPING = 0.3
-"""What the damping grows to there: a straight arm then rests instead of flailing at what it cannot reach."""
+"""Damping at singularities: a stretched arm then stays at rest instead of flailing at a target beyond its reach."""
 _TINY = 1e-30
 _STRIP = 2**17
-"""Products that a matrix multiplication may have before BLAS hands it to several threads; waking those takes longer."""
+"""Number of products above which BLAS distributes a multiplication over threads, whose start takes longer than it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
-    """Accelerations that are wanted of n shares of torque, all at one priority."""
+class LinearDemand:
+    """Accelerations demanded at one priority, as a linear function of n torques (fractions of strength)."""
 
     response: FloatArray
-    """What each share of torque does to each acceleration, shape (m, n)."""
+    """Acceleration per unit of each torque, shape (m, n)."""
     accelerations: FloatArray
-    """What is wanted beyond what happens without torques, shape (m,)."""
+    """Demanded accelerations less those without torques, shape (m,)."""
 
     @property
     def size(self) -> float:
-        """How large the response is: what singular values are large or small against."""
+        """Frobenius norm of the response, the reference for singular values."""
         return size_of(self.response)
 
 
 def size_of(matrix: FloatArray) -> float:
-    """Return the root of the sum of squares of a matrix."""
+    """Return the Frobenius norm of a matrix."""
     return math.sqrt(np.vdot(matrix, matrix))
 
 
-def joined(wishes: Sequence[Wish]) -> Wish:
-    """Return one wish of several, each by its own size: metres and radians then count alike."""
-    if len(wishes) == 1:
-        return wishes[0]
-    sizes = [max(wish.size, _TINY) for wish in wishes]
-    return Wish(
-        np.concatenate([wish.response / size for wish, size in zip(wishes, sizes, strict=True)]),
-        np.concatenate([wish.accelerations / size for wish, size in zip(wishes, sizes, strict=True)]),
+def joined(demands: Sequence[LinearDemand]) -> LinearDemand:
+    """Return one demand of several, each normalised by its size, so that metres and radians are comparable."""
+    if len(demands) == 1:
+        return demands[0]
+    sizes = [max(demand.size, _TINY) for demand in demands]
+    return LinearDemand(
+        np.concatenate([demand.response / size for demand, size in zip(demands, sizes, strict=True)]),
+        np.concatenate([demand.accelerations / size for demand, size in zip(demands, sizes, strict=True)]),
     )
 
 
-def fulfil(wishes: Sequence[Wish], rest: Wish) -> FloatArray:
-    """Return the shares of torque, shape (n,), that fulfil some wishes in the order of their priority.
+def fulfil(demands: Sequence[LinearDemand], rest: LinearDemand) -> FloatArray:
+    """Return the torques, shape (n,), that fulfil demands in order of priority.
 
-    With A_k the response and N_k the shares of torque that are still free after k wishes,
+    With the response A_k and the null-space projector N_k of the first k demands,
     u_k = u_(k-1) + (A_k N_(k-1))^# (a_k - A_k u_(k-1)), where ^# is a damped inverse. N_k is not damped, so that no
-    wish disturbs one before it, whatever the damping.
+    demand disturbs those before it, regardless of the damping.
 
     Args:
-        wishes: The most important first.
-        rest: What is done with all that they leave free; its response is of the size of 1.
+        demands: The demands, the most important first.
+        rest: Demand of the lowest priority, for the remaining freedom; the size of its response is 1.
     """
     count = rest.response.shape[1]
     shares, taken = np.zeros(count), np.zeros((0, count))
-    for wish in wishes:
-        values, left, right = _singular_values(_without(taken, wish.response), size := wish.size)
-        missing = wish.accelerations - wish.response @ shares
+    for demand in demands:
+        values, left, right = _singular_values(_without(taken, demand.response), size := demand.size)
+        missing = demand.accelerations - demand.response @ shares
         shares = shares + (damped_inverse(values, size) * (missing @ left)) @ right
         taken = np.concatenate([taken, right])
     return shares + _rest(rest, shares, taken)
@@ -77,15 +78,15 @@ def damped_inverse(values: FloatArray, size: float) -> FloatArray:
     """Return s / (s² + λ²) of singular values s; λ grows near singularities, so that it stays bounded.
 
     Args:
-        values: Shape (k,), above zero.
-        size: Of the task by itself, the largest that they can be.
+        values: Positive singular values, shape (k,).
+        size: Size of the demand itself, an upper bound of the values.
     """
     nearness = np.maximum(1.0 - values / (SINGULAR * size), 0.0)
     return values / (values**2 + size**2 * (DAMPING**2 + (SINGULAR_DAMPING * nearness) ** 2))
 
 
 def product(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Return left rightᵀ of two matrices, shapes (m, k) and (n, k), strip by strip."""
+    """Return left rightᵀ of two matrices, shapes (m, k) and (n, k), in blocks."""
     height = max(1, _STRIP // max(1, right.size))
     if len(left) <= height:
         return left @ right.T
@@ -93,9 +94,9 @@ def product(left: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def _singular_values(response: FloatArray, size: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the k singular values of a response that are not next to none, shape (k,), and their vectors.
+    """Return the k singular values of a response above the threshold, shape (k,), and their vectors.
 
-    They come from the eigenvalues of its product with itself, which for few rows takes a third of the time.
+    They are computed from the eigenvalues of its Gram matrix, which for few rows takes a third of the time.
 
     Returns:
         The values, the left vectors, shape (m, k), and the right ones, shape (k, n).
@@ -106,15 +107,15 @@ def _singular_values(response: FloatArray, size: float) -> tuple[FloatArray, Flo
     return values, left, (left / values).T @ response
 
 
-def _rest(wish: Wish, shares: FloatArray, taken: FloatArray) -> FloatArray:
-    """Return the shares of torque of the last wish, shape (n,), after which nothing need be free."""
-    free = _without(taken, wish.response)
+def _rest(demand: LinearDemand, shares: FloatArray, taken: FloatArray) -> FloatArray:
+    """Return the torques of the last demand, shape (n,), for which the null space need not be updated."""
+    free = _without(taken, demand.response)
     gram = product(free, free)
     gram.flat[:: len(gram) + 1] += DAMPING**2
-    change = np.linalg.solve(gram, wish.accelerations - wish.response @ shares) @ free
+    change = np.linalg.solve(gram, demand.accelerations - demand.response @ shares) @ free
     return change - (taken @ change) @ taken
 
 
 def _without(taken: FloatArray, response: FloatArray) -> FloatArray:
-    """Return the part of a response that makes no use of what is taken, rows of which are orthonormal."""
+    """Return the component of a response that is orthogonal to *taken*, whose rows are orthonormal."""
     return response - (response @ taken.T) @ taken if len(taken) else response

@@ -11,36 +11,36 @@ from mimoc.errors import ControlError
 from mimoc.senses.sense import FloatArray
 
 SHARE = 0.8
-"""Of the range of each joint, about its middle, from which its angle is drawn."""
+"""Fraction of each joint's range, about its middle, from which its angle is drawn."""
 VIEW_RAD = np.deg2rad(70.0)
-"""How far from straight ahead of the chest a target may be, as the eyes see it."""
+"""Largest angle between a target, as seen from the eyes, and the forward direction of the chest."""
 MOST_DRAWS = 1000
-"""Number of draws after which there is said to be no such place."""
+"""Number of draws after which the search is given up."""
 
 
 class ReachablePlaces:
-    """Draws a place for each hand: where it is when the joints of its arm have random angles.
+    """Draws a random position for each hand, where the hand is for random angles of the joints of its arm.
 
-    The arms then touch nothing, neither the infant nor its world, and the eyes can look at the places.
+    With these angles, the arms have no contacts with the infant or its world, and the positions are in view.
     """
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest):
         """Find the arms of an infant.
 
         Raises:
-            ControlError: If it has no hand that commands move.
+            ControlError: If no commanded joint moves a hand.
         """
         self._model, self._data = model, mujoco.MjData(model)
         self._trunk = trunk_of(manifest.anatomy, model)
         moved = {model.joint(each.joint).id for each in manifest.actuation.actuators if each.commanded}
         hands = [limb.end for limb in manifest.anatomy.arms if limb.end]
         self.hands = tuple(hand for hand in hands if moved.intersection(self._joints_to(hand)))
-        """Bodies of the hands that commands move."""
+        """Bodies of the hands that commanded joints move."""
         eyes = [eye.camera for eye in manifest.anatomy.eyes]
         self.eyes = tuple(eye for eye in eyes if moved.intersection(self._joints_to(eye)))
-        """Cameras of the eyes that commands move."""
+        """Cameras of the eyes that commanded joints move."""
         if not self.hands:
-            raise ControlError("this infant has no hand to reach with; build one that has an arm that takes commands")
+            raise ControlError("this infant has no hand with a commanded arm; add 'arms' to actuation.regions")
         self._frames = [find_frame(hand, model) for hand in self.hands]
         self._eyes = [find_frame(eye, model) for eye in self.eyes]
         joints = [joint for hand in self.hands for joint in self._joints_to(hand)]
@@ -52,9 +52,9 @@ class ReachablePlaces:
         self._is_arm = np.append(np.any(arms, axis=0)[model.geom_bodyid], False)  # The last is for what has no geom.
 
     def draw(self, data: mujoco.MjData, generator: np.random.Generator) -> tuple[FloatArray, ...] | None:
-        """Return a place in the world for each of `hands`, shape (3,), [m], for an infant in a state.
+        """Return a position in the world for each of `hands`, shape (3,), [m], for an infant in a state.
 
-        It is None if `MOST_DRAWS` draws find no such places, as for an infant that lies on its arms.
+        Returns None if `MOST_DRAWS` draws find none, as for an infant that lies on its arms.
         """
         model, own = self._model, self._data
         own.qpos[:] = data.qpos

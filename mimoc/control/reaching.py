@@ -18,12 +18,12 @@ from mimoc.senses.sense import FloatArray
 
 @dataclass(frozen=True, slots=True)
 class ReachGains:
-    """How strongly hands and eyes go after their targets."""
+    """Gains of hands and eyes."""
 
     hands: Gains = REACHING
-    """For the distance of each hand."""
+    """Gains for the distance of each hand."""
     eyes: Gains = LOOKING
-    """For the misalignment of each eye."""
+    """Gains for the misalignment of each eye."""
 
 
 GAIN_SETS: Mapping[str, ReachGains] = {
@@ -31,32 +31,32 @@ GAIN_SETS: Mapping[str, ReachGains] = {
     "medium": ReachGains(Gains(200.0, cap=0.1, viscosity_per_s=20.0), Gains(225.0, viscosity_per_s=30.0)),
     "high": ReachGains(),
 }
-"""Three sets in which the same errors are answered four times as hard as in the one before, and damped alike: that
-each reaches faster is what the paper's figure 5 shows."""
+"""Three sets of gains, each four times as strong as the one before, with equal damping: each reaches faster, as in the
+paper's figure 5."""
 GENTLE = "low"
-"""Key of `GAIN_SETS` for an infant that sits freely: arms (10 % of its weight) that start at the 80 m/s² of the strong
-gains push back with its whole weight and throw it over; at 5 m/s² they do not."""
+"""Key of `GAIN_SETS` for an infant that sits freely: accelerating the arms (10 % of its weight) with the 80 m/s² of the
+strong gains causes a reaction force as large as its weight, and it falls over; with 5 m/s² it does not."""
 
 
 class ReachController:
-    """All hands that take commands reach for a target each, and the eyes look at one of the targets."""
+    """Makes all commanded hands reach for one target each, and the eyes look at one of the targets."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, manifest: Manifest, gains: ReachGains | None = None):
-        """Bind it to an infant, whose hands stay where they are until they are told otherwise.
+        """Bind the controller to an infant, whose hands keep their positions until `aim` is called.
 
         Args:
             model: The infant and its world.
             data: Its state, which each call reads.
-            manifest: What its bundle says of it, with motors or muscles.
-            gains: For hands and eyes; None is gentle for an infant that sits freely, and strong for all others.
+            manifest: Manifest of its bundle; it must have motors or muscles.
+            gains: Gains of hands and eyes; None means gentle ones for an infant that sits freely, else strong ones.
 
         Raises:
-            ControlError: If the infant has servos, or no hand that takes commands.
+            ControlError: If the infant has servos, or no commanded hand.
         """
         self._data, self._balance = data, Balance(model, manifest)
         self._places = ReachablePlaces(model, manifest)
         self.sits_freely = self._balance.sits_freely(data)
-        """Whether nothing but the ground held the infant upright when this was made."""
+        """Whether the infant was upright and supported only by the ground when the controller was created."""
         gains = gains or (GAIN_SETS[GENTLE] if self.sits_freely else ReachGains())
         self._reaches = [Reach(hand, data.body(hand).xipos, gains.hands) for hand in self._places.hands]
         self._looks = [LookAt(eye, self._reaches[0].target, gains=gains.eyes) for eye in self._places.eyes]
@@ -79,17 +79,17 @@ class ReachController:
         return self._control()
 
     def aim(self, places_m: Sequence[FloatArray], watched: int = 0) -> None:
-        """Set the target of each hand, shape (3,), [m]; the eyes look at that of hand number *watched*."""
+        """Set the target of each hand, shape (3,), [m]; the eyes look at the target of hand number *watched*."""
         for reach, place_m in zip(self._reaches, places_m, strict=True):
             reach.target = place_m
         for look in self._looks:
             look.target = places_m[watched % len(places_m)]
 
     def draw(self, generator: np.random.Generator) -> tuple[FloatArray, ...] | None:
-        """Return a random target for each hand that it can reach, shape (3,), [m]; None if there are none."""
+        """Return a random reachable target for each hand, shape (3,), [m], or None if none is found."""
         return self._places.draw(self._data, generator)
 
     def errors(self) -> tuple[list[float], list[float]]:
-        """Return how far each hand [m] and each eye [rad] is from its target now."""
+        """Return the present errors of the hands, [m], and of the eyes, [rad]."""
         errors = list(self._control.errors()[self._first :])
         return errors[: len(self._reaches)], errors[len(self._reaches) :]

@@ -1,4 +1,4 @@
-"""Stopping: torques with which joints stop before the ends of their ranges, whatever else is wanted of them."""
+"""Joint limits: torques with which joints stop before the ends of their ranges, at the highest priority."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,62 +6,62 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.control.priorities import Wish, fulfil
+from mimoc.control.priorities import LinearDemand, fulfil
 from mimoc.senses.sense import FloatArray, IntArray
 
 MOST_PASSES = 2
-"""How often torques are worked out: a second time if joints would not stop in time. Further times gain nothing."""
+"""Number of passes: torques are computed a second time if joints would not stop in time; more passes gain nothing."""
 HELD = 1e-3
-"""Share of its response at which a joint counts as held by the world, as one that is locked."""
+"""Ratio of a joint's response with supports to that without, below which it counts as held, such as a locked joint."""
 SLACK = 1e-6
-"""How much of a joint's response to its whole strength it may pass a bound by."""
+"""Tolerance by which a joint may exceed a bound, relative to its response to full strength."""
 LEAST_RESPONSE = 1e-9
-"""What the whole strength of a joint does that has next to none, [rad/s²]."""
+"""Response to full strength below which a joint counts as having no strength, [rad/s²]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Turning:
-    """How n joints turn with their own shares of torque."""
+    """Accelerations of n joints as a function of their torques (fractions of strength)."""
 
     response: FloatArray
-    """What each share does to each joint, shape (n, n), [rad/s²]."""
+    """Acceleration of each joint per unit of each torque, shape (n, n), [rad/s²]."""
     drift: FloatArray
-    """What happens without, shape (n,), [rad/s²]."""
+    """Acceleration without torques, shape (n,), [rad/s²]."""
     unheld: FloatArray
-    """What the whole strength of each joint would do to it if nothing held the infant, shape (n,), [rad/s²]."""
+    """Acceleration of each joint at its own full strength without supports, shape (n,), [rad/s²]."""
 
-    def wish(self, joints: Sequence[int] | IntArray, accelerations: FloatArray) -> Wish:
-        """Return the wish that some joints accelerate so, each by its own response, so that they all count alike.
+    def demand(self, joints: Sequence[int] | IntArray, accelerations: FloatArray) -> LinearDemand:
+        """Return a demand for accelerations of some joints, each normalised by its own response.
 
-        What is wanted of joints that the world holds is left out.
+        Joints that are held by the world are omitted.
         """
         sizes = np.where(self.free[joints], self.unheld[joints], np.inf)
-        return Wish(self.response[joints] / sizes[:, None], (accelerations - self.drift[joints]) / sizes)
+        return LinearDemand(self.response[joints] / sizes[:, None], (accelerations - self.drift[joints]) / sizes)
 
     @property
     def free(self) -> npt.NDArray[np.bool_]:
-        """Which joints the world does not hold, and which have any strength, shape (n,)."""
+        """Mask of the joints that are not held by the world and have some strength, shape (n,)."""
         return self.response.diagonal() > np.maximum(HELD * self.unheld, LEAST_RESPONSE)
 
 
 def fulfil_within(
-    turning: Turning, least: FloatArray, largest: FloatArray, wishes: Sequence[Wish], rest: Wish
+    turning: Turning, least: FloatArray, largest: FloatArray, demands: Sequence[LinearDemand], rest: LinearDemand
 ) -> FloatArray:
-    """Return the shares of torque, shape (n,), that fulfil wishes as far as no joint leaves its bounds.
+    """Return the torques, shape (n,), that fulfil demands as far as all joints stay within their bounds.
 
-    Joints that would are found by trying; to keep to their bounds is then more important than anything else.
+    If the torques would move joints beyond their bounds, these bounds become demands of the highest priority.
 
     Args:
-        turning: How the joints turn.
-        least: Least acceleration of each joint, shape (n,), [rad/s²].
-        largest: The largest, shape (n,).
-        wishes: The most important first.
-        rest: What is done with all that they leave free.
+        turning: Response of the joints.
+        least: Smallest allowed acceleration of each joint, shape (n,), [rad/s²].
+        largest: Largest allowed acceleration of each joint, shape (n,), [rad/s²].
+        demands: The demands, the most important first.
+        rest: Demand of the lowest priority, for the remaining freedom.
     """
     slack = SLACK * turning.unheld
     free = turning.free
     stopping, stops = np.zeros(len(free), bool), np.zeros(len(free))
-    shares = fulfil(wishes, rest)
+    shares = fulfil(demands, rest)
     for _ in range(MOST_PASSES - 1):
         coming = turning.response @ shares + turning.drift
         beyond = free & ~stopping & ((coming > largest + slack) | (coming < least - slack))
@@ -70,5 +70,5 @@ def fulfil_within(
         stops[beyond] = np.clip(coming, least, largest)[beyond]
         stopping |= beyond
         joints = np.flatnonzero(stopping)
-        shares = fulfil([turning.wish(joints, stops[joints]), *wishes], rest)
+        shares = fulfil([turning.demand(joints, stops[joints]), *demands], rest)
     return shares

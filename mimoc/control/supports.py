@@ -1,4 +1,4 @@
-"""Supports: the constraints that hold an infant, as the ground does that it sits on."""
+"""Supports: the constraints that hold an infant, such as contacts with the ground that it sits on."""
 
 from collections.abc import Iterable
 
@@ -13,29 +13,28 @@ from mimoc.senses.sense import FloatArray, IntArray
 _EQUALITY = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
 _TENDON_END = int(mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON)
 _FIRST_CONTACT = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
-"""The kinds of constraint from this one on are those of contacts."""
+"""First of MuJoCo's constraint types that are contacts."""
 MOST_PLAY_RAD = 0.05
-"""A tendon with less couples its joints, as those of the spine do (0.02 rad); others only limit them."""
+"""Range below which a tendon couples its joints, as in the spine (0.02 rad); with a wider one, it only limits them."""
 _STICKING = int(mujoco.mjtConstraintState.mjCNSTRSTATE_QUADRATIC)
 
 
 class Supports:
     """Finds the rows of MuJoCo's constraints that hold the infant.
 
-    These are all welds and locks, what couples the joints of the spine, the ends of other tendons, as of those of the
-    neck, and the contacts with what stands still, as long as they stick. The contacts of limbs that have something to
-    do are none: they would forbid the very motion that is wanted. Nor is dry friction, which gives way, nor are the
-    ends of joints, which hold in one direction only.
+    These are all welds and locks, the couplings of the joints of the spine, limits of other tendons, such as those of
+    the neck, and sticking contacts with static geoms. Contacts of limbs that objectives control are excluded, because
+    they would prevent the demanded motion; so are dry friction, which yields, and joint limits, which are one-sided.
     """
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest, effectors: Iterable[int], loose: Iterable[int] = ()):
-        """Find out which bodies can bear the infant.
+        """Find the bodies that can support the infant.
 
         Args:
             model: The infant and its world.
-            manifest: Of the infant, to tell its trunk from its limbs.
-            effectors: The bodies that objectives are about.
-            loose: Bodies that, with what hangs on them, bear nothing though they touch the ground.
+            manifest: Manifest of the infant, which names its trunk and its limbs.
+            effectors: The bodies that objectives control.
+            loose: Bodies that, with their descendants, do not count as supports though they touch the ground.
         """
         self._model, self._couplings = model, _couplings(model)
         bearing = model.body_rootid == model.body(manifest.root_body).id
@@ -43,11 +42,11 @@ class Supports:
         busy = {limb_of(effector, trunk, model) for effector in effectors} - {0}
         bearing &= ~in_subtrees(model, [*busy, *loose])
         still = model.body_weldid == 0
-        self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last is for what has no geom.
+        self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last entry is for constraints without geoms.
         self._still = np.append(still[model.geom_bodyid], False)
 
     def rows(self, data: mujoco.MjData) -> IntArray:
-        """Return which constraints hold the infant, shape (m,); *data* is up to date with the solver's forces."""
+        """Return the constraints that hold the infant, shape (m,); *data* must have the solver's forces."""
         kinds = data.efc_type
         holding = kinds == _EQUALITY
         holding |= (kinds == _TENDON_END) & (data.efc_state == _STICKING)
@@ -58,7 +57,7 @@ class Supports:
         return np.flatnonzero(holding)
 
     def jacobian(self, data: mujoco.MjData) -> FloatArray:
-        """Return how the infant would move against what holds it, shape (m, nv)."""
+        """Return the Jacobian of the constraints that hold the infant, shape (m, nv)."""
         rows = self.rows(data)
         if not mujoco.mj_isSparse(self._model):
             held = data.efc_J.reshape(data.nefc, self._model.nv)[rows]
@@ -73,7 +72,7 @@ class Supports:
 
 
 def _couplings(model: mujoco.MjModel) -> FloatArray:
-    """Return how joints would move against the tendons that couple them, shape (m, nv)."""
+    """Return the Jacobian of the tendons that couple joints, shape (m, nv)."""
     play_rad = np.diff(model.tendon_range, axis=1)[:, 0]
     tendons = np.flatnonzero((model.tendon_limited != 0) & (play_rad < MOST_PLAY_RAD))
     found = np.zeros((len(tendons), model.nv))

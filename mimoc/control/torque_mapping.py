@@ -1,4 +1,4 @@
-"""From the torques that joints are to have to an action, by actuation model."""
+"""Conversion of desired joint torques to an action, by actuation model."""
 
 from collections.abc import Callable, Mapping
 from typing import Protocol
@@ -13,7 +13,7 @@ from mimoc.senses.sense import FloatArray, IntArray
 
 
 class TorqueMapping(Protocol):
-    """Turns the torques of n joints into an action."""
+    """Converts torques of n joints to an action."""
 
     @property
     def strength_nm(self) -> FloatArray:
@@ -21,15 +21,15 @@ class TorqueMapping(Protocol):
         ...
 
     def rest(self, model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
-        """Let the joints' actuators rest and compute `data.qfrc_actuator`.
+        """Set the joints' actuators to rest and update `data.qfrc_actuator`.
 
         Returns:
-            Least and largest torque that they could add to that now, shape (n, 2), [N m].
+            Smallest and largest torque that they could add in this state, shape (n, 2), [N m].
         """
         ...
 
     def command(self, torques_nm: FloatArray) -> FloatArray:
-        """Return the action, shape (nu,), that adds some torques, shape (n,)."""
+        """Return the action, shape (nu,), that adds torques, shape (n,), to those at rest."""
         ...
 
 
@@ -37,28 +37,28 @@ TORQUE_MAPPINGS: Mapping[str, Callable[[Actuation, IntArray, mujoco.MjModel, flo
     "torque": Motors,
     "muscle": Antagonists,
 }
-"""By actuation model. Servos have none: they take angles, and no command says how strong they are to be."""
+"""Torque mapping by actuation model. Servos have none, because their commands are angles and not torques."""
 
 
 def map_torques(
     model_name: str, actuation: Actuation, joints: IntArray, model: mujoco.MjModel, step_s: float
 ) -> TorqueMapping:
-    """Return what turns torques into actions.
+    """Return the torque mapping of an actuation model.
 
     Args:
         model_name: The actuation model.
-        actuation: What turns an action into controls.
+        actuation: Conversion of actions to controls.
         joints: Index of each joint, shape (n,).
         model: The infant and its world.
-        step_s: A control step.
+        step_s: Duration of a control step.
 
     Raises:
-        ControlError: If the actuation model takes no torques.
+        ControlError: If the actuation model cannot produce given torques.
     """
     if model_name not in TORQUE_MAPPINGS:
         others = " or ".join(f"{{model: {other}}}" for other in TORQUE_MAPPINGS)
         raise ControlError(
-            f"inverse dynamics computes torques, which the actuation model '{model_name}' does not take; build the "
+            f"inverse dynamics computes torques, which the actuation model '{model_name}' does not accept; build the "
             f"infant with actuation: {others}"
         )
     return TORQUE_MAPPINGS[model_name](actuation, joints, model, step_s)

@@ -1,4 +1,4 @@
-"""Turns: the rotation vectors that lead from one orientation or direction to another."""
+"""Rotation vectors from one orientation or direction to another."""
 
 import math
 
@@ -8,17 +8,17 @@ import numpy as np
 from mimoc.senses.sense import FloatArray
 
 _PARALLEL = 1e-9
-"""Sine below which two directions leave the axis of a turn open."""
+"""Sine of the angle below which two directions do not determine an axis of rotation."""
 
 
 def turn_to(axes: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the rotation vector, shape (3,), [rad], in the world, that leads from one orientation to another.
+    """Return the rotation vector, shape (3,), [rad], in the world, from one orientation to another.
 
     It is the logarithm of R* Rᵀ, at most half a turn long.
 
     Args:
-        axes: Axes of what turns, as columns, shape (3, 3).
-        wanted: The same when it has arrived.
+        axes: Present axes, as columns, shape (3, 3).
+        wanted: Target axes, as columns, shape (3, 3).
     """
     quaternion, turn = np.empty(4), np.empty(3)
     mujoco.mju_mat2Quat(quaternion, (wanted @ axes.T).ravel())
@@ -27,13 +27,13 @@ def turn_to(axes: FloatArray, wanted: FloatArray) -> FloatArray:
 
 
 def turn_towards(pointing: FloatArray, wanted: FloatArray) -> FloatArray:
-    """Return the shortest rotation vector, shape (3,), [rad], that leads from one direction to another.
+    """Return the shortest rotation vector, shape (3,), [rad], from one direction to another.
 
-    It is none if they are the same, and about any axis across if they are opposite.
+    It is zero if they are equal, and about an arbitrary perpendicular axis if they are opposite.
 
     Args:
-        pointing: Unit vector, shape (3,).
-        wanted: The same.
+        pointing: Present direction, a unit vector, shape (3,).
+        wanted: Target direction, a unit vector, shape (3,).
     """
     across, along = _cross(pointing, wanted), float(pointing @ wanted)
     sine = math.sqrt(across @ across)
@@ -43,7 +43,7 @@ def turn_towards(pointing: FloatArray, wanted: FloatArray) -> FloatArray:
 
 
 def directions_across(direction: FloatArray) -> FloatArray:
-    """Return two unit vectors, shape (2, 3), at right angles to a unit vector and to each other."""
+    """Return two unit vectors, shape (2, 3), that are orthogonal to a unit vector and to each other."""
     least = np.zeros(3)
     least[np.abs(direction).argmin()] = 1.0
     across = np.empty((2, 3))

@@ -13,7 +13,7 @@ def overview(bundle: Bundle, width: int = 320, height: int = 240) -> Picture:
     """Return a picture of an infant and its toys, from within the room, shape (height, width, 3).
 
     Raises:
-        ModelError: If MuJoCo refuses the model.
+        ModelError: If MuJoCo rejects the model.
         RenderingError: If there is no OpenGL here.
     """
     model, data = load_posed(bundle)

@@ -1,4 +1,4 @@
-"""What an infant is to achieve: the tasks, a folder each."""
+"""Tasks, each in its own folder."""
 
 from mimoc.kinds import Kinds, TaskKind
 

@@ -1,4 +1,4 @@
-"""A ball that a task is about."""
+"""The ball of a task."""
 
 import math
 
@@ -12,13 +12,13 @@ NAME = "ball"
 BALL = BallEntry(body="target", joint="target_joint", geom=NAME)
 """Names of its body and joint: MIMo's."""
 RADIUS_M = 0.025
-"""Of MIMo's ball to reach for."""
+"""Radius of the ball in MIMo's reaching task."""
 DENSITY_KG_M3 = 1000.0
 RED = WorldMaterial(NAME, (0.85, 0.16, 0.12, 1.0), specular=0.4, shininess=0.5)
 
 
 def ball(pos_m: Vec3, radius_m: float = RADIUS_M) -> FreeObject:
-    """Return a red ball, as heavy as water."""
+    """Return a red ball with the density of water."""
     mass_kg = DENSITY_KG_M3 * 4 / 3 * math.pi * radius_m**3
     geom = ObjectGeom(
         name=BALL.geom,

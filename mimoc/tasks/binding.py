@@ -1,4 +1,4 @@
-"""From the manifest to the task that runs."""
+"""Binding of the task in a manifest to a model."""
 
 import mujoco
 

@@ -1,4 +1,4 @@
-"""Tasks that a script passes as objects, without a record or a bundle that knows of them."""
+"""Tasks that a script passes as objects, which need no record and are not part of a bundle."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -14,12 +14,12 @@ from mimoc.tasks.task import Task, Verdict
 
 
 class CustomTask(Task):
-    """A task made of an object of a user's own.
+    """A task defined by a user's object.
 
     The object has `judge(data, action, effort)`, which returns a `Verdict` or the reward alone. It can also have
     `bind(model, bundle)`, called whenever a model was loaded; `start(data, generator)`, called at each reset;
-    `observe()` and `spaces`, what it adds to the observation; `steps`, after which an episode is truncated; and
-    `state`, a dictionary that can be read and set, of all that it remembers within an episode.
+    `observe()` and `spaces`, its part of the observation; `steps`, after which an episode is truncated; and `state`,
+    a dictionary that can be read and set, with everything that it stores within an episode.
     """
 
     def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
@@ -31,12 +31,12 @@ class CustomTask(Task):
 
     @property
     def model_fields(self) -> Sequence[ModelField]:
-        """What it changes in the model."""
+        """Fields of the model that it changes."""
         return getattr(self._custom, "model_fields", ())
 
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
-        """What it adds to the observation."""
+        """Spaces of its part of the observation."""
         return getattr(self._custom, "spaces", {})
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
@@ -45,7 +45,7 @@ class CustomTask(Task):
             self._custom.start(data, generator)
 
     def observe(self) -> Observation:
-        """Return what it adds to the observation."""
+        """Return its part of the observation."""
         return self._custom.observe() if hasattr(self._custom, "observe") else {}
 
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
@@ -55,7 +55,7 @@ class CustomTask(Task):
 
     @property
     def state(self) -> dict[str, Any]:
-        """What it remembers within an episode."""
+        """Everything that it stores within an episode."""
         return getattr(self._custom, "state", {})
 
     @state.setter

@@ -1,4 +1,4 @@
-"""Head and eyes that look at something by themselves, and so tell where it is."""
+"""Gaze control: head and eyes that follow a target, so that proprioception encodes its position."""
 
 from collections.abc import Sequence
 
@@ -12,14 +12,14 @@ from mimoc.senses.sense import FloatArray
 from mimoc.tasks.base import GazeEntry
 
 ROUNDS = 12
-"""Turns of every joint, one after the other, until all look there: each leaves less than half of what it found."""
+"""Iterations over all joints until the gaze reaches the target: each reduces the error by more than half."""
 
 
 class Gaze:
-    """Locked joints of the head and the eyes whose angles follow what is looked at.
+    """Locked joints of the head and the eyes, whose angles follow a target.
 
-    Each joint in turn goes to the angle about its axis that brings the looker's x axis nearest to the direction of
-    the target: cyclic coordinate descent (Wang & Chen 1991).
+    Each joint in turn is set to the angle that brings the x axis of its head or eye nearest to the direction of the
+    target: cyclic coordinate descent (Wang & Chen 1991).
     """
 
     def __init__(self, entries: Sequence[GazeEntry], model: mujoco.MjModel, constraints: ConstraintsEntry):
@@ -36,22 +36,22 @@ class Gaze:
 
     @property
     def model_fields(self) -> tuple[ModelField, ...]:
-        """What it changes in the model: the angles of the locks."""
+        """Fields of the model that it changes: the angles of the locks."""
         return (ModelField("eq_data", self._locks),)
 
     def start(self, data: mujoco.MjData, target: FloatArray) -> None:
-        """Look at a place in the world, shape (3,), [m], at once."""
+        """Turn the gaze to a position in the world, shape (3,), [m], at once."""
         for _ in range(ROUNDS):
             data.qpos[self._angles] = self._turned(data, target)
             mujoco.mj_kinematics(self._model, data)
         self._model.eq_data[self._locks, LOCK_ANGLE] = data.qpos[self._angles]
 
     def follow(self, data: mujoco.MjData, target: FloatArray) -> None:
-        """Go on looking at a place: the locks pull the joints there."""
+        """Keep the gaze on a position: the locks pull the joints to the new angles."""
         self._model.eq_data[self._locks, LOCK_ANGLE] = self._turned(data, target)
 
     def _turned(self, data: mujoco.MjData, target: FloatArray) -> FloatArray:
-        """Return the angle of each joint that looks at the target, as far as its range goes, the others as they are."""
+        """Return the joint angles with the gaze on the target, within their ranges; other joints are unchanged."""
         angles = data.qpos[self._angles].copy()
         for index, (joint, looker) in enumerate(zip(self._joints, self._lookers, strict=True)):
             axis, forward = data.xaxis[joint], data.xmat[looker].reshape(3, 3)[:, 0]

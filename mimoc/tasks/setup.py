@@ -1,4 +1,4 @@
-"""What a task makes of an infant and its world."""
+"""The setup of a task: what it requires of an infant and adds to its world."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -20,45 +20,45 @@ Side = Literal["right", "left"]
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """A part of the infant that is kept where it starts."""
+    """A part of the infant that is fixed at its starting position."""
 
     body: str
     anchor_m: Vec3 = (0.0, 0.0, 0.0)
-    """The point that is kept, in the frame of the body."""
+    """The fixed point, in the frame of the body."""
     turns: bool = False
-    """Whether it may turn about that point."""
+    """Whether the part can rotate about that point."""
 
 
 @dataclass(frozen=True, slots=True)
 class TaskSetup:
-    """What a task needs; places are those of an infant at the origin that looks along x."""
+    """The setup of a task; positions are for an infant at the origin that faces along x."""
 
     entry: TaskEntry
-    """What the runtime must know of the task."""
+    """The task's entry in the manifest."""
     start: tuple[float, ...] | None = None
-    """How the infant starts, as qpos; None is in the pose of the spec."""
+    """Starting state as qpos; None means the pose of the spec."""
     commanded: Collection[str] | None = None
-    """The joints that take commands; None is all of them."""
+    """The commanded joints; None means all."""
     locked: Collection[str] = ()
-    """Joints that are kept at their angles."""
+    """Joints that are locked at their starting angles."""
     holds: tuple[Hold, ...] = ()
-    """Parts that are kept where they are."""
-    props: tuple[FreeObject, ...] = ()
-    """What else is there that moves."""
+    """Parts that are held at their starting positions."""
+    objects: tuple[FreeObject, ...] = ()
+    """Movable objects that are added to the world."""
     furniture: Furniture = BARE
-    """What else is there that does not."""
+    """Fixed objects that are added to the world."""
     taken: tuple[Vec3, ...] = ()
-    """What that takes up of the floor, where no toy is put: discs by x, y and radius, in [m]."""
+    """Floor area occupied by these, where no toy is placed: discs by x, y and radius, in [m]."""
     weightless: bool = False
     """Whether there is no gravity."""
 
 
 NO_TASK = TaskSetup(FreeEntry())
-"""Of an infant that is to achieve nothing."""
+"""Setup of an infant without a task."""
 
 
 def build_task(spec: TaskSpec | None, tree: BodyTree) -> TaskSetup:
-    """Return what the task of a spec needs.
+    """Return the setup of a spec's task.
 
     Raises:
         UnsupportedTaskError: If the infant lacks what the task requires.
@@ -67,10 +67,10 @@ def build_task(spec: TaskSpec | None, tree: BodyTree) -> TaskSetup:
 
 
 def require(tree: BodyTree, task: str, *bodies: str) -> None:
-    """Pass an infant that has the limbs that a task is about.
+    """Check that an infant has the limbs that a task requires.
 
     Raises:
-        UnsupportedTaskError: If it has not.
+        UnsupportedTaskError: If it does not.
     """
     missing = sorted(set(bodies) - {body.name for body in tree.bodies})
     if missing:
@@ -78,12 +78,12 @@ def require(tree: BodyTree, task: str, *bodies: str) -> None:
 
 
 def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:
-    """Return the hinges of some groups of muscles, each with its side (`left_arm`), in the order of the body."""
+    """Return the hinges of some muscle groups, each with its side (`left_arm`), in the order of the body."""
     return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups)
 
 
 def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
-    """Return the parts that belong to a group of muscles, with its side."""
+    """Return the parts that belong to a muscle group with its side."""
     return tuple(body for body, found in body_groups(tree).items() if found == group)
 
 
@@ -92,11 +92,11 @@ def one_armed(
     side: Side,
     entry: TaskEntry,
     start: tuple[float, ...],
-    props: tuple[FreeObject, ...] = (),
+    objects: tuple[FreeObject, ...] = (),
     *,
     weightless: bool = False,
 ) -> TaskSetup:
-    """Return the setup of a task of one hand: only that arm moves, and the infant is held at the hip."""
+    """Return the setup of a one-handed task: only that arm moves, and the infant is held at the hip."""
     arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
     return TaskSetup(
         entry=entry,
@@ -104,11 +104,11 @@ def one_armed(
         commanded=arm,
         locked=[joint for joint in tree.joints if joint not in arm],
         holds=(Hold("hip"),),
-        props=props,
+        objects=objects,
         weightless=weightless,
     )
 
 
 def middle_finger(tree: BodyTree, side: Side) -> str:
-    """Return the body at the middle of the fingers, which stands for all of them."""
+    """Return the body in the middle of the fingers, which represents all of them."""
     return f"{side}_fingers" if tree.hands == "mitten" else f"{side}_mfmiddle"

@@ -149,7 +149,7 @@ def test_it_can_be_built_for_mimos_code(weak):
 
 def test_inverse_dynamics_says_why_it_cannot_use_it(weak):
     env = mimoc.InfantEnv(weak)
-    with pytest.raises(mimoc.MimocError, match="which the actuation model 'weak' does not take"):
+    with pytest.raises(mimoc.MimocError, match="which the actuation model 'weak' does not accept"):
         mimoc.InverseDynamics(env.model, env.data, env.manifest)
 
 

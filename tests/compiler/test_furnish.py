@@ -144,7 +144,7 @@ def test_without_toys_there_are_none():
 
 
 def test_too_many_toys_are_refused():
-    with pytest.raises(NoSpaceError, match="no room for 50 toys"):
+    with pytest.raises(NoSpaceError, match="not enough space for 50 toys"):
         furnished(0, kind="crib", toys={"count": [50, 50], "size_cm": [20, 30]})
 
 

@@ -189,7 +189,7 @@ def broken(files, name: str, attribute: str, value: str) -> dict[str, bytes]:
     ],
 )
 def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value):
-    with pytest.raises(ModelError, match="MuJoCo refuses the model") as refusal:
+    with pytest.raises(ModelError, match="MuJoCo rejects the model") as refusal:
         compile_model(broken(bundle_at(9).files, name, attribute, value))
     assert refusal.value.element == name
 
@@ -210,7 +210,7 @@ def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):
     with pytest.raises(ModelError) as refusal:
         mimoc.build(mimoc.load_spec(tmp_path / "x.yaml"))
     assert str(refusal.value).startswith(f"{tmp_path / 'x.yaml'}:3:")
-    assert "age_months: 'left_hand1' follows from this, and MuJoCo refuses the model: " in str(refusal.value)
+    assert "age_months: 'left_hand1' follows from this, and MuJoCo rejects the model: " in str(refusal.value)
 
 
 def test_a_spec_from_python_is_led_back_to_as_well(no_left_hand):

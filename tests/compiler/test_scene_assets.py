@@ -71,7 +71,7 @@ def test_a_toy_that_there_is_none_of_is_pointed_at_with_near_ones():
 
 def test_more_toys_than_there_is_room_for_are_refused():
     scene = "{kind: crib, toys: {count: [50, 50], size_cm: [60, 60]}}"
-    assert refusal(scene).startswith("spec.yaml:4:27: scene.toys: there is no room for 50 toys around the infant;")
+    assert refusal(scene).startswith("spec.yaml:4:27: scene.toys: there is not enough space for 50 toys;")
 
 
 def test_toys4k_is_built_in_with_its_sources(toys4k):
@@ -180,7 +180,7 @@ def test_nothing_is_noted_of_mimocs_own_toys():
 def test_a_pose_that_a_task_makes_no_use_of_is_noted():
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": {"pose": "sitting"}, "task": {"kind": "reach"}}
     (note,) = mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes
-    assert note == "'reach' starts from a pose of its own; 'scene.pose: sitting' has no effect"
+    assert note == "task 'reach' has its own starting pose; 'scene.pose: sitting' has no effect"
     spec["scene"] = {"pose": "prone"}
     spec["task"] = {"kind": "rollover"}
     assert not mimoc.build(mimoc.InfantSpec.model_validate(spec)).manifest.notes

@@ -38,7 +38,7 @@ def test_joints_are_answered_one_by_one():
 @pytest.mark.parametrize(
     ("wrong", "complaint"),
     [
-        ({"strength": -1.0}, "the strength of gains is -1; give a number from 0 on"),
+        ({"strength": -1.0}, "the strength of gains is -1; give a number of at least 0"),
         ({"strength": float("nan")}, "the strength of gains is nan"),
         ({"strength": float("inf")}, "the strength of gains is inf"),
         ({"strength": 1.0, "scale": 0.0}, "the scale of gains is 0"),

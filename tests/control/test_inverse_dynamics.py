@@ -279,7 +279,7 @@ def test_servos_are_refused_with_a_reason(open_env):
     env = open_env(actuation={"model": "position"})
     with pytest.raises(
         ControlError,
-        match=r"'position' does not take; build .* actuation: {model: torque} or {model: muscle}$",
+        match=r"'position' does not accept; build .* actuation: {model: torque} or {model: muscle}$",
     ):
         control_of(env, [Reach(HAND, (0, 0, 0))])
 

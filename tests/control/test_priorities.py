@@ -3,25 +3,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.control.priorities import Wish, fulfil, product
+from mimoc.control.priorities import LinearDemand, fulfil, product
 
 COUNT = 12
 seeds = st.integers(0, 10_000)
 
 
-def wish(generator, rows, response=None):
+def demand(generator, rows, response=None):
     response = generator.normal(size=(rows, COUNT)) if response is None else response
-    return Wish(response, generator.normal(size=rows))
+    return LinearDemand(response, generator.normal(size=rows))
 
 
 @given(seeds, st.lists(st.integers(1, 5), min_size=1, max_size=4))
 def test_a_wish_never_disturbs_those_before_it(seed, rows):
     generator = np.random.default_rng(seed)
-    wishes, rest = [wish(generator, count) for count in rows], wish(generator, COUNT)
-    for count in range(1, len(wishes) + 1):
-        alone, nothing = wishes[:count], Wish(np.zeros((0, COUNT)), np.zeros(0))
+    demands, rest = [demand(generator, count) for count in rows], demand(generator, COUNT)
+    for count in range(1, len(demands) + 1):
+        alone, nothing = demands[:count], LinearDemand(np.zeros((0, COUNT)), np.zeros(0))
         for before in alone:
-            assert before.response @ fulfil(wishes, rest) == pytest.approx(
+            assert before.response @ fulfil(demands, rest) == pytest.approx(
                 before.response @ fulfil(alone, nothing), abs=1e-9
             )
 
@@ -29,7 +29,7 @@ def test_a_wish_never_disturbs_those_before_it(seed, rows):
 @given(seeds)
 def test_the_first_wish_is_fulfilled(seed):
     generator = np.random.default_rng(seed)
-    first, rest = wish(generator, 3), wish(generator, COUNT)
+    first, rest = demand(generator, 3), demand(generator, COUNT)
     assert first.response @ fulfil([first], rest) == pytest.approx(first.accelerations, rel=0.01, abs=0.01)
 
 
@@ -39,14 +39,14 @@ def test_a_wish_that_can_hardly_be_fulfilled_costs_little(seed, scale):
     generator = np.random.default_rng(seed)
     left, _ = np.linalg.qr(generator.normal(size=(3, 3)))
     right, _ = np.linalg.qr(generator.normal(size=(COUNT, 3)))
-    singular = Wish(left @ np.diag([1.0, 0.5, scale]) @ right.T, np.ones(3))
-    rest = Wish(np.eye(COUNT), np.zeros(COUNT))
+    singular = LinearDemand(left @ np.diag([1.0, 0.5, scale]) @ right.T, np.ones(3))
+    rest = LinearDemand(np.eye(COUNT), np.zeros(COUNT))
     assert np.abs(fulfil([singular], rest)).max() < 10.0
 
 
 def test_a_wish_that_nothing_answers_to_is_let_be():
-    nothing = Wish(np.zeros((2, COUNT)), np.ones(2))
-    assert not fulfil([nothing], Wish(np.eye(COUNT), np.zeros(COUNT))).any()
+    nothing = LinearDemand(np.zeros((2, COUNT)), np.ones(2))
+    assert not fulfil([nothing], LinearDemand(np.eye(COUNT), np.zeros(COUNT))).any()
 
 
 @given(st.integers(1, 300), st.integers(1, 40))

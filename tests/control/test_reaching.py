@@ -47,12 +47,12 @@ def test_an_infant_with_one_arm_reaches_with_that(open_env):
 
 def test_an_infant_without_hands_cannot_reach(open_env):
     env = open_env(body={"remove": ["left_hand", "right_hand"]})
-    with pytest.raises(ControlError, match="no hand to reach with"):
+    with pytest.raises(ControlError, match="no hand with a commanded arm"):
         ReachPolicy(env)
 
 
 def test_servos_cannot_reach_by_torques(open_env):
-    with pytest.raises(ControlError, match="'position' does not take"):
+    with pytest.raises(ControlError, match="'position' does not accept"):
         Run(open_env(actuation={"model": "position"}), "reach", seed=0)
 
 

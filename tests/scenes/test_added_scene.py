@@ -93,7 +93,7 @@ def test_its_numbers_can_be_explained(bundle):
 def test_the_bundle_says_that_it_is_not_mimocs_own(bundle):
     assert bundle.manifest.plugins == {"scenes.step": ""}
     assert json.loads(bundle.files["manifest.json"])["plugins"] == {"scenes.step": ""}
-    assert "- 'scenes.step' is not mimoc's own: a script registered it" in bundle.files["README.md"].decode()
+    assert "- 'scenes.step' is a plug-in that a script registered" in bundle.files["README.md"].decode()
     assert explain(bundle, "plugins.scenes.step").lines
 
 

@@ -76,7 +76,7 @@ def test_their_numbers_can_be_explained(bundle):
 def test_the_bundle_says_where_they_come_from_and_what_the_source_notes(bundle):
     assert bundle.manifest.plugins == {"toys.bricks": ""}
     readme = bundle.files["README.md"].decode()
-    assert "- 'toys.bricks' is not mimoc's own: a script registered it" in readme
+    assert "- 'toys.bricks' is a plug-in that a script registered" in readme
     assert "- the bricks are made of wood" in readme
 
 

@@ -25,7 +25,7 @@ def build(spec: KickSpec, body: BodyTree) -> TaskSetup:
     """
     foot = f"{spec.foot}_foot"
     require(body, "kick", foot)
-    return TaskSetup(KickEntry(steps=spec.steps or STEPS, foot=foot, mobile="mobile"), props=(_mobile(),))
+    return TaskSetup(KickEntry(steps=spec.steps or STEPS, foot=foot, mobile="mobile"), objects=(_mobile(),))
 
 
 def _mobile() -> FreeObject:
