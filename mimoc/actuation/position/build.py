@@ -53,8 +53,8 @@ def servos(tree: BodyTree, timestep_s: float) -> tuple[Actuator, ...]:
         tree: The body.
         timestep_s: Of the physics; the longer, the softer are the servos, so that none of them shakes.
     """
-    joints, heft, step_s = tree.joints, inertias(tree), max(timestep_s, FINEST_STEP_S)
-    return tuple(_servo(motor, joints[motor.joint], *heft[motor.joint], step_s) for motor in tree.motors)
+    joints, inertias_kgm2, step_s = tree.joints, inertias(tree), max(timestep_s, FINEST_STEP_S)
+    return tuple(_servo(motor, joints[motor.joint], *inertias_kgm2[motor.joint], step_s) for motor in tree.motors)
 
 
 def servo_joints(tree: BodyTree) -> Mapping[str, Joint]:
