@@ -66,7 +66,7 @@ def test_a_wrong_spec_in_a_pipe_is_told_line_by_line_and_nothing_is_written(run)
     assert os.listdir() == []
 
 
-@pytest.mark.parametrize(("piped", "said"), [("", "the file is empty"), ("#" * (2**20 + 1), "more than a MiB")])
+@pytest.mark.parametrize(("piped", "said"), [("", "the file is empty"), ("#" * (2**20 + 1), "larger than 1 MiB")])
 def test_a_pipe_without_a_spec_is_a_clear_line(piped, said, run):
     code, _, err = run("check -", piped)
     assert (code, len(err.splitlines())) == (2, 1)
