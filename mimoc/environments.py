@@ -34,7 +34,7 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
     Raises:
         SpecError: If a spec cannot be built.
         BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
-        ModelError: If MuJoCo refuses the model.
+        ModelError: If MuJoCo rejects the model.
         RenderingError: If the infant has vision, and there is no OpenGL here.
     """
     is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")

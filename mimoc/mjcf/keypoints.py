@@ -60,11 +60,11 @@ def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
 def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tuple[str, str, Vec3]]:
     """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
     foot, sole = f"{side}_foot", tree.geoms[f"{side}_foot2"]
-    apart = tree.hands == "five_finger"
-    long, wide = sole.size_m[0] / (0.030 if apart else 0.035), sole.size_m[1] / 0.025
+    separate_toes = tree.hands == "five_finger"
+    long, wide = sole.size_m[0] / (0.030 if separate_toes else 0.035), sole.size_m[1] / 0.025
     yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m
     yield letter + "Heel", foot, (-0.020 * long, 0.0, 0.0)
-    if apart:
+    if separate_toes:
         yield letter + "BigToe", f"{side}_big_toe", (0.011 * long, 0.0, 0.0)
         yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.0045 * wide, 0.0)
     else:

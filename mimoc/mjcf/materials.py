@@ -75,7 +75,7 @@ class Material:
 
 @dataclass(frozen=True, slots=True)
 class Appearance:
-    """All that an infant wears."""
+    """The textures and materials of an infant."""
 
     textures: tuple[Texture, ...]
     """In the order they are written."""
