@@ -133,7 +133,7 @@ BAD_INPUT = {
     "an unknown hyper-parameter": ("train out -o run --set gama=1", "did you mean 'gamma'?"),
     "no hyper-parameter": ("train out -o run --set gamma", "'gamma' is not an assignment"),
     "no bundle": ("train nowhere -o run", "nowhere: there is no such folder"),
-    "no spec": ("train nowhere.yaml -o run", "nowhere.yaml:1:1: there is no such file"),
+    "no spec": ("train nowhere.yaml -o run", "nowhere.yaml:1:1: the file does not exist"),
     "a folder of something else": ("train out -o folder", "folder: not the folder of a training run"),
     "a bundle to train in": ("train out -o out", "out: not the folder of a training run"),
     "a place nobody can write to": ("train out -o /proc/run", "/proc/run: cannot be written"),
