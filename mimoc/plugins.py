@@ -44,19 +44,17 @@ def register(*records: Record) -> None:
         records: A record for each kind, such as a `TaskKind`.
 
     Raises:
-        KindError: If something is no record, or its name is taken.
+        KindError: If something is no record, its name is taken, or its keys do not fit into the spec language.
     """
     for record in records:
-        _table_of(record).add(record)
-    recompose()
+        _add(record, _table_of(record))
 
 
 @cache
 def load_plugins() -> None:
     """Add the kinds of all installed distributions, once; one that cannot be loaded is a warning."""
-    added = [_add(entry_point) for entry_point in _entry_points()]
-    if any(added):
-        recompose()
+    for entry_point in _entry_points():
+        _load(entry_point)
 
 
 def _entry_points() -> Iterator[EntryPoint]:
@@ -65,20 +63,29 @@ def _entry_points() -> Iterator[EntryPoint]:
         yield from sorted(found.select(group=group), key=lambda each: each.name)
 
 
-def _add(entry_point: EntryPoint) -> bool:
-    """Add the record that an entry point names; return whether that was possible."""
+def _add(record: Record, table: Kinds, distribution: str = "") -> None:
+    """Add a record to its table and to the sections that depend on it, or to none of them."""
+    table.add(record, distribution)
+    try:
+        recompose()
+    except Exception as error:  # Its classes are a stranger's; pydantic raises what it finds wrong with them.
+        table.remove(record.name)
+        recompose()
+        raise KindError(f"the {table.what} '{record.name}' does not fit into the spec language: {error}") from error
+
+
+def _load(entry_point: EntryPoint) -> None:
+    """Add the record that an entry point names, or warn that this is impossible."""
     distribution = entry_point.dist.name if entry_point.dist else ""
     try:
         record = entry_point.load()
         table = _table_of(record)
         if table is not KINDS[entry_point.group][1]:
             raise KindError(f"it is a {table.what}, which does not belong to the group '{entry_point.group}'")
-        table.add(record, distribution)
+        _add(record, table, distribution)
     except Exception as error:  # Whatever a stranger's package does, mimoc goes on without it.
         message = f"the plug-in '{entry_point.name}' of '{distribution}' cannot be loaded: {error!r}; it is left out"
         warnings.warn(message, stacklevel=2)
-        return False
-    return True
 
 
 def _table_of(record: Record) -> Kinds:

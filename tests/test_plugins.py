@@ -12,7 +12,8 @@ import mimoc
 from mimoc import plugins
 from mimoc.bundle.io import digests
 from mimoc.errors import BundleError, KindError
-from mimoc.kinds import PolicyKind, SenseKind, TaskKind
+from mimoc.kinds import PolicyKind, SceneKind, SenseKind, TaskKind
+from mimoc.scenes import SCENES
 from mimoc.senses import SENSES
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
 from mimoc.tasks import TASKS
@@ -45,6 +46,30 @@ def test_a_name_of_mimocs_own_is_refused():
 def test_what_is_no_record_is_refused():
     with pytest.raises(KindError, match="'touch' is no record of a kind; pass one of SenseKind, ActuationKind"):
         mimoc.register("touch")
+
+
+class NoSpec:
+    """What is no section."""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        (record("sensory"), "'sensory_ms' is already another key of DelaysSpec"),
+        (record("legs"), "'legs' is already another key of DelaysEntry"),
+        (record("motor"), "'motor' is already the name of commands among the delays"),
+        (TaskKind("nap", VestibularSpec, VestibularEntry, "os", "os"), "the task 'nap' does not fit"),
+        (SenseKind("echo", NoSpec, VestibularEntry, "os", "os"), "the sense 'echo' does not fit"),
+        (SceneKind("seed", "A field.", "os", spec=VestibularSpec), "'seed' is already another key of SceneSpec"),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_a_record_that_does_not_fit_is_refused_and_leaves_everything_as_it_was(wrong, reason):
+    before = list(SENSES), list(TASKS), list(SCENES), mimoc.InfantSpec.model_json_schema()
+    with pytest.raises(KindError, match=reason):
+        mimoc.register(wrong)
+    assert (list(SENSES), list(TASKS), list(SCENES), mimoc.InfantSpec.model_json_schema()) == before
+    assert mimoc.InfantSpec(mimoc=1, name="a", age_months=3, delays={"motor_ms": 5}).delays.motor_ms == 5
 
 
 def test_a_script_may_replace_what_it_registered_before(registered):
@@ -88,7 +113,7 @@ def entry_point(value: str, group: str = "mimoc.senses") -> EntryPoint:
 def test_a_plug_in_that_cannot_be_loaded_is_a_warning_and_left_out(value, reason):
     before = list(SENSES)
     with pytest.warns(UserWarning, match=f"the plug-in 'echo' of 'broken' cannot be loaded: .*{reason}"):
-        assert not plugins._add(entry_point(value))
+        plugins._load(entry_point(value))
     assert list(SENSES) == before
 
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
 from pydantic import Field
 from pydantic.fields import FieldInfo
 
+from mimoc.errors import KindError
 from mimoc.schema.base import Model
 from mimoc.schema.composition import composed
 from mimoc.schema.quantities import Milliseconds
@@ -17,6 +18,8 @@ MOTOR = "motor"
 
 def signals() -> tuple[str, ...]:
     """Return the names of all signals that can be delayed: those of the senses, then `motor`."""
+    if MOTOR in SENSES:
+        raise KindError(f"'{MOTOR}' is already the name of commands among the delays; choose another name")
     return (*SENSES, MOTOR)
 
 

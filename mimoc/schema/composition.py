@@ -5,6 +5,7 @@ from typing import Any, Literal, TypeVar
 
 from pydantic.fields import FieldInfo
 
+from mimoc.errors import KindError
 from mimoc.kinds import Kinds
 from mimoc.schema.base import Model
 
@@ -74,6 +75,8 @@ def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
 
 def _compose(section: type[Model], fields: Fields | None) -> None:
     found = fields() if fields else {}
+    if taken := section in _COMPOSED and (found.keys() & section.model_fields.keys()) - _COMPOSED[section]:
+        raise KindError(f"'{min(taken)}' is already another key of {section.__name__}; choose another name")
     for name in _COMPOSED.get(section, set()) - found.keys():
         del section.__annotations__[name], section.model_fields[name]
     _COMPOSED[section] = set(found)
