@@ -57,3 +57,17 @@ def touch_loop(entry, bundle, model) -> TouchLoop:
         quantity=entry.quantity,
         response=entry.response,
     )
+
+
+def points(sample):
+    """Return a sample of vectors point by point."""
+    return sample.reshape(-1, 3)
+
+
+def contact_forces(data):
+    """Return what MuJoCo says of contacts: of each the two bodies and the force on the second, in the world."""
+    for index in range(data.ncon):
+        wrench = np.zeros(6)
+        mujoco.mj_contactForce(data.model, data, index, wrench)
+        contact = data.contact[index]
+        yield data.model.geom_bodyid[contact.geom], contact.frame.reshape(3, 3).T @ wrench[:3]

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from support.touch_oracle import points
 
 from mimoc.senses.touch.run import MAX_FORCE_N, Touch, bind
 from mimoc.senses.touch.spec import POINTS, SkinEntry, TouchEntry
@@ -42,20 +43,6 @@ def skin(
     entry = TouchEntry(quantity=quantity, response=response, skin=parts)
     stand_in: Any = SimpleNamespace(arrays={POINTS: np.concatenate([np.array(points) for points in points_m.values()])})
     return bind(entry, data.model, stand_in)
-
-
-def points(sample):
-    """Return a sample of vectors point by point."""
-    return sample.reshape(-1, 3)
-
-
-def contact_forces(data):
-    """Return what MuJoCo says of contacts: of each the two bodies and the force on the second, in the world."""
-    for index in range(data.ncon):
-        wrench = np.zeros(6)
-        mujoco.mj_contactForce(data.model, data, index, wrench)
-        contact = data.contact[index]
-        yield data.model.geom_bodyid[contact.geom], contact.frame.reshape(3, 3).T @ wrench[:3]
 
 
 # One thing that touches another.

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.touch_oracle import touch_loop
+from support.touch_oracle import contact_forces, points, touch_loop
 
 import mimoc
 from mimoc.bundle.model import load_model
@@ -17,20 +17,6 @@ from mimoc.senses.touch.run import QUANTITIES, RESPONSES, Touch, bind
 from mimoc.senses.touch.spec import TouchQuantity, TouchResponse
 
 G_M_S2 = 9.81
-
-
-def points(sample):
-    """Return a sample of vectors point by point."""
-    return sample.reshape(-1, 3)
-
-
-def contact_forces(data):
-    """Return what MuJoCo says of contacts: of each the two bodies and the force on the second, in the world."""
-    for index in range(data.ncon):
-        wrench = np.zeros(6)
-        mujoco.mj_contactForce(data.model, data, index, wrench)
-        contact = data.contact[index]
-        yield data.model.geom_bodyid[contact.geom], contact.frame.reshape(3, 3).T @ wrench[:3]
 
 
 @cache
