@@ -51,7 +51,7 @@ LAYERS = {
     "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
     "language": layer("schema.[!iorsw]* schema.source*", "errors units parts", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),
-    "composition": layer("schema.composition", "language kinds", "pydantic"),
+    "composition": layer("schema.composition", "errors language kinds", "pydantic"),
     "spec": layer("", "errors units language kinds composition", "pydantic"),
     "schema": layer("schema schema.* plugins", LANGUAGE, "pydantic"),
     "bundle": layer("bundle bundle.*", f"{LANGUAGE} schema", "pydantic mujoco"),
