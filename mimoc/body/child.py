@@ -1,5 +1,7 @@
 """The child described by a spec: the average child of its age, individualised, with single parts scaled."""
 
+from functools import partial
+
 from mimoc.body.assembly import Anatomy
 from mimoc.body.damping import scale_damping
 from mimoc.body.growth import grow
@@ -20,7 +22,8 @@ def measure_child(spec: InfantSpec, anatomy: Anatomy) -> Measurements:
     """
     measurements = measure(spec.age_months)
     if spec.body.individual:
-        measurements = individualise(measurements, spec.body.individual, lambda m: grow(m, anatomy))
+        grown = partial(grow, anatomy=anatomy, development=spec.development)
+        measurements = individualise(measurements, spec.body.individual, grown)
     return replace_given(measurements, spec)
 
 
@@ -37,7 +40,7 @@ def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -
         GeometryError: If no body has these measurements.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
-    grown = grow(measurements, anatomy, scales)
+    grown = grow(measurements, anatomy, scales, spec.development)
     return prune(scale_damping(scale_strength(grown, anatomy, spec.actuation), anatomy), spec.body.remove)
 
 

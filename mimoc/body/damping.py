@@ -30,7 +30,7 @@ def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
 
 def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, float]]:
     """Yield the joints whose motors are stronger than average, with the factor."""
-    average = grow(measure(tree.age_months), anatomy).motors
+    average = grow(measure(tree.age_months), anatomy, development=tree.development).motors
     for motor, usual, (_, figures) in zip(tree.motors, average, anatomy.motors, strict=True):
         ordinary_nm = max(usual.gear_nm, figures.gear_nm)
         if motor.gear_nm > ordinary_nm * (1 + NOISE):

@@ -14,6 +14,7 @@ from mimoc.body.segments import Dimensions, body_dimensions
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import volume
+from mimoc.schema.names import Development
 
 SIDES = ("", "right", "left")
 
@@ -23,7 +24,10 @@ Factors = tuple[float, float]
 
 
 def grow(
-    measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors] = MappingProxyType({})
+    measurements: Measurements,
+    anatomy: Anatomy,
+    scales: Mapping[str, Factors] = MappingProxyType({}),
+    development: Development = "maturing",
 ) -> BodyTree:
     """Return the body of a child.
 
@@ -31,6 +35,7 @@ def grow(
         measurements: Measurements of the child.
         anatomy: Its parts, joints and muscles.
         scales: Factors on length and girth of single parts, by the name of the body.
+        development: The law of strength, joints and proportions.
 
     Raises:
         GeometryError: If no body has these measurements.
@@ -45,13 +50,14 @@ def grow(
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=anatomy.excluded,
         frictionless=FRICTIONLESS,
+        development=development,
     )
 
 
 @cache
-def grow_reference(hands: str) -> BodyTree:
+def grow_reference(hands: str, development: Development = "maturing") -> BodyTree:
     """Return the body of the average child of 18 months."""
-    return grow(measure(REFERENCE_AGE_MONTHS), assemble(hands, False))
+    return grow(measure(REFERENCE_AGE_MONTHS), assemble(hands, False), development=development)
 
 
 def _side_dimensions(

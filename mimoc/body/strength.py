@@ -56,5 +56,6 @@ def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, 
 
 def _age_factors(tree: BodyTree, anatomy: Anatomy, age_months: float) -> Mapping[str, tuple[tuple[str, float]]]:
     """Return how much stronger the average child of another age is, by motor, with the key that says so."""
-    now, then = (grow(measure(age), anatomy).motors for age in (tree.age_months, age_months))
+    ages_months = (tree.age_months, age_months)
+    now, then = (grow(measure(age), anatomy, development=tree.development).motors for age in ages_months)
     return {here.name: ((AGE_KEY, there.gear_nm / here.gear_nm),) for here, there in zip(now, then, strict=True)}

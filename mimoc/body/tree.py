@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from mimoc.body.figures import GeomType, Region
 from mimoc.geometry.rotations import Vec3
+from mimoc.schema.names import Development
 
 FREE_JOINT = "mimo_location"
 """MIMo's name for the joint between the world and the hip."""
@@ -120,6 +121,8 @@ class BodyTree:
     """Pairs of bodies without contacts."""
     frictionless: tuple[tuple[str, str], ...]
     """Pairs of geoms with frictionless contact."""
+    development: Development = "maturing"
+    """The law that strength, joints and proportions follow."""
     merged: tuple[tuple[str, str], ...] = ()
     """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
 

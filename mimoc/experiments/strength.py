@@ -79,7 +79,7 @@ def age_of(behaviour: Behaviour, size: float) -> float:
 
 
 def _strength_nm(behaviour: Behaviour, age_months: float) -> float:
-    spec = InfantSpec(mimoc=1, name="lying", age_months=age_months)
+    spec = InfantSpec(mimoc=1, name="lying", age_months=age_months, development="published")
     anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
     tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
     return next(motor.gear_nm for motor in tree.motors if motor.name == behaviour.actuator)

@@ -11,6 +11,7 @@ from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
 from mimoc.schema.control import ControlSpec
+from mimoc.schema.names import Development
 from mimoc.schema.quantities import Age
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
@@ -38,6 +39,10 @@ class InfantKeys(Model):
     """Name of the infant and of its MuJoCo model."""
     age_months: Annotated[Age, Field(examples=[9])]
     """Age of the infant."""
+    development: Development = "maturing"
+    """What changes with age besides size: strength, tone, ranges of joints and proportions as real infants'
+    (`maturing`), or as published with MIMo v2 (`published`), where strength follows volume and all else stays as at 18
+    months."""
     body: BodySpec = Field(default_factory=BodySpec)
     """The body."""
     actuation: ActuationSpec = Field(default_factory=ActuationSpec)

@@ -11,7 +11,7 @@ import numpy as np
 from mimoc.body import Body, BodyTree, Geom, grow_reference
 from mimoc.body.strength import body_groups
 from mimoc.geometry.primitives import area
-from mimoc.schema.names import single_groups
+from mimoc.schema.names import Development, single_groups
 from mimoc.senses.touch.exposed import Layout, lay_out, move_with_geoms
 from mimoc.senses.touch.surface import FloatArray
 
@@ -54,7 +54,7 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
         density: Number of points, relative to what two-point discrimination asks for.
         regions: The groups of muscles whose parts have skin; None is all.
     """
-    patches = _patches(tree.hands, density)
+    patches = _patches(tree.hands, tree.development, density)
     groups, covered = body_groups(tree), None if regions is None else single_groups(regions)
     points_m, spacing_m = {}, {}
     for body in tree.bodies:
@@ -68,9 +68,9 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
 
 
 @lru_cache(maxsize=8)
-def _patches(hands: str, density: float) -> Mapping[str, _Patch]:
+def _patches(hands: str, development: Development, density: float) -> Mapping[str, _Patch]:
     """Return the skin of the midline and of the right side, by body without its side."""
-    bodies = [body for body in grow_reference(hands).bodies if not body.name.startswith("left_")]
+    bodies = [body for body in grow_reference(hands, development).bodies if not body.name.startswith("left_")]
     return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
 
 
