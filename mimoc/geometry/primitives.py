@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from mimoc.geometry.ellipsoids import ellipsoid_area, normals, signed_depths
+from mimoc.geometry.ellipsoids import ellipse_perimeter, ellipsoid_area, normals, signed_depths
 from mimoc.geometry.rotations import FloatArray
 
 Kind = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
@@ -46,6 +46,13 @@ def area(kind: Kind, size: Size) -> float:
             return 2 * math.pi * size[0] * (2 * size[1] + size[0])
         case "capsule":
             return 4 * math.pi * size[0] * (size[1] + size[0])
+
+
+def girth(kind: Kind, size: Size) -> float:
+    """Return the perimeter of a primitive's section across z, through its middle."""
+    if kind == "box":
+        return 4 * (size[0] + size[1])
+    return ellipse_perimeter(size[0], size[1]) if kind == "ellipsoid" else 2 * math.pi * size[0]
 
 
 @dataclass(frozen=True, slots=True)
