@@ -23,9 +23,7 @@ def on_head(head: Geom, place: Vec3) -> Vec3:
         head: The head's geom.
         place: From its centre, in half axes: x forward, y left, z up.
     """
-    x, y, z = (
-        middle + half_m * part for middle, half_m, part in zip(head.pos_m, _half_axes(head), place, strict=True)
-    )
+    x, y, z = (middle + half_m * part for middle, half_m, part in zip(head.pos_m, _half_axes(head), place, strict=True))
     return x, y, z
 
 
