@@ -25,6 +25,9 @@ def trace_actuation(model: str, anatomy: Anatomy, tree: BodyTree, setup: Actuati
     entries = dict(_trace_joints(tree, setup, unknown))
     for motor in tree.motors:
         entries.update(_trace_strength(motor, gears_nm[motor.name]))
+    for attribute, value in setup.defaults:
+        if origin := setup.origins.get(f"actuator.{attribute}"):
+            entries[f"actuator.{attribute}"] = _entry(float(value), origin, f"infant.xml: default/general/@{attribute}")
     strengths = {motor.name: motor for motor in tree.motors}
     for actuator in setup.actuators:
         if actuator.name in strengths and actuator.gear == strengths[actuator.name].gear_nm:
