@@ -15,10 +15,10 @@ NOISE = 1e-9
 def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
     """Return a body whose damping and armature are scaled with any strength above average.
 
-    A joint's damping and armature are MIMo's at every age, and strength follows the volume of a part. If a motor is
-    stronger than that of the average child both of the same age and of 18 months, because a spec makes a part or a
-    child larger or stronger, both are multiplied by the same factor. Therefore neither the speed at which damping
-    balances the motor's torque nor the acceleration of the armature under this torque exceeds MIMo's.
+    If a motor is stronger than that of the average child of the same age, because a spec makes a part or a child larger
+    or stronger, its joint's damping and armature grow with it, as far as needed for neither the speed at which damping
+    balances the motor's torque nor the acceleration of the armature under this torque to exceed MIMo's, or those of
+    the average child if they are more.
 
     Args:
         tree: The body, with its final strength.
@@ -28,22 +28,32 @@ def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
     return replace(tree, bodies=tuple(_scale_body(body, factors) for body in tree.bodies)) if factors else tree
 
 
-def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, float]]:
-    """Yield the joints whose motors are stronger than average, with the factor."""
-    average = grow(measure(tree.age_months), anatomy, development=tree.development).motors
-    for motor, usual, (_, figures) in zip(tree.motors, average, anatomy.motors, strict=True):
-        ordinary_nm = max(usual.gear_nm, figures.gear_nm)
-        if motor.gear_nm > ordinary_nm * (1 + NOISE):
-            yield motor.joint, motor.gear_nm / ordinary_nm
+def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Yield the joints whose motors are too strong for their damping or armature, with the factors of both."""
+    average = grow(measure(tree.age_months), anatomy, development=tree.development)
+    at_18 = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
+    for motor, usual, (_, figures) in zip(tree.motors, average.motors, anatomy.motors, strict=True):
+        here, there = average.joints[motor.joint], at_18[motor.joint]
+        damping, armature = (
+            max(1.0, motor.gear_nm / max(usual.gear_nm, figures.gear_nm * now / then))
+            for now, then in (
+                (here.damping_nms_per_rad, there.damping_nms_per_rad),
+                (here.armature_kgm2, there.armature_kgm2),
+            )
+        )
+        if max(damping, armature) > 1 + NOISE:
+            yield motor.joint, (damping, armature)
 
 
-def _scale_body(body: Body, factors: dict[str, float]) -> Body:
-    return replace(body, joints=tuple(_scale_joint(joint, factors.get(joint.name, 1.0)) for joint in body.joints))
+def _scale_body(body: Body, factors: dict[str, tuple[float, float]]) -> Body:
+    return replace(
+        body, joints=tuple(_scale_joint(joint, *factors.get(joint.name, (1.0, 1.0))) for joint in body.joints)
+    )
 
 
-def _scale_joint(joint: Joint, factor: float) -> Joint:
+def _scale_joint(joint: Joint, damping: float, armature: float) -> Joint:
     return replace(
         joint,
-        damping_nms_per_rad=factor * joint.damping_nms_per_rad,
-        armature_kgm2=factor * joint.armature_kgm2,
+        damping_nms_per_rad=damping * joint.damping_nms_per_rad,
+        armature_kgm2=armature * joint.armature_kgm2,
     )

@@ -93,6 +93,8 @@ class Part:
     """No infant is without trunk and head; a limb can be removed."""
     group: str = ""
     """Muscle group of its joints, and of the parts below it that have none of their own; empty is its parent's."""
+    matures_with: str = ""
+    """Group whose strength matures together (`maturing.strength`); empty is its muscle group's, or its parent's."""
     skin_spacing_m: float | None = field(kw_only=True)
     """Distance of neighbouring skin points of the average child of 18 months: its two-point discrimination (MIMo).
     None is a single point, at its front."""

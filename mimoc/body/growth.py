@@ -8,15 +8,18 @@ from mimoc.body.anatomy import FRICTIONLESS, REFERENCE_AGE_MONTHS, TENDONS
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.density import density, reference_volumes, volumes
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
+from mimoc.body.maturing.head import head_gain
+from mimoc.body.maturing.mature import mature, relative_volumes
 from mimoc.body.proportions import proportions
 from mimoc.body.scaling import check_limbs, check_trunk, scale_part
 from mimoc.body.segments import Dimensions, body_dimensions
-from mimoc.body.tree import Body, BodyTree, Geom, Joint, Motor, Tendon, Vec3
+from mimoc.body.tree import Body, BodyTree, Geom, Growth, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import volume
 from mimoc.schema.names import Development
 
 SIDES = ("", "right", "left")
+HEIGHT = "crown_sole_length"
 
 
 Factors = tuple[float, float]
@@ -42,7 +45,7 @@ def grow(
     """
     by_side = {side: _side_dimensions(measurements, anatomy, scales, side) for side in SIDES}
     growth = {side: _growth(anatomy, dimensions) for side, dimensions in by_side.items()}
-    return BodyTree(
+    tree = BodyTree(
         age_months=measurements.age_months,
         hands=anatomy.hands,
         bodies=tuple(_body(part, side, by_side[side], anatomy.hands) for side, part in anatomy.parts),
@@ -52,6 +55,17 @@ def grow(
         frictionless=FRICTIONLESS,
         development=development,
     )
+    return tree if development == "published" else _matured(tree, anatomy, measurements)
+
+
+def _matured(tree: BodyTree, anatomy: Anatomy, measurements: Measurements) -> BodyTree:
+    """Return a body that has grown by the published law, changed to what it is at its age."""
+    growth = Growth(
+        relative_length=measurements[HEIGHT] / measure(REFERENCE_AGE_MONTHS)[HEIGHT],
+        relative_volumes=relative_volumes(tree, anatomy),
+        head_gain=head_gain(tree.age_months, tree.hands),
+    )
+    return mature(tree, anatomy, growth)
 
 
 @cache

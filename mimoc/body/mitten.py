@@ -116,6 +116,7 @@ FOOT = (
         follows=LEG_LENGTH,
         rule=LEG_SHARE,
         motors=ANKLE_MOTORS,
+        matures_with="ankle",
         skin_spacing_m=0.015,
         torque_site="torque_{side}_ankle",
         lies=True,

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.body import BodyTree
+from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import FloatArray, Posed, pose
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.geometry.solvers import minimum
-from mimoc.units import deg_to_rad
+from mimoc.schema.names import SIDES
+from mimoc.units import deg_to_rad, rad_to_deg
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,8 @@ class Pose:
     """Rotation of the hip about y: 90 is face down, -90 face up."""
     angles_deg: Mapping[str, float]
     """Angles by joint, without `robot:`; `{side}` stands for both sides."""
+    on_feet: bool = False
+    """Whether hips that do not straighten bend the knees, such that the soles are flat below the hips."""
 
 
 POSES: Mapping[str, Pose] = {
@@ -59,9 +62,10 @@ POSES: Mapping[str, Pose] = {
             "hip_bend2": 8,
         },
     ),
-    "standing": Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30}),
+    "standing": Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30}, on_feet=True),
 }
-"""Natural poses of infants, well within the range of every joint; lumbar joints satisfy their couplings."""
+"""Natural poses of infants; joints that do not reach an angle at some age stop at the end of their range. Lumbar joints
+satisfy their couplings."""
 
 CONTACT_DEPTH_M = 1e-4
 """Penetration depth of a resting body, such that the first physics step already supports its weight."""
@@ -77,13 +81,39 @@ def standing_height(tree: BodyTree) -> float:
 
 
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
-    """Return the angle of each hinge of *tree* in a pose, in [rad]."""
-    named = {
-        "robot:" + name.format(side=side): deg_to_rad(angle)
-        for name, angle in wanted.angles_deg.items()
-        for side in ("left", "right")
+    """Return the angle of each hinge of *tree* in a pose, in [rad], within its range."""
+    named_deg = {
+        "robot:" + name.format(side=side): angle for name, angle in wanted.angles_deg.items() for side in SIDES
     }
-    return {name: named.get(name, 0.0) for name in tree.joints}
+    angles = {name: deg_to_rad(clip(joint, named_deg.get(name, 0.0))) for name, joint in tree.joints.items()}
+    if wanted.on_feet:
+        for side in SIDES:
+            angles |= _on_foot(tree, side, angles)
+    return angles
+
+
+def clip(joint: Joint, angle_deg: float) -> float:
+    """Return the angle within a joint's range that is nearest to the given one, in degrees."""
+    low, high = joint.range_deg
+    return min(max(angle_deg, low), high)
+
+
+def _on_foot(tree: BodyTree, side: str, angles: Mapping[str, float]) -> dict[str, float]:
+    """Return the angles of knee and ankle of a leg whose hip may not straighten, in [rad].
+
+    The knee is bent so that the ankle is below the hip, and the ankle such that the sole is parallel to the ground.
+    """
+    hip, knee, ankle = (f"robot:{side}_{joint}" for joint in ("hip1", "knee", "foot1"))
+    bodies = {body.name: body for body in tree.bodies}
+    if not {hip, knee, ankle} <= set(angles):
+        return {}
+    thigh_m, shank_m = (math.dist(bodies[f"{side}_{end}"].pos_m, (0, 0, 0)) for end in ("lower_leg", "foot"))
+    forward = -angles[hip]
+    bent = forward + math.asin(max(-1.0, min(1.0, thigh_m / shank_m * math.sin(forward))))
+    return {
+        knee: deg_to_rad(clip(tree.joints[knee], -rad_to_deg(bent))),
+        ankle: deg_to_rad(clip(tree.joints[ankle], rad_to_deg(bent - forward))),
+    }
 
 
 def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:

@@ -1,11 +1,15 @@
 """Provenance of each number of a body: table row, growth curve or rule."""
 
+import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.density import density, is_of_fingers
 from mimoc.body.figures import GeomFigures, JointFigures, Part
+from mimoc.body.maturing.mature import maturing_groups, passive_scales
+from mimoc.body.maturing.rules import REFERENCE, Rule, joint_rules
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
 from mimoc.schema.names import SIDES
@@ -14,9 +18,8 @@ from mimoc.units import deg_to_rad, m_to_cm
 Entry = dict[str, Any]
 """`value`, `unit`, `rule`, and if they apply `from` (keys of other entries), `fit`, `points` and `xml`."""
 
-REFERENCE = "MIMo's reference body, 18 months"
 CONSTANT = f"{REFERENCE}; the same at every age"
-EXTRAORDINARY = "its motor is stronger than the average child's, of this age and of 18 months"
+EXTRAORDINARY = "its motor is stronger than the average child's"
 """Reason why a joint has more damping and armature than in the reference body (`damping`)."""
 
 
@@ -36,7 +39,7 @@ def trace_body(
     parts = {part.name.format(side=side): part for side, part in anatomy.parts}
     hinges = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     motors = {motor.joint: motor.name for motor in tree.motors}
-    entries = dict(_trace_measurements(measurements))
+    entries, groups = dict(_trace_measurements(measurements)), maturing_groups(anatomy)
     for body in tree.bodies:
         side, here = sides[body.name], scaled.get(body.name, ())
         above = scaled.get(body.parent or "", ())
@@ -46,7 +49,8 @@ def trace_body(
             sources = [_keys(names, side, measurements, here) for names in (sized, (*sized, *placed))]
             entries.update(_trace_geom(geom, figures[geom.name], anatomy.hands, *sources))
         for joint in body.joints:
-            entries.update(_trace_joint(joint, hinges[joint.name], motors.get(joint.name)))
+            law = _law(joint, hinges[joint.name], groups[joint.name], tree)
+            entries.update(_trace_joint(joint, law, motors.get(joint.name)))
     return entries
 
 
@@ -114,7 +118,26 @@ def _weighing(figures: GeomFigures, hands: str) -> str:
     return f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as {REFERENCE}"
 
 
-def _trace_joint(joint: Joint, figures: JointFigures, motor: str | None) -> Iterator[tuple[str, Entry]]:
+@dataclass(frozen=True, slots=True)
+class _Law:
+    """What a joint is by the law of its age, before anything makes its motor stronger."""
+
+    rules: Mapping[str, Rule]
+    """By attribute in MJCF, of what changes with age."""
+    usual: Mapping[str, float]
+    """Damping and armature."""
+
+
+def _law(joint: Joint, figures: JointFigures, group: str, tree: BodyTree) -> _Law:
+    usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
+    if tree.growth is None:
+        return _Law({}, usual)
+    scales = passive_scales(joint.name, group, tree.growth)
+    rules = joint_rules(figures, group, tree.age_months, tree.growth)
+    return _Law(rules, {name: value * scales[name] for name, value in usual.items()})
+
+
+def _trace_joint(joint: Joint, law: _Law, motor: str | None) -> Iterator[tuple[str, Entry]]:
     """Yield entries for a joint's constants; *motor* is the motor that moves it."""
     low, high = joint.range_deg
     constants = {
@@ -125,14 +148,17 @@ def _trace_joint(joint: Joint, figures: JointFigures, motor: str | None) -> Iter
         "armature": (joint.armature_kgm2, "kg m2"),
         "springref": (deg_to_rad(joint.springref_deg), "rad"),
     }
-    usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
     for attribute, (value, unit) in constants.items():
-        entry: Entry = {"value": value, "unit": unit, "rule": CONSTANT}
-        if value != usual.get(attribute, value):
-            entry["rule"] = (
-                f"{usual[attribute]:g} ({REFERENCE}) x {value / usual[attribute]:.6g}, by which {EXTRAORDINARY}"
-            )
-            entry["from"] = [f"actuator.{motor}.gear"]
+        rule = law.rules.get(attribute)
+        entry: Entry = {"value": value, "unit": unit, "rule": rule.text if rule else CONSTANT}
+        sources = list(rule.sources) if rule else []
+        usual = law.usual.get(attribute)
+        if usual is not None and not math.isclose(value, usual):
+            start = rule.text if rule else f"{usual:g} ({REFERENCE})"
+            entry["rule"] = f"{start} x {value / usual:.6g}, by which {EXTRAORDINARY}"
+            sources.append(f"actuator.{motor}.gear")
+        if sources:
+            entry["from"] = sources
         yield f"joint.{joint.name}.{attribute}", {**entry, "xml": f"{_xml('joint', joint.name)}/@{attribute}"}
 
 

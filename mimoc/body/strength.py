@@ -24,12 +24,13 @@ def scale_strength(tree: BodyTree, anatomy: Anatomy, spec: ActuationSpec) -> Bod
         spec: The factors, and the age that strength is taken from.
     """
     groups = muscle_groups(tree)
-    ages = {} if spec.strength_age_months is None else _age_factors(tree, anatomy, spec.strength_age_months)
+    if spec.strength_age_months is not None:
+        tree = _of_another_age(tree, anatomy, spec.strength_age_months)
     motors = []
     for motor in tree.motors:
-        factors = (*_of_group(groups[motor.joint], spec.strength), *ages.get(motor.name, ()))
-        gear_nm = motor.gear_nm * prod(factor for _, factor in factors)
-        motors.append(replace(motor, gear_nm=gear_nm, factors=factors))
+        factors = (*_of_group(groups[motor.joint], spec.strength), *motor.factors)
+        asked = prod(factor for _, factor in _of_group(groups[motor.joint], spec.strength))
+        motors.append(replace(motor, gear_nm=motor.gear_nm * asked, factors=factors))
     return replace(tree, motors=tuple(motors))
 
 
@@ -54,8 +55,13 @@ def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, 
     yield from ((f"{STRENGTH_KEY}.{name}", strength[name]) for name in named[:1])
 
 
-def _age_factors(tree: BodyTree, anatomy: Anatomy, age_months: float) -> Mapping[str, tuple[tuple[str, float]]]:
-    """Return how much stronger the average child of another age is, by motor, with the key that says so."""
+def _of_another_age(tree: BodyTree, anatomy: Anatomy, age_months: float) -> BodyTree:
+    """Return a body as strong as it would be at another age, by as much as the average child is then."""
     ages_months = (tree.age_months, age_months)
     now, then = (grow(measure(age), anatomy, development=tree.development).motors for age in ages_months)
-    return {here.name: ((AGE_KEY, there.gear_nm / here.gear_nm),) for here, there in zip(now, then, strict=True)}
+    motors = []
+    for motor, here, there in zip(tree.motors, now, then, strict=True):
+        factor = there.gear_nm / here.gear_nm
+        factors = ((AGE_KEY, factor),)
+        motors.append(replace(motor, gear_nm=motor.gear_nm * factor, force_range=there.force_range, factors=factors))
+    return replace(tree, motors=tuple(motors))

@@ -107,6 +107,18 @@ class Tendon:
 
 
 @dataclass(frozen=True, slots=True)
+class Growth:
+    """What a child's strength and joints mature with, besides its age."""
+
+    relative_length: float
+    """Standing height, relative to the average child of 18 months."""
+    relative_volumes: Mapping[str, float]
+    """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
+    head_gain: float
+    """Mass of head and neck, relative to the published law."""
+
+
+@dataclass(frozen=True, slots=True)
 class BodyTree:
     """An infant's body, standing straight, hip at the origin, x forward, y left, z up."""
 
@@ -123,6 +135,8 @@ class BodyTree:
     """Pairs of geoms with frictionless contact."""
     development: Development = "maturing"
     """The law that strength, joints and proportions follow."""
+    growth: Growth | None = None
+    """What the law `maturing` made of the body; None by the published law."""
     merged: tuple[tuple[str, str], ...] = ()
     """Parts that are merged into another part, which has their geoms: name of the part and of the other."""
 

@@ -4,6 +4,9 @@ from collections.abc import Iterator
 
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import Anatomy, BodyTree, Motor
+from mimoc.body.figures import MotorFigures
+from mimoc.body.maturing.mature import maturing_groups
+from mimoc.body.maturing.rules import force_range_rule, gear_rule
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
 
 MODEL_KEY = "spec.actuation.model"
@@ -20,14 +23,12 @@ def trace_actuation(model: str, anatomy: Anatomy, tree: BodyTree, setup: Actuati
         tree: The body.
         setup: What the actuation model makes of it.
     """
-    gears_nm = {motor.name.format(side=side): motor.gear_nm for side, motor in anatomy.motors}
+    groups = maturing_groups(anatomy)
     unknown = Origin(f"set by the actuation model '{model}'", (MODEL_KEY,))
-    entries = dict(_trace_joints(tree, setup, unknown))
+    entries = {**dict(_trace_shared(setup)), **dict(_trace_joints(tree, setup, unknown))}
+    at_18 = {motor.name.format(side=side): motor for side, motor in anatomy.motors}
     for motor in tree.motors:
-        entries.update(_trace_strength(motor, gears_nm[motor.name]))
-    for attribute, value in setup.defaults:
-        if origin := setup.origins.get(f"actuator.{attribute}"):
-            entries[f"actuator.{attribute}"] = _entry(float(value), origin, f"infant.xml: default/general/@{attribute}")
+        entries.update(_trace_strength(motor, at_18[motor.name], groups[motor.joint], tree))
     strengths = {motor.name: motor for motor in tree.motors}
     for actuator in setup.actuators:
         if actuator.name in strengths and actuator.gear == strengths[actuator.name].gear_nm:
@@ -40,6 +41,13 @@ def trace_actuation(model: str, anatomy: Anatomy, tree: BodyTree, setup: Actuati
                 origin = setup.origins.get(key, unknown)
                 entries[key] = _entry(value, origin, _xml(actuator.name, attribute))
     return entries
+
+
+def _trace_shared(setup: ActuationSetup) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each number that all actuators share and whose origin is told."""
+    for attribute, value in setup.defaults:
+        if origin := setup.origins.get(f"actuator.{attribute}"):
+            yield f"actuator.{attribute}", _entry(float(value), origin, f"infant.xml: default/general/@{attribute}")
 
 
 def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Iterator[tuple[str, Entry]]:
@@ -56,16 +64,25 @@ def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Ite
                 yield key, {**_entry(value, setup.origins.get(key, unknown), xml), "unit": UNITS[attribute]}
 
 
-def _trace_strength(motor: Motor, reference_nm: float) -> Iterator[tuple[str, Entry]]:
+def _trace_strength(motor: Motor, figures: MotorFigures, group: str, tree: BodyTree) -> Iterator[tuple[str, Entry]]:
     """Yield a motor's gear, with what makes it stronger or weaker than it has grown, and its force range."""
     rule = (
-        f"{reference_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
+        f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
         f"of the geom that moves the joint: {motor.mover}"
     )
+    sources = [f"geom.{motor.mover}.size"]
+    range_rule = None
+    if tree.growth:
+        of_age = gear_rule(figures.name, group, tree.age_months, tree.growth)
+        rule, sources = rule + of_age.text, [*sources, *of_age.sources]
+        range_rule = force_range_rule(figures.name, group, tree.age_months)
     rule += "".join(f" x {factor:.6g} ({key})" for key, factor in motor.factors)
-    sources = [f"geom.{motor.mover}.size", *(key for key, _ in motor.factors)]
+    sources += [key for key, _ in motor.factors]
     yield f"actuator.{motor.name}.gear", {"value": motor.gear_nm, "unit": "N m", "rule": rule, "from": sources}
-    yield f"actuator.{motor.name}.forcerange", {"value": motor.force_range, "unit": "1", "rule": CONSTANT}
+    limits: Entry = {"value": motor.force_range, "unit": "1", "rule": range_rule.text if range_rule else CONSTANT}
+    if range_rule:
+        limits["from"] = list(range_rule.sources)
+    yield f"actuator.{motor.name}.forcerange", limits
 
 
 def _entry(value: float | tuple[float, ...], origin: Origin, xml: str) -> Entry:
