@@ -129,6 +129,8 @@ SPECS = {
     "delays between physics steps": HEAD + "delays: {vision_ms: 12, touch_ms: 3}\ncontrol: {timestep_ms: 2.5}\n",
     "noise out of range": HEAD + "noise: {motor: 1.2, proprioception_deg: -1, touch_n: 101, delay_jitter_ms: 2000}\n",
     "noise in words": HEAD + "noise: {motor: 10 %, touch: 1, proprioception_rad: 0.1, vision: 3, jitter_ms: 5}\n",
+    "motor noise in other forms": HEAD + "noise: {motor: [0.1]}\n",
+    "motor noise of another word": HEAD + "noise: {motor: mature}\n",
     "noise of a sense that is off": HEAD + "noise: {touch_n: 0.05}\n",
     "noise in proportion to angles": HEAD + "actuation: {model: position}\nnoise: {motor: 0.1}\n",
     "jitter between physics steps": HEAD + "delays: {motor_ms: 10}\nnoise: {delay_jitter_ms: 7}\n",

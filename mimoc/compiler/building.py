@@ -158,7 +158,7 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
         **trace_body(measurements, anatomy, tree, _scaled_parts(spec, tree)),
         **trace_actuation(spec.actuation.model, anatomy, tree, written),
         **dict(trace_delays(spec, manifest.delays)),
-        **dict(trace_noise(manifest.noise)),
+        **dict(trace_noise(spec, manifest.noise)),
         **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
         **trace_plugins(manifest.plugins),

@@ -1,9 +1,9 @@
 """The `noise` of a spec and of a manifest: of the commands, of each sense that has one, and of the delays."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
 
 from mimoc.actuation import ACTUATIONS
@@ -18,7 +18,19 @@ LOW_PASS_MS = 60.0
 """Time constant of the noise of commands and of proprioception: as long as the muscles of infants are assumed to take
 (derived, for want of a measurement; half-relaxation takes 90 ms at 3 years and 40 ms at 10, Lin et al. 1994)."""
 
-Share: TypeAlias = Annotated[Real, Field(ge=0, le=1)]
+
+def _kind_of_motor_noise(value: Any) -> str | None:
+    if isinstance(value, str):
+        return "word" if value.isalpha() else None
+    return "share" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+MotorNoise: TypeAlias = Annotated[
+    Annotated[Literal["maturing"], Tag("word")] | Annotated[Annotated[Real, Field(ge=0, le=1)], Tag("share")],
+    Discriminator(_kind_of_motor_noise),
+    Field(json_schema_extra={"wanted": "a share of the command; write a number from 0 to 1, or maturing"}),
+]
+"""A share of the command, or that of the infant's age."""
 
 
 def noise_keys() -> dict[str, str]:
@@ -39,9 +51,9 @@ def _spec_fields() -> dict[str, FieldInfo]:
 class NoiseSpec(Model):
     """Noise of the commands and the senses, and jitter of their delays; 0 is none."""
 
-    motor: Share = 0.0
-    """Standard deviation of what an actuator is driven by, as a share of its command; it changes with a time constant
-    of 60 ms."""
+    motor: MotorNoise = 0.0
+    """Standard deviation of what an actuator is driven by, as a share of its command, or that of the infant's age
+    (`maturing`: .30 at birth, .10 from 18 months on); it changes with a time constant of 60 ms."""
     delay_jitter_ms: Annotated[Milliseconds, Field(le=1000)] = 0.0
     """Largest deviation of a delay from its value, a multiple of the physics step; a delay that is shorter deviates by
     no more than itself."""

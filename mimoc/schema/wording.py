@@ -158,7 +158,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
         case "union_tag_not_found":
-            return f"{value} is not an acuity; write off, age, a number of months or {{cpd: 4.2}}"
+            return f"{value} is not {known.schema['wanted']}"
     return _wrong_type(details["input"], known)
 
 

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 import mimoc
 from mimoc.delays.spec import DelaysSpec, is_delayed
 from mimoc.errors import SpecError
-from mimoc.noise.presets import noise
+from mimoc.noise.presets import motor_share, noise
 from mimoc.noise.spec import NoiseEntry, NoiseSpec, noise_keys
 from mimoc.schema.source import parse
 
@@ -45,6 +46,24 @@ def test_every_noise_is_led_back_to_its_key():
         assert found[f"noise.{key}"]["from"] == [f"spec.noise.{key}"]
         assert found[f"spec.noise.{key}"]["value"] == value
     assert found["noise.low_pass_ms"]["value"] == 60
+
+
+@given(st.floats(0, 24), st.floats(0, 24))
+def test_maturing_motor_noise_falls_from_30_to_10_percent(one, other):
+    young, old = (
+        noise(mimoc.InfantSpec.model_validate({**BASE, "age_months": age, "noise": {"motor": "maturing"}})).motor
+        for age in sorted((one, other))
+    )
+    assert 0.1 <= old <= young <= 0.3 + 1e-12
+    assert motor_share(0) == pytest.approx(0.3)
+    assert motor_share(18) == motor_share(24) == 0.1
+
+
+def test_maturing_motor_noise_is_explained():
+    spec = mimoc.InfantSpec.model_validate({**BASE, "noise": {"motor": "maturing"}})
+    entry = json.loads(mimoc.build(spec).files["provenance.json"])["noise.motor"]
+    assert entry["from"] == ["spec.noise.motor", "spec.age_months"]
+    assert entry["value"] == pytest.approx(0.1 + 0.2 * (np.exp(-9 / 8) - np.exp(-18 / 8)) / (1 - np.exp(-18 / 8)))
 
 
 @given(
