@@ -53,6 +53,11 @@ def volumes(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
     return {name: volume(figures.type, dimensions.shapes[name].size_m) for name, figures in anatomy.geoms.items()}
 
 
+def masses(anatomy: Anatomy, volumes_m3: Mapping[str, float]) -> dict[str, float]:
+    """Return the mass of each geom by its name with `{side}`, in kg, from their volumes."""
+    return {name: density(figures, anatomy.hands) * volumes_m3[name] for name, figures in anatomy.geoms.items()}
+
+
 FIVE_FINGER_HAND: Mapping[str, Size] = {
     "{side}_hand1": (0.01712, 0.00584, 0.02532),
     "{side}_hand2": (0.00588, 0.00584, 0.01292),

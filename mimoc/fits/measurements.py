@@ -57,6 +57,8 @@ class Measurements(Mapping[str, float]):
 
         The middle takes what both sides have; where they differ, it takes the side that changed less.
         """
+        if self.table.keys() == self.base.keys():  # No side has any of its own.
+            return {name: self.table[name].value_m for name in self.base}
         sides = (side,) if side else ("left", "right")
 
         def own(name: str) -> float:
