@@ -13,6 +13,10 @@ ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
 ALONG_X: Vec3 = (0.0, 90.0, 0.0)
 UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
 
+REST_ABDUCTION_DEG = 13.0
+"""Angle between hanging upper arms and the vertical when all joints are at zero, such that they clear the chest (D;
+MIMo 10, with thinner chests)."""
+
 TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference")
 """What the spacing of the trunk's parts follows: what head and pelvis leave of the crown-rump length."""
 LEG_LENGTH = ("crown_sole_length", *TRUNK_HEIGHT, "foot_length", "foot_breadth", "rump_knee_length", "knee_sole_length")

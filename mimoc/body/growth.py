@@ -15,7 +15,6 @@ from mimoc.body.scaling import check_limbs, check_trunk, scale_part
 from mimoc.body.segments import Dimensions, body_dimensions
 from mimoc.body.tree import Body, BodyTree, Geom, Growth, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
-from mimoc.geometry.primitives import volume
 from mimoc.schema.names import Development
 
 SIDES = ("", "right", "left")
@@ -44,11 +43,16 @@ def grow(
         GeometryError: If no body has these measurements.
     """
     by_side = {side: _side_dimensions(measurements, anatomy, scales, side) for side in SIDES}
-    growth = {side: _growth(anatomy, dimensions) for side, dimensions in by_side.items()}
+    published = {side: _side_dimensions(measurements.published, anatomy, scales, side, True) for side in SIDES}
+    growth = {side: _growth(anatomy, dimensions) for side, dimensions in published.items()}
+    masses = {
+        side: _masses(anatomy, (published if development == "published" else by_side)[side], development)
+        for side in SIDES
+    }
     tree = BodyTree(
         age_months=measurements.age_months,
         hands=anatomy.hands,
-        bodies=tuple(_body(part, side, by_side[side], anatomy.hands) for side, part in anatomy.parts),
+        bodies=tuple(_body(part, side, by_side[side], masses[side]) for side, part in anatomy.parts),
         motors=tuple(_motor(figures, side, growth[side][figures.mover]) for side, figures in anatomy.motors),
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=anatomy.excluded,
@@ -61,7 +65,7 @@ def grow(
 def _matured(tree: BodyTree, anatomy: Anatomy, measurements: Measurements) -> BodyTree:
     """Return a body that has grown by the published law, changed to what it is at its age."""
     growth = Growth(
-        relative_length=measurements[HEIGHT] / measure(REFERENCE_AGE_MONTHS)[HEIGHT],
+        relative_length=measurements.published[HEIGHT] / measure(REFERENCE_AGE_MONTHS).published[HEIGHT],
         relative_volumes=relative_volumes(tree, anatomy),
         head_gain=head_gain(tree.age_months, tree.hands),
     )
@@ -75,26 +79,35 @@ def grow_reference(hands: str, development: Development = "maturing") -> BodyTre
 
 
 def _side_dimensions(
-    measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str
+    measurements: Measurements, anatomy: Anatomy, scales: Mapping[str, Factors], side: str, published: bool = False
 ) -> Dimensions:
-    """Return the dimensions from one side's measurements, or from both sides' if *side* is empty."""
+    """Return the dimensions from one side's measurements, or from both sides' if *side* is empty.
+
+    The published ones, whose volumes strength follows, are never built, so nothing is wrong if they do not fit.
+    """
     base = {name: measured.value_m for name, measured in measurements.base.items()}
-    dimensions = body_dimensions(proportions(measurements.of_side(side), base), anatomy.hands)
+    dimensions = body_dimensions(proportions(measurements.of_side(side), base, published), anatomy.hands)
     parts = [part for here, part in anatomy.parts if here in (side, "")]
     for part in parts:
         if part.name.format(side=side) in scales:
             dimensions = scale_part(dimensions, part.name, parts, *scales[part.name.format(side=side)])
-    if side:
-        check_limbs(dimensions)
-    else:
-        check_trunk(dimensions)
+    if not published:
+        check_limbs(dimensions) if side else check_trunk(dimensions)
     return dimensions
 
 
-def _growth(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
-    """Return the volume of each geom relative to the average child of 18 months, by its name with `{side}`."""
-    reference = reference_volumes(anatomy.hands)
-    return {name: volume_m3 / reference[name] for name, volume_m3 in volumes(anatomy, dimensions).items()}
+def _growth(anatomy: Anatomy, published: Dimensions) -> dict[str, float]:
+    """Return the published volume of each geom relative to the average child of 18 months."""
+    reference = reference_volumes(anatomy.hands, published=True)
+    return {name: volume_m3 / reference[name] for name, volume_m3 in volumes(anatomy, published).items()}
+
+
+def _masses(anatomy: Anatomy, dimensions: Dimensions, development: Development) -> dict[str, float]:
+    """Return the mass of each geom, in [kg], by its name with `{side}`."""
+    densities = {
+        name: density(figures, anatomy.hands, development == "published") for name, figures in anatomy.geoms.items()
+    }
+    return {name: densities[name] * volume_m3 for name, volume_m3 in volumes(anatomy, dimensions).items()}
 
 
 def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
@@ -109,7 +122,7 @@ def _motor(figures: MotorFigures, side: str, growth: float) -> Motor:
     )
 
 
-def _body(part: Part, side: str, dimensions: Dimensions, hands: str) -> Body:
+def _body(part: Part, side: str, dimensions: Dimensions, masses_kg: Mapping[str, float]) -> Body:
     left = side == "left"
     return Body(
         name=part.name.format(side=side),
@@ -117,7 +130,7 @@ def _body(part: Part, side: str, dimensions: Dimensions, hands: str) -> Body:
         pos_m=_mirror(dimensions.origins[part.name], left),
         euler_deg=_mirror_turn(part.euler_deg, left),
         joints=tuple(_joint(figures, side, dimensions.anchors) for figures in part.joints),
-        geoms=tuple(_geom(figures, side, dimensions, hands) for figures in part.geoms),
+        geoms=tuple(_geom(figures, side, dimensions, masses_kg[figures.name]) for figures in part.geoms),
         region=part.region,
         group=part.group.format(side=side),
         skin_spacing_m=part.skin_spacing_m,
@@ -125,7 +138,7 @@ def _body(part: Part, side: str, dimensions: Dimensions, hands: str) -> Body:
     )
 
 
-def _geom(figures: GeomFigures, side: str, dimensions: Dimensions, hands: str) -> Geom:
+def _geom(figures: GeomFigures, side: str, dimensions: Dimensions, mass_kg: float) -> Geom:
     left = side == "left"
     solid = dimensions.shapes[figures.name]
     return Geom(
@@ -134,7 +147,7 @@ def _geom(figures: GeomFigures, side: str, dimensions: Dimensions, hands: str) -
         size_m=solid.size_m,
         pos_m=_mirror(solid.pos_m, left),
         euler_deg=_mirror_turn(figures.euler_deg, left),
-        mass_kg=density(figures, hands) * volume(figures.type, solid.size_m),
+        mass_kg=mass_kg,
         friction=figures.friction,
         contype=figures.contype,
         conaffinity=figures.conaffinity,
