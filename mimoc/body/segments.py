@@ -11,7 +11,7 @@ from operator import or_
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.extremities import fingers_dimensions, flat_foot_dimensions, mitten_dimensions, toes_dimensions
 from mimoc.body.proportions import Limb, Proportions
-from mimoc.body.trunk import SHOULDER_BACK, Section, Trunk
+from mimoc.body.trunk import GIRDLE_BACK, SHOULDER_BACK, Section, Trunk
 from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 
@@ -54,7 +54,7 @@ def _trunk_dimensions(p: Proportions) -> Dimensions:
             "ub1": _across(t.belly, 0.007 * depth, -0.032 * z),
             "ub2": _across(t.ribs, CHEST_X_M * depth, 0.030 * z),
             "neck": Shape((0.028 * neck, 0.02 * z), (-0.004 * neck, 0.0, 0.125 * z)),
-            "ub3": _across(t.girdle, _shoulder_x(t), 0.0),
+            "ub3": _across(t.girdle, _behind_chest(t, GIRDLE_BACK), 0.0),
         },
         anchors=bend,
     )
@@ -77,7 +77,7 @@ def _arm_dimensions(p: Proportions) -> Dimensions:
     axis_y_m = -p.trunk.arm_inwards_m  # The arm hangs: its y points to the midline.
     return Dimensions(
         origins={
-            "{side}_upper_arm": (_shoulder_x(p.trunk), -p.trunk.shoulder_y_m, 0.003 * p.trunk.axial),
+            "{side}_upper_arm": (_behind_chest(p.trunk, SHOULDER_BACK), -p.trunk.shoulder_y_m, 0.003 * p.trunk.axial),
             "{side}_lower_arm": (0.0, 0.0, p.upper_arm.length_m),
         },
         shapes={
@@ -114,9 +114,9 @@ def _leg_dimensions(p: Proportions) -> Dimensions:
     )
 
 
-def _shoulder_x(t: Trunk) -> float:
-    """Return how far the shoulder joints are in front of the chest's origin."""
-    return CHEST_X_M * t.pelvis[0] / REFERENCE_PELVIS_RADIUS_M - SHOULDER_BACK * t.ribs[0]
+def _behind_chest(t: Trunk, radii: float) -> float:
+    """Return the x of what is some radii of the chest behind its middle, in the frame of the chest."""
+    return CHEST_X_M * t.pelvis[0] / REFERENCE_PELVIS_RADIUS_M - radii * t.ribs[0]
 
 
 def _hip_joint(t: Trunk) -> Vec3:

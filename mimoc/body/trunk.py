@@ -37,6 +37,8 @@ GIRDLE = 0.62
 """Radius of the shoulder girdle over that of the chest: MIMo's radius at 18 months."""
 SHOULDER_BACK = 0.5
 """How far the shoulder joints are behind the middle of the chest, in its radii (D)."""
+GIRDLE_BACK = SHOULDER_BACK / 2
+"""How far the shoulder girdle is behind the middle of the chest, in its radii (D)."""
 SHOULDER_ABOVE_CHEST_M = 0.063
 """Height of the shoulder joints above the middle of the chest in the reference body."""
 
@@ -105,7 +107,7 @@ def measured_trunk(
         waist=waist,
         belly=(belly_radius(ribs[0], axial, pelvis[0], ribs[0] / 4), ribs[1]),
         ribs=ribs,
-        girdle=(GIRDLE * ribs[0], shoulder_y_m - inwards_m - arm_radius_m - CLEARANCE_M),
+        girdle=_girdle(ribs[0], shoulder_y_m - inwards_m, arm_radius_m),
         shoulder_y_m=shoulder_y_m,
         arm_inwards_m=inwards_m,
         hip_y_m=HIP_SPACING / 2 * m["hip_breadth"],
@@ -124,6 +126,13 @@ def _fitted(pelvis: Section, room_m: float) -> Section:
         raise GeometryError(NO_ROOM)
     radius_m, half_width_m = pelvis
     return min(radius_m, DEEPEST_PELVIS * room_m), half_width_m
+
+
+def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Section:
+    """Return the section between the upper arms, whose axes are as far behind it as it is behind the chest."""
+    radius_m = GIRDLE * chest_radius_m
+    beside_m = math.sqrt((radius_m + arm_radius_m + CLEARANCE_M) ** 2 - (GIRDLE_BACK * chest_radius_m) ** 2)
+    return radius_m, arm_y_m - beside_m + radius_m
 
 
 def _room_inwards(ribs: Section, axial: float, shoulder_y_m: float, arm_radius_m: float) -> float:
