@@ -35,7 +35,7 @@ TRUNK = (
                 "capsule",
                 1.1584,
                 ("hip_breadth", "hip_circumference"),
-                "level section with the girth hip_circumference and the breadth hip_breadth, both evened by up to 2 %",
+                "level section with girth hip_circumference and breadth hip_breadth, both evened by up to 2 %",
                 ALONG_Y,
                 placed_by=TRUNK_HEIGHT,
                 material="pants_down",
@@ -92,7 +92,7 @@ TRUNK = (
                 "capsule",
                 0.9499,
                 ("chest_breadth", "chest_circumference"),
-                "level section with the girth chest_circumference and the breadth chest_breadth, both evened by up to 2 %",
+                "level section with girth chest_circumference and breadth chest_breadth, both evened by up to 2 %",
                 ALONG_Y,
                 placed_by=TRUNK_HEIGHT,
                 material="top_middle",
@@ -150,8 +150,9 @@ ARM = (
                 "capsule",
                 0.2684,
                 ("upper_arm_circumference", "shoulder_elbow_length", "forearm_circumference"),
-                "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; nearer to "
-                "the midline than its joint, so that shoulder_breadth is that over the arms, unless they touch the chest",
+                "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; nearer "
+                "to the midline than its joint, so that shoulder_breadth is that over the arms, unless they touch the "
+                "chest",
                 placed_by=SHOULDERS,
                 material="top_sleeve",
             ),

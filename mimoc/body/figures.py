@@ -28,8 +28,8 @@ LEG_LENGTH = (
 )
 """What the lengths of thigh and shank follow; a foot's length and breadth make its height."""
 LEG_SHARE = (
-    "leg length (crown_sole_length less trunk and foot), shared such that rump_knee_length and knee_sole_length, with the "
-    "flesh behind the hip, before the knee and above it, are in proportion"
+    "leg length (crown_sole_length less trunk and foot), shared such that rump_knee_length and knee_sole_length, with "
+    "the flesh behind the hip, before the knee and above it, are in proportion"
 )
 """The rule that places knee and ankle."""
 

@@ -46,7 +46,7 @@ HAND = (
         ),
         WRIST_JOINTS,
         follows=WRIST,
-        rule="wrist at .763 x (elbow_hand_length - hand_length), the reference body's share between the joints",
+        rule="elbow_hand_length less hand_length and the flesh behind the elbow, which is as thick as the arm",
         motors=WRIST_MOTORS,
         group="{side}_hand",
         skin_spacing_m=0.007,
