@@ -43,9 +43,13 @@ def is_of_fingers(figures: GeomFigures, hands: str) -> bool:
 
 @cache
 def reference_volumes(hands: str) -> Mapping[str, float]:
-    """Return the volume of each geom of the average child of 18 months, in m³, by its name with `{side}`."""
-    average = measure(REFERENCE_AGE_MONTHS)
-    return volumes(assemble(hands, False), body_dimensions(proportions(average, average), hands))
+    """Return the volume of each of MIMo's geoms in the average child of 18 months, in m³, by its name with `{side}`.
+
+    Args:
+        hands: `mitten` or `five_finger`.
+    """
+    average = measure(REFERENCE_AGE_MONTHS).published
+    return volumes(assemble(hands, False), body_dimensions(proportions(average, average, published=True), hands))
 
 
 def volumes(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:

@@ -10,7 +10,7 @@ from mimoc.body.density import reference_volumes
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.maturing.mature import mature, relative_volumes
 from mimoc.body.maturing.parts import matured
-from mimoc.body.solids import Heavier, Scales, Solids, heavier_parts, matured_solids, published_solids
+from mimoc.body.solids import Heavier, Scales, Solids, heavier_parts, matured_solids, measured_solids, published_solids
 from mimoc.body.tree import Body, BodyTree, Geom, Growth, Joint, Motor, Tendon, Vec3
 from mimoc.fits import Measurements, measure
 from mimoc.schema.names import Development
@@ -35,12 +35,13 @@ def grow(
     Raises:
         GeometryError: If no body has these measurements.
     """
-    own = published = published_solids(measurements, anatomy, scales)
-    parts, heavier = anatomy.parts, None
+    published = published_solids(measurements, anatomy, scales)
     if development == "maturing":
-        heavier = heavier_parts(measurements, anatomy)
+        heavier, parts = heavier_parts(measurements, anatomy), matured(anatomy).parts
         own = matured_solids(measurements, matured(anatomy), scales, published, heavier)
-        parts = matured(anatomy).parts
+    else:
+        heavier, parts = None, anatomy.parts
+        own = measured_solids(measurements, anatomy, scales, published)
     growth = {side: _growth(solids, anatomy.hands) for side, solids in published.items()}
     tree = BodyTree(
         age_months=measurements.age_months,
@@ -58,7 +59,7 @@ def grow(
 def _matured(tree: BodyTree, anatomy: Anatomy, measurements: Measurements, heavier: Heavier) -> BodyTree:
     """Return a body that has grown by the published law, changed to what it is at its age."""
     growth = Growth(
-        relative_length=measurements[HEIGHT] / measure(REFERENCE_AGE_MONTHS)[HEIGHT],
+        relative_length=measurements.published[HEIGHT] / measure(REFERENCE_AGE_MONTHS).published[HEIGHT],
         relative_volumes=relative_volumes(tree, anatomy),
         head_gain=heavier.head_gain,
         foot_height=heavier.foot_height,

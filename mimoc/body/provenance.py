@@ -67,8 +67,9 @@ def _trace_measurements(measurements: Measurements) -> Iterator[tuple[str, Entry
             "from": list(measured.given_by),
         }
         if measured.curve:
-            entry["rule"] += ": a log(age_months + b) + c"
-            entry["fit"] = {"a": measured.curve.a, "b": measured.curve.b_months, "c": measured.curve.c}
+            curve = measured.curve
+            entry["rule"] += ": a log(age_months + b) + c + d age_months" if curve.d else ": a log(age_months + b) + c"
+            entry["fit"] = {"a": curve.a, "b": curve.b_months, "c": curve.c, **({"d": curve.d} if curve.d else {})}
             entry["points"] = _points(measured)
         yield f"measurements.{name}_cm", entry
 

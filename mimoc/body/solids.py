@@ -35,6 +35,19 @@ class Solids:
 
 
 @dataclass(frozen=True, slots=True)
+class Kind:
+    """Which shapes a child's measurements are made into."""
+
+    published: bool = False
+    """Whether they are MIMo's, whose volumes strength and masses follow."""
+    foot_height: float | None = None
+    """Height of the feet by the law `maturing`, relative to MIMo's, which changes the head too; None is neither."""
+
+
+MIMOS, MEASURED = Kind(published=True), Kind()
+
+
+@dataclass(frozen=True, slots=True)
 class Heavier:
     """What the law `maturing` changes in the masses of a child, relative to the published law."""
 
@@ -47,21 +60,40 @@ class Heavier:
 
 
 def published_solids(measurements: Measurements, anatomy: Anatomy, scales: Scales) -> dict[str, Solids]:
-    """Return the solids of each side, by the published law.
+    """Return MIMo's solids of each side, whose volumes strength and masses follow by either law.
+
+    They are never built, so nothing is wrong if they do not fit.
 
     Args:
         measurements: Measurements of the child.
         anatomy: Its parts.
         scales: Factors on single parts.
+    """
+    found = {}
+    for side in SIDES:
+        shapes = _shapes(measurements.published, anatomy, scales, side, MIMOS)
+        found[side] = Solids(*shapes, masses(anatomy, shapes[1]))
+    return found
+
+
+def measured_solids(
+    measurements: Measurements, anatomy: Anatomy, scales: Scales, published: Mapping[str, Solids]
+) -> dict[str, Solids]:
+    """Return the solids of each side that have the child's measurements, with MIMo's head and feet.
+
+    Args:
+        measurements: Measurements of the child.
+        anatomy: Its parts.
+        scales: Factors on single parts.
+        published: The same child's `published_solids`, whose masses they have.
 
     Raises:
         GeometryError: If no body has these measurements.
     """
-    found = {}
-    for side in SIDES:
-        shapes = _shapes(measurements, anatomy, scales, side)
-        found[side] = Solids(*shapes, masses(anatomy, shapes[1]))
-    return found
+    return {
+        side: Solids(*_shapes(measurements, anatomy, scales, side, MEASURED), published[side].masses_kg)
+        for side in SIDES
+    }
 
 
 def heavier_parts(measurements: Measurements, anatomy: Anatomy) -> Heavier:
@@ -70,10 +102,10 @@ def heavier_parts(measurements: Measurements, anatomy: Anatomy) -> Heavier:
     Raises:
         GeometryError: If head and feet would be too heavy.
     """
-    child = Measurements(measurements.age_months, measurements.base, measurements.base)
+    child = measurements.unreplaced
     gain, height = head_gain(child.age_months, anatomy.hands), foot_height(child.age_months, anatomy.hands)
-    _, published_m3 = _shapes(child, anatomy, {}, "")
-    _, volumes_m3 = _shapes(child, matured(anatomy), {}, "", height)
+    _, published_m3 = _shapes(child.published, anatomy, {}, "", MIMOS)
+    _, volumes_m3 = _shapes(child, matured(anatomy), {}, "", Kind(foot_height=height))
     left = trunk_left(matured(anatomy), masses(anatomy, published_m3), volumes_m3, gain)
     return Heavier(gain, height, left)
 
@@ -95,7 +127,8 @@ def matured_solids(
     """
     found = {}
     for side in SIDES:
-        dimensions, volumes_m3 = _shapes(measurements, anatomy, scales, side, heavier.foot_height)
+        kind = Kind(foot_height=heavier.foot_height)
+        dimensions, volumes_m3 = _shapes(measurements, anatomy, scales, side, kind)
         usual_kg = published[side].masses_kg
         masses_kg = matured_masses(anatomy, usual_kg, volumes_m3, heavier.head_gain, heavier.trunk_left)
         found[side] = Solids(dimensions, volumes_m3, masses_kg)
@@ -106,9 +139,7 @@ Shapes = tuple[Dimensions, Mapping[str, float]]
 """Dimensions and volumes."""
 
 
-def _shapes(
-    measurements: Measurements, anatomy: Anatomy, scales: Scales, side: str, feet: float | None = None
-) -> Shapes:
+def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: str, kind: Kind) -> Shapes:
     """Return the shapes from one side's measurements, or from both sides' if *side* is empty.
 
     Args:
@@ -116,19 +147,18 @@ def _shapes(
         anatomy: Its parts.
         scales: Factors on single parts.
         side: `left`, `right` or empty.
-        feet: Height of the feet by the law `maturing`; None for the published law.
+        kind: Which shapes.
     """
     base = tuple((name, measured.value_m) for name, measured in measurements.base.items())
-    shapes = _unscaled(tuple(measurements.of_side(side).items()), base, anatomy, feet)
+    shapes = _unscaled(tuple(measurements.of_side(side).items()), base, anatomy, kind)
     dimensions = shapes[0]
     parts = [part for here, part in anatomy.parts if here in (side, "")] if scales else []
     for part in parts:
         if part.name.format(side=side) in scales:
             dimensions = scale_part(dimensions, part.name, parts, *scales[part.name.format(side=side)])
-    if side:
-        check_limbs(dimensions)
-    else:
-        check_trunk(dimensions)
+    if not kind.published:
+        check = check_limbs if side else check_trunk
+        check(dimensions)
     return shapes if dimensions is shapes[0] else (dimensions, volumes(anatomy, dimensions))
 
 
@@ -137,11 +167,10 @@ Values = tuple[tuple[str, float], ...]
 
 
 @lru_cache(maxsize=16)
-def _unscaled(values: Values, base: Values, anatomy: Anatomy, feet: float | None) -> Shapes:
+def _unscaled(values: Values, base: Values, anatomy: Anatomy, kind: Kind) -> Shapes:
     """Return the shapes of a body; both sides of most children are the same one."""
-    if feet is None:
-        dimensions = body_dimensions(proportions(dict(values), dict(base)), anatomy.hands)
-    else:
-        p = proportions(dict(values), dict(base), feet)
-        dimensions = body_dimensions(p, anatomy.hands) | head_dimensions(p)
+    p = proportions(dict(values), dict(base), kind.published, kind.foot_height or 1.0)
+    dimensions = body_dimensions(p, anatomy.hands)
+    if kind.foot_height is not None:
+        dimensions |= head_dimensions(p)
     return dimensions, volumes(anatomy, dimensions)

@@ -23,7 +23,8 @@ def head_share(age_months: float) -> float:
 @lru_cache(maxsize=64)
 def head_gain(age_months: float, hands: str) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
-    average, anatomy = measure(age_months), assemble(hands, False)
-    published_kg = masses(anatomy, volumes(anatomy, body_dimensions(proportions(average, average), hands)))
+    average, anatomy = measure(age_months).published, assemble(hands, False)
+    shapes = body_dimensions(proportions(average, average, published=True), hands)
+    published_kg = masses(anatomy, volumes(anatomy, shapes))
     body_kg = sum(published_kg[geom.name] for _, part in anatomy.parts for geom in part.geoms)
     return head_share(age_months) * body_kg / published_kg["head"]

@@ -113,7 +113,7 @@ def grow_against_who(
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     refuse_unavailable(infant)
     if months is None:
-        months = () if _is_of_one_age(infant) else MONTHS
+        months = () if is_of_one_age(infant) else MONTHS
     ages = sorted({*map(float, months), *([infant.age_months] if spec else ())})
     rows: list[Row] = []
     for done, age_months in enumerate(ages, start=1):
@@ -124,7 +124,7 @@ def grow_against_who(
     return GrowthReport(tuple(rows))
 
 
-def _is_of_one_age(spec: InfantSpec) -> bool:
+def is_of_one_age(spec: InfantSpec) -> bool:
     """Return whether a spec gives lengths or weights, which are valid only for its age, unlike percentiles."""
     individual = spec.body.individual
     measured = individual and (individual.length_cm, individual.weight_kg, individual.head_circumference_cm)
