@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from mimoc.body import assemble, grow
 from mimoc.errors import GeometryError
 from mimoc.fits import Measurements, measure
+from mimoc.geometry.primitives import depths
 
 ON_SURFACE_M = 1e-8
 """Nine digits are written."""
@@ -45,6 +46,8 @@ def depth_m(infant, geom: str, point: np.ndarray) -> float:
         beyond = np.abs(local) - size
     elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
         beyond = np.array([np.hypot(*local[:2]) - size[0], abs(local[2]) - size[1]])
+    elif kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+        return -float(depths("ellipsoid", size, local[None])[0])
     else:
         axis_m = np.clip(local[2], -size[1], size[1])
         beyond = np.array([np.linalg.norm(local - (0, 0, axis_m)) - size[0]])

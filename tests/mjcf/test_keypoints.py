@@ -7,6 +7,7 @@ import pytest
 import mimoc
 from mimoc.body import assemble, grow
 from mimoc.fits import measure
+from mimoc.geometry.primitives import depths
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX, keypoint_sites
 
 BODY_25 = [
@@ -34,6 +35,8 @@ def outside_m(infant, body: str, point: np.ndarray) -> float:
 
 
 def _distance(kind: int, size: np.ndarray, local: np.ndarray) -> float:
+    if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+        return -float(depths("ellipsoid", size, local[None])[0])
     if kind == mujoco.mjtGeom.mjGEOM_BOX:
         beyond = np.abs(local) - size
     elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
