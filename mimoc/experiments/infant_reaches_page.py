@@ -17,8 +17,9 @@ ABOUT = """\
 
 The average child under `development: maturing`, with torque actuation, sits with its hip held and its trunk and neck
 locked, and reaches with its right arm for {count} random places in front of its shoulder, at {share:g} of the length
-of its arm, as toys are shown to infants. It does so at {ages} months, with delays of four lengths: none; those of its age
-(`physiological`, of proprioception {own} ms); and 100 and 200 ms of the senses, with those of the age for commands.
+of its arm, as toys are shown to infants. It does so at {ages} months, with delays of four lengths: none; those of its
+age (`physiological`, of proprioception {own} ms); and 100 and 200 ms of the senses, with those of the age for
+commands.
 
 Nothing is learned, and nothing is set by age to give the result. What makes these reaches slow and jerky is:
 
