@@ -53,11 +53,15 @@ class GrowthStandard:
         """
         day = months_to_days(age_months)
         sexes = SEXES if reference == "mean" else (reference,)
-        power, median, variation = (
-            float(np.mean([np.interp(day, self.tables[sex][:, 0], self.tables[sex][:, column]) for sex in sexes]))
-            for column in (1, 2, 3)
-        )
-        return _Distribution(power, median, variation)
+        return _Distribution(*np.mean([_interpolated(day, self.tables[sex]) for sex in sexes], axis=0).tolist())
+
+
+def _interpolated(day: float, table: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the row of a table at a day, without the day: as `numpy.interp` would, but all columns at once."""
+    days = table[:, 0]
+    before = min(max(int(days.searchsorted(day, side="right")) - 1, 0), len(days) - 2)
+    (first_day, first), (last_day, last) = ((row[0], row[1:]) for row in table[before : before + 2])
+    return first + (last - first) / (last_day - first_day) * (min(max(day, first_day), last_day) - first_day)
 
 
 def percentile(z: float) -> float:

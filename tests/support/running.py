@@ -1,6 +1,7 @@
 """Infants that run: those of `configs/`, and those of a spec given as keywords."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +18,15 @@ def build(**keys: Any) -> mimoc.Bundle:
     return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
 
 
+@cache
+def shipped(config: Path) -> mimoc.Bundle:
+    return mimoc.build(mimoc.load_spec(config))
+
+
 @pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)
 def config(request) -> mimoc.Bundle:
     """Return the bundle of each config that mimoc ships."""
-    return mimoc.build(mimoc.load_spec(request.param))
+    return shipped(request.param)
 
 
 @pytest.fixture(scope="session")
