@@ -58,10 +58,11 @@ class GrowthStandard:
 
 def _interpolated(day: float, table: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return the row of a table at a day, without the day: as `numpy.interp` would, but all columns at once."""
-    days = table[:, 0]
-    before = min(max(int(days.searchsorted(day, side="right")) - 1, 0), len(days) - 2)
-    (first_day, first), (last_day, last) = ((row[0], row[1:]) for row in table[before : before + 2])
-    return first + (last - first) / (last_day - first_day) * (min(max(day, first_day), last_day) - first_day)
+    after = int(table[:, 0].searchsorted(day, side="right"))
+    if after in (0, len(table)):
+        return table[max(after - 1, 0), 1:]
+    (first_day, first), (last_day, last) = ((row[0], row[1:]) for row in table[after - 1 : after + 1])
+    return first + (last - first) / (last_day - first_day) * (day - first_day)
 
 
 def percentile(z: float) -> float:
