@@ -50,8 +50,8 @@ def test_validate_prints_every_month_and_a_verdict(invoke, here):
     assert "ok: within one SD" in done.out
 
 
-def test_validate_gives_numbers_to_other_programs(invoke, here):
-    done = invoke("validate", SPEC, "--json", "--plot", "growth.png")
+def test_validate_gives_numbers_to_other_programs(invoke, here, one_age):
+    done = invoke("validate", one_age, "--json", "--plot", "growth.png")
     report = json.loads(done.out)
     assert (done.code, done.err, report["within_one_sd"]) == (0, "", True)
     assert {"length_cm", "weight_kg", "head_circumference_cm"} <= report["worst"].keys()
@@ -239,13 +239,15 @@ def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(c
     (here / "folder").mkdir()
     (here / "folder" / "thesis.tex").touch()
     (here / "folder.png").mkdir()
-    for name in ("out", "damaged", "lacking"):
-        shutil.copytree(built, here / name)
-    with (here / "damaged" / "infant.xml").open("a") as file:
-        file.write("\n")
-    (here / "lacking" / "scene.xml").unlink()
-    before = everything_in(here)
     command, message = BAD_INPUT[case]
+    for name in {"out", "damaged", "lacking"} & set(command.split()):
+        shutil.copytree(built, here / name)
+    if "damaged" in command:
+        with (here / "damaged" / "infant.xml").open("a") as file:
+            file.write("\n")
+    if "lacking" in command:
+        (here / "lacking" / "scene.xml").unlink()
+    before = everything_in(here)
     done = invoke(*shlex.split(command))
     assert done.code == 2
     assert message in " ".join(done.err.replace("│", " ").split())
