@@ -171,7 +171,7 @@ BAD_INPUT = {
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
     "an unknown standard": ("validate --against cdc", "'cdc' is not a growth standard; choose from who"),
     "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
-    "a plot into a missing folder": ("validate --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
+    "a plot into a missing folder": ("validate one.yaml --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
     "no bundle": ("run nowhere", "nowhere: there is no such folder"),
     "a folder that is no bundle": ("check folder", "folder: this is not a bundle"),
     "a file for a bundle": (
@@ -228,11 +228,12 @@ def everything_in(folder):
 
 
 @pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built):
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built, one_age):
     (here / "bad.yaml").write_text("mimoc: 1\nname: x\nage_months: 99\n")
     (here / "handless.yaml").write_text(
         "mimoc: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
     )
+    (here / "one.yaml").write_text(one_age.read_text())
     (here / "baby.yml").write_text("touch: maybe\n")
     (here / "calm.yml").write_text("touch: true\n")
     (here / "calm.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: crib}\n")
