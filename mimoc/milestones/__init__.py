@@ -1,0 +1,1 @@
+"""Motor milestones: at what age an infant can do what real infants can."""
