@@ -152,9 +152,10 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
     refuse_unavailable(spec)
     anatomy, measurements, tree = _grow(spec, compatibility)
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
+    written = replace(actuation, actuators=infant.actuators, defaults=infant.actuator_defaults)
     origins = {
         **trace_body(measurements, anatomy, tree, _scaled_parts(spec, tree)),
-        **trace_actuation(spec.actuation.model, anatomy, tree, replace(actuation, actuators=infant.actuators)),
+        **trace_actuation(spec.actuation.model, anatomy, tree, written),
         **dict(trace_delays(spec, manifest.delays)),
         **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
