@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation import ROOT
+from mimoc.compiler.validation.compiled import ROOT
 from mimoc.milestones.infant import GRAVITY_M_S2, FloatArray, Infant, IntArray
 from mimoc.milestones.motors import Motors
 

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation import PRIMITIVES, ROOT, compile_infant
-from mimoc.geometry.primitives import extents
+from mimoc.compiler.validation.compiled import ROOT, compile_infant, solid_extents
 from mimoc.milestones.conditions import Conditions
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
@@ -152,8 +151,7 @@ class Infant:
         if part:
             geoms = geoms[self.model.geom_bodyid[geoms] == self.model.body(part).id]
         up = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, 2]
-        shapes = ((PRIMITIVES[self.model.geom_type[geom]], self.model.geom_size[geom]) for geom in geoms)
-        return float(np.min(data.geom_xpos[geoms, 2] - extents(shapes).along(up)))
+        return float(np.min(data.geom_xpos[geoms, 2] - solid_extents(self.model, geoms).along(up)))
 
 
 def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> Infant:
