@@ -89,7 +89,9 @@ class Controller:
         axes = scratch.xaxis[joints]
         moments_nm = self._loads.weights_n * (axes[:, 1] * arms_m[:, 0] - axes[:, 0] * arms_m[:, 1])
         loads_nm = scratch.qfrc_spring[self._loads.dofs] + moments_nm
-        return -np.bincount(self._loads.slots, weights=loads_nm * self._loads.ratios, minlength=len(self._infant.joints))
+        return -np.bincount(
+            self._loads.slots, weights=loads_nm * self._loads.ratios, minlength=len(self._infant.joints)
+        )
 
 
 @dataclass(frozen=True)
@@ -115,7 +117,10 @@ def _loads(infant: Infant) -> _Loads:
     for start, count in zip(model.tendon_adr, model.tendon_num, strict=True):
         wraps = slice(start, start + count)
         factors = dict(zip(model.wrap_objid[wraps].tolist(), model.wrap_prm[wraps].tolist(), strict=True))
-        driven, free = [joint for joint in factors if joint in slots], [joint for joint in factors if joint not in slots]
+        driven, free = (
+            [joint for joint in factors if joint in slots],
+            [joint for joint in factors if joint not in slots],
+        )
         if len(driven) == len(free) == 1:
             found.append((free[0], slots[driven[0]], -factors[driven[0]] / factors[free[0]]))
     joints, owners, ratios = zip(*found, strict=True)

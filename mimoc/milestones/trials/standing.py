@@ -76,4 +76,29 @@ def _lean(infant: Infant, data: mujoco.MjData) -> float:
     return float((data.subtree_com[1, 0] - ankle) / (toes - ankle))
 
 
+def _half_squat(infant: Infant) -> Iterator[Attempt]:
+    """Yield one attempt, with hands that keep the trunk upright and let it only sink or rise."""
+    if not infant.has(*FEET):
+        return
+    data = stance(infant, SQUAT_KNEE_DEG, 0.3)
+    upright = infant.fixed([dof for dof in infant.trunk_dofs() if dof != VERTICAL])
+    height_m = float(data.qpos[2])
+    forbidden = infant.parts_without(FEET)
+
+    def check(data: mujoco.MjData) -> str:
+        if part := infant.touching(data, forbidden):
+            return f"{part} touches the floor"
+        return "" if data.qpos[2] > LEAST_SQUAT * height_m else "sinks"
+
+    target = steady(data.qpos[infant.angles])
+    yield Attempt(upright, data.qpos.copy(), target, STANDING_S, check, strategy=f"knees {SQUAT_KNEE_DEG:g}°")
+
+
+SQUAT_KNEE_DEG = -60.0
+LEAST_SQUAT = 0.85
+"""Height of the hips below which the squat is lost, by that at its start."""
+VERTICAL = 2
+"""The degree of freedom in which the hip goes up and down."""
+
 STANDING = Trial("stand", "stands alone for 10 s", _standing)
+HALF_SQUAT = Trial("half_squat", "carries its weight in a half squat for 10 s, balance given", _half_squat)
