@@ -39,7 +39,7 @@ BASE = "version errors units streams geometry files"
 LANGUAGE = f"{BASE} language kinds composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
 RUNNING = f"{LANGUAGE} bundle drawing run runtime control"
-KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "policies")
+KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noise", "policies")
 
 LAYERS = {
     "version": layer("version"),
@@ -96,10 +96,11 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 
 RUN_MODULES = {
     "senses": "binding custom sense nothing touch.contacts touch.receptors vision.eyes vision.blur vision.foveation "
-    "vision.preview touch.preview",
+    "vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
-    "delays": "line schedule signals",
+    "delays": "line schedule signals jittered",
+    "noise": "streams wander low_pass senses motor",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""
 

@@ -29,12 +29,16 @@ def validate(
         typer.Option("--plot", metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp."),
     ] = None,
 ) -> None:
-    """Compare the infant with WHO's growth standards; exit code 1 if it deviates too much."""
+    """Compare the infant with children at 0 to 24 months; exit code 1 if it deviates too much.
+
+    `who`: length, weight and circumferences by WHO's growth standards, within one SD of their mean.
+    `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means.
+    """
     from mimoc.cli import console
     from mimoc.render.plots import check_plot_name
 
     if against not in VALIDATIONS:
-        raise UnknownNameError("growth standard", against, list(VALIDATIONS))
+        raise UnknownNameError("comparison", against, list(VALIDATIONS))
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None

@@ -38,7 +38,22 @@ def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
     return Findings(report.within_one_sd, report.to_data(), shown, plot)
 
 
+def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
+    from mimoc.cli.measurement_table import print_measurements
+    from mimoc.compiler.validation import anthrokids
+    from mimoc.render.plots.measurements import plot_measurements
+
+    report = anthrokids.compare_with_anthrokids(infant, progress=progress)
+    series = {
+        name: [(age_months, row.value_cm) for age_months, row in rows.items()] for name, rows in report.by_measurement()
+    }
+    shown = partial(print_measurements, report, anthrokids.TOLERANCE)
+    plot = partial(plot_measurements, series, anthrokids.TOLERANCE)
+    return Findings(report.within_tolerance, report.to_data(), shown, plot)
+
+
 VALIDATIONS: Mapping[str, Callable[[InfantSpec | None, Progress], Findings]] = {
     "who": _against_who,
+    "anthrokids": _against_anthrokids,
 }
 """How an infant, or the average child if none is given, is compared, by the name that a user gives."""
