@@ -152,13 +152,13 @@ def _smoothness(name: str, groups: Sequence[Group]) -> str:
 
 
 def _gain_with_age(own: Sequence[Group]) -> str:
-    """Return how much smoother the oldest infant reaches than the youngest, target by target, and how certain that is."""
+    """Return how much smoother the oldest infant reaches than the youngest, for the same targets, and how certainly."""
     youngest, oldest = ([reach.arc_length for reach in group.reaches] for group in (own[0], own[-1]))
     gains = np.subtract(oldest, youngest)
     error = gains.std() / np.sqrt(len(gains))
     return (
-        f"From {own[0].age_months:g} to {own[-1].age_months:g} months, for the same targets, the spectral arc length rises "
-        f"by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise of the age "
+        f"From {own[0].age_months:g} to {own[-1].age_months:g} months, for the same targets, the spectral arc length "
+        f"rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise of the age "
         "account for a small part of what real infants gain in these months."
     )
 
