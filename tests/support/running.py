@@ -16,7 +16,12 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
-    return _built(json.dumps({**spec, **keys}, default=repr))
+    return built_once({**spec, **keys})
+
+
+def built_once(spec: dict[str, Any]) -> mimoc.Bundle:
+    """Return the bundle of a spec; bundles cannot be changed."""
+    return _built(json.dumps(spec, default=repr))
 
 
 @cache
