@@ -52,6 +52,23 @@ class Commands:
         return np.abs(self.limits_nm).max(axis=1)
 
 
+@dataclass(frozen=True)
+class Activated(Commands):
+    """Commands that the activations of n actuators follow; these drive the actuators."""
+
+    activations: IntArray
+    """Index of each actuator's activation in the state, shape (n,)."""
+
+    @property
+    def drive_name(self) -> str:
+        """What `drive` is."""
+        return "activation"
+
+    def drive(self, data: mujoco.MjData) -> FloatArray:
+        """Return the activation of each actuator now, shape (n,)."""
+        return data.act[self.activations]
+
+
 def all_commanded(entry: ActuationEntry) -> ActuationEntry:
     """Return the actuators with all of them commanded, as strength does not depend on which ones are."""
     actuators = tuple(actuator.model_copy(update={"commanded": True}) for actuator in entry.actuators)

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.actuation.binding import Actuation
-from mimoc.mujoco_layout import TIME_CONSTANT
+from mimoc.control.activation import Activation
 from mimoc.senses.sense import FloatArray, IntArray
 
 LEAST_NM = 1e-12
@@ -33,10 +33,9 @@ class Antagonists:
         self._at_rest = np.clip(0.0, actuation.low, actuation.high)
         self._muscles = actuation.actuators[self._slots]
         self._gears = gears[self._slots]
-        self._activations = model.actuator_actadr[self._muscles]
-        self._arriving = 1.0 - np.exp(-step_s / model.actuator_dynprm[self._muscles, TIME_CONSTANT])
+        self._activation = Activation(model, self._muscles, step_s)
         self._strength_nm = np.abs(actuation.limits_nm[self._slots]).max(axis=(1, 2))
-        self._active = self._pulls_nm = np.zeros(self._slots.shape)
+        self._pulls_nm = np.zeros(self._slots.shape)
 
     @property
     def strength_nm(self) -> FloatArray:
@@ -49,11 +48,11 @@ class Antagonists:
         Returns:
             Smallest and largest torque that they could add in this state, shape (n, 2), [N m].
         """
-        self._active = data.act[self._activations]
-        data.act[self._activations] = 1.0
+        self._activation.keep(data)
+        self._activation.set(data, 1.0)
         mujoco.mj_fwdActuation(model, data)
         full_n = data.actuator_force[self._muscles]
-        data.act[self._activations] = 0.0
+        self._activation.set(data, 0.0)
         mujoco.mj_fwdActuation(model, data)
         self._pulls_nm = self._gears * (full_n - data.actuator_force[self._muscles])
         return self._pulls_nm
@@ -67,7 +66,7 @@ class Antagonists:
         needed = np.divide(torques_nm[:, None], self._pulls_nm, out=np.zeros_like(self._pulls_nm), where=pulling)
         needed = np.clip(needed, 0.0, 1.0)
         action = self._at_rest.copy()
-        action[self._slots] = np.clip(self._active + (needed - self._active) / self._arriving, 0.0, 1.0)
+        action[self._slots] = np.clip(self._activation.commands(needed), 0.0, 1.0)
         return action
 
 

@@ -42,12 +42,12 @@ def test_an_actuation_model_leaves_a_joint_all_but_its_spring_and_damper(model, 
         assert np.array_equal(getattr(changed, what), getattr(plain, what)), what
 
 
-def test_full_command_is_the_gear_within_the_force_range(infant_at):
-    """On the compiled model: torque = gear x command, cut off at the force range."""
+def test_full_activation_is_the_gear_within_the_force_range(infant_at):
+    """On the compiled model: torque = gear x activation, cut off at the force range."""
     model = infant_at(18).model
     data = mujoco.MjData(model)
     elbow = model.actuator("act:left_elbow")
     for command, torque_nm in ((1, 0.83 * 3.6), (0.5, 1.8), (-1, -3.6), (-5, -3.6)):
-        data.ctrl[elbow.id] = command
+        data.act[elbow.actadr[0]] = command
         mujoco.mj_forward(model, data)
         assert data.joint("robot:left_elbow").qfrc_actuator[0] == pytest.approx(torque_nm)

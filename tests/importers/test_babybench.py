@@ -108,11 +108,17 @@ def test_a_key_has_its_counterpart(imported, text, path, value):
 
 
 def test_what_is_not_said_is_as_in_babybench(imported):
-    """MIMo's body of 18 months on a flat floor, all of it moved, and no sense but proprioception."""
+    """MIMo's published body of 18 months on a flat floor, all of it moved, and no sense but proprioception."""
     spec, notes = imported("behavior: none")
     assert notes == []
     assert spec == InfantSpec.model_validate(
-        {"mimoc": 1, "name": "config", "age_months": 18, "senses": {"proprioception": {}}}
+        {
+            "mimoc": 1,
+            "name": "config",
+            "age_months": 18,
+            "development": "published",
+            "senses": {"proprioception": {}},
+        }
     )
 
 

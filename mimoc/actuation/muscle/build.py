@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+from mimoc.actuation.activation import activation, activation_origin
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree, Joint, Motor
 from mimoc.body.provenance import REFERENCE
@@ -22,15 +23,10 @@ SCALE = 200.0
 PASSIVE_FORCE, LENGTHENING_FORCE = 1.3, 1.2
 """Largest forces of a stretched muscle at rest and of an active one that is being lengthened, by its isometric one."""
 
-MUSCLE = (
-    ("forcelimited", "false"),
-    ("actlimited", "false"),
-    ("dyntype", "filterexact"),
-    ("dynprm", "0.01"),
-    ("gaintype", "muscle"),
-    ("biastype", "muscle"),
-)
-"""Activation follows the command within 10 ms."""
+UNLIMITED = (("forcelimited", "false"),)
+MUSCLE = (("gaintype", "muscle"), ("biastype", "muscle"))
+PUBLISHED_S = 0.01
+"""Time constant of the activation under `published`, as in MIMo's muscle model."""
 
 MODEL_KEY = "spec.actuation.model"
 DAMPING = 1 / 20
@@ -39,7 +35,9 @@ DAMPING = 1 / 20
 
 def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
     """Return two muscles for each of MIMo's actuators, which alone move and stiffen the joints."""
-    return ActuationSetup(muscles(tree), MUSCLE, "implicitfast", limp_joints(tree), origins=dict(_origins(tree)))
+    defaults = (*UNLIMITED, *activation(tree, PUBLISHED_S), *MUSCLE)
+    origins = {**activation_origin(tree, published="MIMo's muscles"), **dict(_origins(tree))}
+    return ActuationSetup(muscles(tree), defaults, "implicitfast", limp_joints(tree), origins=origins)
 
 
 def muscles(tree: BodyTree) -> tuple[Actuator, ...]:

@@ -5,29 +5,18 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.actuation.commands import Commands, command_range, find_actuators, mean_effort
+from mimoc.actuation.commands import Activated, command_range, find_actuators, mean_effort
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.mujoco_layout import MUSCLE_FORCE, MUSCLE_LENGTHENING, MUSCLE_PASSIVE
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.senses.sense import FloatArray
 
 
 @dataclass(frozen=True)
-class Muscle(Commands):
+class Muscle(Activated):
     """Commands in [0, 1]; two antagonists a joint, each pulls one way as its activation, length and speed allow."""
 
-    activations: IntArray
-    """Where each muscle's activation stands in the state, shape (n,)."""
     stretched: FloatArray
     """Largest force of each while stretched and active, in isometric forces, shape (n,)."""
-
-    @property
-    def drive_name(self) -> str:
-        """What `drive` is."""
-        return "activation"
-
-    def drive(self, data: mujoco.MjData) -> FloatArray:
-        """Return the activation of each muscle now, shape (n,)."""
-        return data.act[self.activations]
 
     @property
     def bounds_nm(self) -> FloatArray:

@@ -7,6 +7,12 @@ What that strength can hold against gravity is held within 2.5 degrees, 3.5 with
 20 ms, from 1.5 s after the command at the latest; most joints are within half of that. What it cannot hold sags: up to
 two fifths of a newborn's joints, whose muscles are weak against the springs of 18 months. A joint may go up to 8
 degrees past its target on the way. (`tests/actuation/position/test_build.py`)
+
+A servo has no activation beside its target, which follows the command within 30 ms under either law. Its torque rises
+within milliseconds, as that of a muscle that resists being moved, but what is commanded takes as long as with muscles
+that need 60 ms to become active: 60 degrees of elbow, shoulder and knee take .22 s on average over 0, 6 and 18 months,
+with muscles .19 s. A target that follows within 60 ms would make that .25 s.
+(`tests/actuation/test_activation.py`)
 """
 
 import math

@@ -1,29 +1,27 @@
-"""Torque motors: torque = gear x command, within the force range."""
+"""Torque motors: torque = gear x activation, within the force range; under `published`, activation is the command."""
 
 from collections.abc import Iterator
 
+from mimoc.actuation.activation import AT_ONCE, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree
 from mimoc.body.provenance import REFERENCE
 from mimoc.mjcf.infant import Actuator
 
-TORQUE = (
-    ("forcelimited", "true"),
-    ("dyntype", "none"),
-    ("gaintype", "fixed"),
-    ("gainprm", "1"),
-    ("biastype", "none"),
-)
+LIMITED = (("forcelimited", "true"),)
+MOTOR = (("gaintype", "fixed"), ("gainprm", "1"), ("biastype", "none"))
 
 
 def build(spec: None, tree: BodyTree, timestep_s: float) -> ActuationSetup:
     """Return one motor for each of MIMo's actuators; the joints keep their springs and dampers."""
-    return ActuationSetup(torque_motors(tree), TORQUE, "Euler", tree.joints, origins=dict(_origins(tree)))
+    defaults = (*LIMITED, *activation(tree, AT_ONCE), *MOTOR)
+    origins = {**activation_origin(tree, published=""), **dict(_origins(tree))}
+    return ActuationSetup(torque_motors(tree), defaults, "Euler", tree.joints, origins=origins)
 
 
 def torque_motors(tree: BodyTree) -> tuple[Actuator, ...]:
-    """Return one motor for each of MIMo's actuators: torque = gear x command, within the force range.
+    """Return one motor for each of MIMo's actuators: torque = gear x activation, within the force range.
 
     Each has the parameters of its muscles with it, for MIMo's code, which makes muscles of torque motors.
     """

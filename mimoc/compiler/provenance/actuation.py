@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.actuation.setup import ActuationSetup, Origin
-from mimoc.body import Anatomy, BodyTree, Motor
-from mimoc.body.figures import MotorFigures
+from mimoc.body import Anatomy, BodyTree, Motor, MotorFigures
 from mimoc.body.maturing.mature import maturing_groups
 from mimoc.body.maturing.rules import force_range_rule, gear_rule
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
@@ -25,7 +24,7 @@ def trace_actuation(model: str, anatomy: Anatomy, tree: BodyTree, setup: Actuati
     """
     groups = maturing_groups(anatomy)
     unknown = Origin(f"set by the actuation model '{model}'", (MODEL_KEY,))
-    entries = dict(_trace_joints(tree, setup, unknown))
+    entries = {**dict(_trace_shared(setup)), **dict(_trace_joints(tree, setup, unknown))}
     at_18 = {motor.name.format(side=side): motor for side, motor in anatomy.motors}
     for motor in tree.motors:
         entries.update(_trace_strength(motor, at_18[motor.name], groups[motor.joint], tree))
@@ -41,6 +40,13 @@ def trace_actuation(model: str, anatomy: Anatomy, tree: BodyTree, setup: Actuati
                 origin = setup.origins.get(key, unknown)
                 entries[key] = _entry(value, origin, _xml(actuator.name, attribute))
     return entries
+
+
+def _trace_shared(setup: ActuationSetup) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each number that all actuators share and whose origin is told."""
+    for attribute, value in setup.defaults:
+        if origin := setup.origins.get(f"actuator.{attribute}"):
+            yield f"actuator.{attribute}", _entry(float(value), origin, f"infant.xml: default/general/@{attribute}")
 
 
 def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Iterator[tuple[str, Entry]]:

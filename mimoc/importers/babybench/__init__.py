@@ -52,6 +52,7 @@ def import_babybench(path: str | Path) -> Imported:
         "mimoc": 1,
         "name": _name(Path(path).stem),
         "age_months": MIMO_AGE_MONTHS if age_months is None else age_months,
+        "development": "published",
     }
     sections = {name: read_section(settings) for name, read_section in SECTIONS.items()}
     note_unmatched(settings)

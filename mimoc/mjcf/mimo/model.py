@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from mimoc.mjcf.infant import Camera, Node
 from mimoc.mjcf.mimo.effectors import with_effectors
+from mimoc.mjcf.mimo.motors import at_once
 from mimoc.mjcf.mimo.servos import by_angle, pose_by_angle
 from mimoc.mjcf.scene import SceneTree
 from mimoc.mjcf.world import Mark
@@ -32,13 +33,15 @@ MARKS = {"head": (0.8, 0.0, 0.0, 1.0), "left_hand": (0.0, 0.8, 0.0, 1.0), "right
 
 
 def fit_infant(infant: SceneTree, model: str) -> SceneTree:
-    """Return an infant, in no world yet, that is in a body of its own, and whose servos take angles.
+    """Return an infant, in no world yet, that is in a body of its own, with servos that take angles or plain motors.
 
     Args:
         infant: To change.
         model: How it is actuated.
     """
     located = replace(infant, roots=tuple(map(_located, infant.roots)))
+    if model == "torque":
+        return replace(located, actuator_defaults=at_once(infant.actuator_defaults))
     if model != "position":
         return located
     of_joint = {joint.name: joint.range_rad for root in infant.roots for node in _all(root) for joint in node.joints}

@@ -54,12 +54,12 @@ def test_readings_stay_within_their_bounds_without_being_clipped(env):
 
 def test_effort_is_the_mean_square_activation_weighted_by_strength(env):
     assert env.effort() == 0
-    for _ in range(20):
+    for _ in range(100):
         env.step(np.full(env.model.nu, 0.5))
     assert env.effort() == pytest.approx(0.25 / env.model.nu, rel=1e-6)
     limits = np.abs(list(mimoc.torque_limits(env.bundle).values())).ravel()
     activation = env.np_random.uniform(0, 1, env.model.nu)
-    for _ in range(20):
+    for _ in range(100):
         env.step(activation)
     assert env.effort() == pytest.approx(activation**2 @ limits / (env.model.nu * limits.sum()), rel=1e-4)
 

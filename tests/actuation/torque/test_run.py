@@ -1,16 +1,89 @@
+"""Torque motors as the runtime commands and feels them: with an activation, and at once as published."""
+
 import numpy as np
 import pytest
 
+TIME_CONSTANT_S, TIMESTEP_S = 0.06, 0.005
 
-def test_a_command_is_a_share_of_each_motors_gear(env):
+
+@pytest.fixture
+def published(open_env):
+    env = open_env(development="published", scene={"kind": "flat", "pose": "sitting"})
+    env.reset(seed=0)
+    return env
+
+
+def gears_nm(env, shares):
+    """Return the torques of the motors that are driven by some shares of their gears."""
+    motors = [env.model.actuator(actuator.name) for actuator in env.manifest.actuation.actuators]
+    return [motor.gear[0] * np.clip(share, *motor.forcerange) for motor, share in zip(motors, shares, strict=True)]
+
+
+def torques_nm(env):
+    """Return the torque about each motor's joint, after making sure that there are no others."""
+    hinges = [env.model.joint(actuator.joint).dofadr[0] for actuator in env.manifest.actuation.actuators]
+    assert not np.delete(env.data.qfrc_actuator, hinges).any()
+    return env.data.qfrc_actuator[hinges]
+
+
+def test_a_published_command_is_a_share_of_each_motors_gear(published):
     """Up to the motor's greatest force."""
     command = np.random.default_rng(0).uniform(-1, 1, 44)
-    env.step(command)
-    motors = [env.model.actuator(actuator.name) for actuator in env.manifest.actuation.actuators]
-    torques = [motor.gear[0] * np.clip(share, *motor.forcerange) for motor, share in zip(motors, command, strict=True)]
-    hinges = [env.model.joint(actuator.joint).dofadr[0] for actuator in env.manifest.actuation.actuators]
-    assert env.data.qfrc_actuator[hinges] == pytest.approx(torques)
-    assert not np.delete(env.data.qfrc_actuator, hinges).any()
+    published.step(command)
+    assert torques_nm(published) == pytest.approx(gears_nm(published, command))
+
+
+def test_an_activation_is_a_share_of_each_motors_gear(env):
+    """It follows the command; MuJoCo's forces are those of the activation one physics step before."""
+    command = np.random.default_rng(0).uniform(-1, 1, 44)
+    for steps in range(1, 11):
+        env.step(command)
+        before_s = 2 * steps * TIMESTEP_S - TIMESTEP_S
+        activation = command * (1 - np.exp(-before_s / TIME_CONSTANT_S))
+        assert torques_nm(env) == pytest.approx(gears_nm(env, activation))
+
+
+def test_activations_and_torques_are_felt(env):
+    command = np.random.default_rng(0).uniform(-1, 1, 44)
+    for _ in range(5):
+        observation, *_ = env.step(command)
+    felt = dict(zip(env.layout("proprioception"), observation["proprioception"], strict=True))
+    for index, motor in enumerate(env.manifest.actuation.actuators):
+        assert felt[f"{motor.name} activation [1]"] == pytest.approx(env.data.act[index])
+        torque_nm = env.data.actuator_force[index] * env.model.actuator_gear[index, 0]
+        assert felt[f"{motor.name} torque [N m]"] == pytest.approx(torque_nm, rel=1e-6)
+
+
+def test_published_commands_are_felt(published):
+    command = np.random.default_rng(0).uniform(-1, 1, 44)
+    observation, *_ = published.step(command)
+    felt = dict(zip(published.layout("proprioception"), observation["proprioception"], strict=True))
+    for index, motor in enumerate(published.manifest.actuation.actuators):
+        assert felt[f"{motor.name} command [1]"] == pytest.approx(command[index])
+
+
+def test_motors_that_take_no_commands_stay_without_activation(open_env):
+    env = open_env(actuation={"regions": ["arms"], "locked": ["legs"]}, scene={"kind": "flat", "pose": "sitting"})
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(env.action_space.high)
+    commanded = np.array([actuator.commanded for actuator in env.manifest.actuation.actuators])
+    assert env.data.act[commanded].all()
+    assert not env.data.act[~commanded].any()
+
+
+def test_a_state_includes_the_activations(env):
+    """What happens next is the same, to the bit."""
+    env.step(env.action_space.high)
+    state, found = env.get_state(), []
+    for _ in range(2):
+        env.set_state(state)
+        assert env.data.act.all()
+        for _ in range(5):
+            env.step(env.action_space.low)
+        found.append(env.get_state()["physics"])
+        env.reset(seed=1)
+    assert np.array_equal(*found)
 
 
 def test_actions_have_the_range_of_the_controls(env):
@@ -29,14 +102,13 @@ def test_the_action_names_its_actuators_in_order(env):
         assert np.count_nonzero(env.data.ctrl) == 1
 
 
-def test_effort_is_the_mean_square_command_weighted_by_strength(env):
+def test_effort_is_the_mean_square_share_of_torque_weighted_by_strength(env):
     """Sum of u² T over n sum of T; u as far as the force range lets it through."""
     assert env.effort() == 0
     motors = [env.model.actuator(actuator.name) for actuator in env.manifest.actuation.actuators]
-    gears = np.array([motor.gear[0] for motor in motors])
-    env.step(np.full(44, 0.25))
-    assert env.effort() == pytest.approx(0.0625 / 44)
-    command = np.random.default_rng(0).uniform(-1, 1, 44)
-    env.step(command)
-    shares = np.array([np.clip(share, *motor.forcerange) for motor, share in zip(motors, command, strict=True)])
-    assert env.effort() == pytest.approx(shares**2 @ gears / (44 * gears.sum()))
+    strengths_nm = np.array([motor.gear[0] * np.abs(motor.forcerange).max() for motor in motors])
+    for command in (np.full(44, 0.25), np.random.default_rng(0).uniform(-1, 1, 44)):
+        for _ in range(100):
+            env.step(command)
+        shares = np.array(gears_nm(env, command)) / strengths_nm
+        assert env.effort() == pytest.approx(shares**2 @ strengths_nm / (44 * strengths_nm.sum()), rel=1e-6)
