@@ -8,7 +8,7 @@ from support.running import built_once
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.errors import RenderingError
-from mimoc.render import opengl
+from mimoc.render import opengl, renderer
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.foveation import foveate, source_weights
 from mimoc.senses.vision.run import average_down, bind, filters, perceive
@@ -281,6 +281,7 @@ def test_without_opengl_an_infant_that_sees_cannot_be_made_and_others_can(infant
         raise OSError(f"no {backend}")
 
     monkeypatch.setattr(opengl, "_open", broken)
+    monkeypatch.setattr(renderer, "open_context", opengl.open_context)  # Not one that was open before.
     with pytest.raises(RenderingError, match="OpenGL does not start here") as refusal:
         mimoc.make(infant)
     assert len(str(refusal.value).splitlines()) == 1
