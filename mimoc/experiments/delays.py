@@ -76,11 +76,12 @@ def _learners(notebook: Notebook, steps: int, seeds: Sequence[int]) -> Iterator[
 
 
 def reaching(delay_ms: float) -> Bundle:
-    """Return the bundle of an infant with the task `reach` and the given delay of all its senses."""
+    """Return the paper's infant with the task `reach` and the given delay of all its senses."""
     spec = {
         "mimoc": 1,
         "name": "reaching",
         "age_months": AGE_MONTHS,
+        "development": "published",
         "senses": {"proprioception": {"include": ["velocity"]}},
         "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
         "task": {"kind": "reach"},

@@ -46,8 +46,11 @@ def held_infant(built) -> Callable[..., mimoc.InfantEnv]:
 
 @pytest.fixture
 def floating(open_env) -> mimoc.InfantEnv:
-    """Return an infant of 18 months without gravity, and without anything that touches, rubs, limits or couples."""
-    env = open_env(age_months=18, scene={"kind": "empty"})
+    """Return an infant of 18 months without gravity, and without anything that touches, rubs, limits or couples.
+
+    Its motors act at once (`published`), so that what they are commanded is what happens.
+    """
+    env = open_env(age_months=18, development="published", scene={"kind": "empty"})
     env.reset(seed=0)
     env.model.opt.gravity[:] = 0.0
     env.model.dof_frictionloss[:] = 0.0

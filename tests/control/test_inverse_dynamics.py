@@ -27,7 +27,10 @@ def control_of(env, objectives, joints=None):
 
 
 def accelerations(env, objectives, site=HAND):
-    """Return what a site would do with and without the action that a controller gives, shape (3,) each, [m/s²]."""
+    """Return what a site would do with and without the action that a controller gives, shape (3,) each, [m/s²].
+
+    The motors must be without activations.
+    """
     data, found = mujoco.MjData(env.model), []
     body = env.model.body(site).id
     jacobian, change = np.zeros((3, env.model.nv)), np.zeros((3, env.model.nv))
