@@ -35,6 +35,20 @@ class AgeTable:
 
 
 @dataclass(frozen=True, slots=True)
+class NoiseOption:
+    """The noise that a sense can have."""
+
+    unit: str
+    """Its unit, with which its key in the spec's `noise` ends: `deg` of `proprioception_deg`."""
+    about: str
+    """What the number is, for help."""
+    most: float
+    """Largest number that makes sense."""
+    run: Code
+    """`bind(amount, sense, low_pass_s) -> SenseNoise`: what disturbs its samples; see `mimoc/noise/senses.py`."""
+
+
+@dataclass(frozen=True, slots=True)
 class SenseKind:
     """A sense."""
 
@@ -54,6 +68,8 @@ class SenseKind:
     """Delay with `preset: paper`; 50 ms is the middle one of the delays of the paper's reaching experiment."""
     physiological_delay: AgeTable | None = None
     """Delay with `preset: physiological`; None is no delay."""
+    noise: NoiseOption | None = None
+    """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +86,8 @@ class ActuationKind:
     """`bind(entry, model) -> Actuation`: from an action to controls."""
     spec: "type[Model] | None" = None
     """What else a user can ask of it, as a section of `actuation` under its name."""
+    command_is_effort: bool = True
+    """Whether a command of 0 is no effort and a larger one is more, so that noise can be a share of it."""
 
 
 @dataclass(frozen=True, slots=True)

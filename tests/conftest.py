@@ -23,6 +23,7 @@ from mimoc.compiler.validation import compile_infant
 pytest_plugins = [
     "support.commands",
     "support.cpu_times",
+    "support.drawing",
     "support.driven",
     "support.registering",
     "support.running",
@@ -134,8 +135,9 @@ def hands_and_chest(request) -> tuple[str, bool]:
 
 @pytest.fixture(scope="session")
 def model(hands_and_chest) -> mujoco.MjModel:
-    """Return the compiled average child of 18 months: the body that MIMo published."""
-    return _infant(18, *hands_and_chest).model
+    """Return the compiled average child of 18 months by the published law: the body that MIMo published."""
+    hands, chest_joint = hands_and_chest
+    return _compile(spec_of(18, hands=hands, chest_joint=chest_joint).with_(development="published")).model
 
 
 @pytest.fixture(scope="session")

@@ -39,7 +39,7 @@ BASE = "version errors units streams geometry files"
 LANGUAGE = f"{BASE} language kinds composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
 RUNNING = f"{LANGUAGE} bundle drawing run runtime control"
-KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "policies")
+KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noise", "policies")
 
 LAYERS = {
     "version": layer("version"),
@@ -63,6 +63,7 @@ LAYERS = {
         "", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh PIL coacd fast_simplification platformdirs scipy"
     ),
     "compiler": layer("compiler compiler.*", BUILDING, "mujoco"),
+    "milestones": layer("milestones milestones.*", f"{BUILDING} compiler", "mujoco"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
     "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
@@ -73,17 +74,17 @@ LAYERS = {
     "recording": layer("recording recording.*", f"{RUNNING} rollout", "gymnasium av PIL mujoco"),
     "training": layer(
         "training training.* experiments experiments.* importers importers.*",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies",
         "gymnasium mujoco stable_baselines3 torch",
     ),
     "mimoc": layer(
         "__init__ environments registration",
-        f"{BUILDING} compiler {RUNNING} rollout recording training",
+        f"{BUILDING} compiler milestones {RUNNING} rollout recording training",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies recording training mimoc",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training mimoc",
         "typer rich",
     ),
 }
@@ -95,10 +96,11 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 
 RUN_MODULES = {
     "senses": "binding custom sense nothing touch.contacts touch.receptors vision.eyes vision.blur vision.foveation "
-    "vision.preview touch.preview",
+    "vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
-    "delays": "line schedule signals",
+    "delays": "line schedule signals jittered",
+    "noise": "streams wander low_pass senses motor",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""
 

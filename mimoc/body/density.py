@@ -43,14 +43,23 @@ def is_of_fingers(figures: GeomFigures, hands: str) -> bool:
 
 @cache
 def reference_volumes(hands: str) -> Mapping[str, float]:
-    """Return the volume of each geom of the average child of 18 months, in m³, by its name with `{side}`."""
-    average = measure(REFERENCE_AGE_MONTHS)
-    return volumes(assemble(hands, False), body_dimensions(proportions(average, average), hands))
+    """Return the volume of each of MIMo's geoms in the average child of 18 months, in m³, by its name with `{side}`.
+
+    Args:
+        hands: `mitten` or `five_finger`.
+    """
+    average = measure(REFERENCE_AGE_MONTHS).published
+    return volumes(assemble(hands, False), body_dimensions(proportions(average, average, published=True), hands))
 
 
 def volumes(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
     """Return the volume of each geom by its name with `{side}`, in m³."""
     return {name: volume(figures.type, dimensions.shapes[name].size_m) for name, figures in anatomy.geoms.items()}
+
+
+def masses(anatomy: Anatomy, volumes_m3: Mapping[str, float]) -> dict[str, float]:
+    """Return the mass of each geom by its name with `{side}`, in kg, from their volumes."""
+    return {name: density(figures, anatomy.hands) * volumes_m3[name] for name, figures in anatomy.geoms.items()}
 
 
 FIVE_FINGER_HAND: Mapping[str, Size] = {

@@ -2,7 +2,6 @@
 
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.proportions import (
-    CLEARANCE_M,
     FINGER_ROOM,
     REFERENCE_M,
     THUMB_ROOM,
@@ -10,6 +9,7 @@ from mimoc.body.proportions import (
     Limb,
     Proportions,
 )
+from mimoc.body.trunk import CLEARANCE_M
 from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 

@@ -5,7 +5,7 @@ from typing import Literal
 
 from mimoc.geometry.rotations import Vec3
 
-GeomType = Literal["sphere", "capsule", "cylinder", "box"]
+GeomType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
 Region = Literal["trunk", "head", "limb"]
 """Bodies that limbs hang on, the head, and all others, which an infant may lack."""
 
@@ -13,11 +13,24 @@ ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
 ALONG_X: Vec3 = (0.0, 90.0, 0.0)
 UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
 
-TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference")
+REST_ABDUCTION_DEG = 13.0
+"""Angle between hanging upper arms and the vertical when all joints are at zero, such that they clear the chest (D;
+MIMo 10, with thinner chests)."""
+
+WRIST = ("elbow_hand_length", "hand_length", "hand_breadth", "upper_arm_circumference", "forearm_circumference")
+"""What the place of the hand on the forearm follows."""
+
+TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference", "hip_breadth")
 """What the spacing of the trunk's parts follows: what head and pelvis leave of the crown-rump length."""
-LEG_LENGTH = ("crown_sole_length", *TRUNK_HEIGHT, "foot_length", "foot_breadth", "rump_knee_length", "knee_sole_length")
+LEG_LENGTH = (
+    *("crown_sole_length", *TRUNK_HEIGHT, "foot_length", "foot_breadth", "rump_knee_length", "knee_sole_length"),
+    *("mid_thigh_circumference", "calf_circumference"),
+)
 """What the lengths of thigh and shank follow; a foot's length and breadth make its height."""
-LEG_SHARE = "leg length (crown_sole_length less trunk and foot), shared as rump_knee_length to knee_sole_length"
+LEG_SHARE = (
+    "leg length (crown_sole_length less trunk and foot), shared such that rump_knee_length and knee_sole_length, with "
+    "the flesh behind the hip, before the knee and above it, are in proportion"
+)
 """The rule that places knee and ankle."""
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 from mimoc.body.tree import BodyTree
@@ -76,18 +76,24 @@ def individualise(measurements: Measurements, individual: IndividualSpec, grow: 
     length = _factor(wanted.length_m, measurements["crown_sole_length"], SIZES, LENGTHS_CM, "this age is not {} long")
     of_size = f"{m_to_cm(wanted.length_m):.1f} cm" if wanted.length_m else "this age"
     heads = _times(HEADS, length or 1.0)
-    head = _factor(wanted.head_m, measurements["head_circumference"], heads, HEADS_CM, of_size + " has no head of {}")
-
-    def child(length: float, girth: float) -> Measurements:
-        return measurements.scaled(_factors(measurements, length, girth, head or length), WHY, keys)
+    _factor(wanted.head_m, measurements["head_circumference"], heads, HEADS_CM, of_size + " has no head of {}")
 
     def thick(girth: float) -> Measurements:
-        return child(length or girth, girth)
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys)
+        return replace(_scaled(measurements, wanted, girth, keys), paper=paper)
 
     if wanted.weight_kg is None:
+        head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
         return thick(length or head or 1.0)
     bounds = SIZES if length is None else _times(BUILDS, length)
     return thick(_solve(lambda girth: grow(thick(girth)).mass_kg, wanted.weight_kg, bounds, of_size))
+
+
+def _scaled(average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...]) -> Measurements:
+    """Return the measurements of a child of the requested length and head, with the given factor of its girths."""
+    length = wanted.length_m / average["crown_sole_length"] if wanted.length_m else girth
+    head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
+    return average.scaled(_factors(average, length, girth, head), WHY, keys)
 
 
 def _factors(measurements: Measurements, length: float, girth: float, head: float) -> dict[str, float]:

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.delays.spec import DelaysEntry
+from mimoc.noise.spec import NoiseEntry
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model
 from mimoc.schema.composition import composed
@@ -164,6 +165,8 @@ class Manifest(Model):
     """The senses."""
     delays: DelaysEntry = DelaysEntry()
     """Sensory and motor delays."""
+    noise: NoiseEntry = NoiseEntry()
+    """Noise of commands, senses and delays."""
     constraints: ConstraintsEntry = ConstraintsEntry()
     """Locked joints and welded bodies."""
     task: TaskEntry = FreeEntry()

@@ -41,7 +41,8 @@ class _Console(Console):
         raise SystemExit(1)
 
 
-def _console() -> Console:
+def open_console() -> Console:
+    """Return a console on standard output that does not break lines in a pipe."""
     return _Console(markup=False, highlight=False, width=None if sys.stdout.isatty() else PIPE_WIDTH)
 
 
@@ -65,7 +66,7 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     table.add_column(f"WHO percentile, {population}", justify="right")
     for name, value in percentiles.items():
         table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
-    _console().print(table)
+    open_console().print(table)
 
 
 @contextmanager
@@ -81,7 +82,7 @@ def status(what: str) -> Iterator[None]:
 
 def print_toys(manifest: Manifest) -> None:
     """Print the toys of the scene and the notes on the build."""
-    console = _console()
+    console = open_console()
     if manifest.toys:
         table = Table(title=f"{len(manifest.toys)} toys", title_justify="left")
         table.add_column("toy")
@@ -96,7 +97,7 @@ def print_toys(manifest: Manifest) -> None:
 
 def print_growth(report: GrowthReport) -> None:
     """Print one table per growth indicator, with a row for each age, and the verdict."""
-    console = _console()
+    console = open_console()
     for indicator, worst in report.worst.items():
         console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
         rows = [row for row in report.rows if row.indicator == indicator]
@@ -166,7 +167,7 @@ def print_run(summary: Summary) -> None:
         rows[METRICS.get(name, name.replace("_", " "))] = f"{value:.6g}"
     for what, value in rows.items():
         table.add_row(what, value)
-    console = _console()
+    console = open_console()
     console.print(table)
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
@@ -194,7 +195,7 @@ def print_training(training: Training) -> None:
         table.add_column(heading, justify="left" if heading == "quantity" else "right")
     for what, name in CURVE_LABELS.items():
         table.add_row(what, *(_number_text(getattr(row, name)) for row in (rows[0], rows[-1])))
-    console = _console()
+    console = open_console()
     console.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
@@ -219,7 +220,7 @@ CURVE_LABELS = {
 
 def print_check(checks: Iterable[PoseCheck]) -> bool:
     """Print the result for each pose as it becomes available; return whether all passed."""
-    console, passed = _console(), True
+    console, passed = open_console(), True
     for check in checks:
         passed &= check.passed
         verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
@@ -238,7 +239,7 @@ def _extremes(check: PoseCheck) -> str:
 
 def print_explanation(explanation: Explanation) -> None:
     """Print the provenance of a number as a tree."""
-    _console().print(_branch(explanation))
+    open_console().print(_branch(explanation))
 
 
 def print_contents(contents: Mapping[str, Sequence[str]]) -> None:

@@ -8,6 +8,7 @@ import typer
 
 from mimoc.cli.exit_codes import FAILED_CHECK
 from mimoc.cli.infants import load_spec
+from mimoc.cli.validations import VALIDATIONS
 from mimoc.errors import UnknownNameError
 
 EXAMPLE = "Example:  mimoc validate --against who --plot growth.png"
@@ -21,27 +22,30 @@ def validate(
             help="Spec of the infant, or `-` for standard input; default: the average child.",
         ),
     ] = None,
-    against: Annotated[str, typer.Option("--against", help="Growth standard: who.")] = "who",
+    against: Annotated[str, typer.Option("--against", help=f"What to compare with: {', '.join(VALIDATIONS)}.")] = "who",
     as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON.")] = False,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", metavar="FILE", help="Plot growth against WHO: .png, .svg, .pdf, .jpg or .webp."),
+        typer.Option("--plot", metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp."),
     ] = None,
 ) -> None:
-    """Compare the infant with WHO's growth standards at 0 to 24 months; exit code 1 if it deviates by over one SD."""
-    from mimoc.cli import console
-    from mimoc.compiler import validation
-    from mimoc.render.plots import check_plot_name, plot_growth
+    """Compare the infant with children at 0 to 24 months; exit code 1 if it deviates too much.
 
-    if against != "who":
-        raise UnknownNameError("growth standard", against, ["who"])
+    `who`: length, weight and circumferences by WHO's growth standards, within one SD of their mean.
+    `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means.
+    """
+    from mimoc.cli import console
+    from mimoc.render.plots import check_plot_name
+
+    if against not in VALIDATIONS:
+        raise UnknownNameError("comparison", against, list(VALIDATIONS))
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None
     with console.progress("growing") as show:
-        report = validation.grow_against_who(infant, progress=show)
+        findings = VALIDATIONS[against](infant, show)
     if plot:
-        plot_growth(report.series, plot)
-    print(json.dumps(report.to_data(), indent=1)) if as_json else console.print_growth(report)
-    if not report.within_one_sd:
+        findings.plot(plot)
+    print(json.dumps(findings.data, indent=1)) if as_json else findings.show()
+    if not findings.passed:
         raise typer.Exit(FAILED_CHECK)

@@ -24,6 +24,7 @@ from mimoc.compiler.notes import notes
 from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
 from mimoc.compiler.provenance.delays import trace_delays
+from mimoc.compiler.provenance.noise import trace_noise
 from mimoc.compiler.provenance.plugins import trace_plugins
 from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
 from mimoc.compiler.provenance.task import trace_task
@@ -157,6 +158,7 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
         **trace_body(measurements, anatomy, tree, _scaled_parts(spec, tree)),
         **trace_actuation(spec.actuation.model, anatomy, tree, written),
         **dict(trace_delays(spec, manifest.delays)),
+        **dict(trace_noise(spec, manifest.noise)),
         **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
         **trace_task(manifest.task),
         **trace_plugins(manifest.plugins),

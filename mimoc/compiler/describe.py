@@ -28,6 +28,7 @@ from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.scene import SceneTree
+from mimoc.noise.presets import noise
 from mimoc.scenes import SCENES
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
@@ -54,6 +55,7 @@ def describe(
         anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
+        noise=noise(spec),
         constraints=_constraints(spec, tree, setup),
         task=setup.entry,
         face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),

@@ -13,7 +13,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.delays.ages import AGES_MONTHS
-from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
+from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, given_keys, signals
 from mimoc.kinds import AgeTable
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
@@ -33,12 +33,6 @@ def delays(spec: InfantSpec, tree: BodyTree) -> DelaysEntry:
     here = {body.name for body in tree.bodies}
     found = {signal: _delay(spec, signal) for signal in signals()}
     return DelaysEntry(**found, legs=tuple(leg for leg in LEGS if leg in here))
-
-
-def given_keys(spec: DelaysSpec, signal: str) -> list[str]:
-    """Return the keys of a spec that give the delay of a signal; the first takes precedence."""
-    common = () if signal == MOTOR else ("sensory_ms",)
-    return [key for key in (f"{signal}_ms", *common) if getattr(spec, key) is not None]
 
 
 def _delay(spec: InfantSpec, signal: str) -> DelayEntry:

@@ -1,6 +1,5 @@
 """Signals with a delay: the samples of senses, and commands to actuators."""
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -21,7 +20,7 @@ class DelayedSamples:
             control_steps: Physics steps in a control step.
             part: Which numbers of a sample have this delay; None is all.
         """
-        self.sampled_after = control_steps - delay_steps % control_steps
+        self.sampled_after = (control_steps - delay_steps % control_steps,)
         """Physics steps of a control step after which the sense is sampled, to arrive at the end of a control step."""
         self.part = part
         self._length = delay_steps // control_steps
@@ -57,7 +56,7 @@ class DelayedCommands:
             part: Indices of the commands that have this delay, shape (n,).
             actuators: The actuators of the model that they control, shape (n,).
         """
-        self.applied_after = delay_steps % control_steps
+        self.applied_after = (delay_steps % control_steps,)
         """Physics steps of a control step after which commands arrive."""
         self._length = delay_steps // control_steps
         self._part, self._actuators = part, actuators
@@ -66,11 +65,14 @@ class DelayedCommands:
         """Forget all commands; the actuators keep their controls until a new one arrives."""
         self._line: DelayLine[FloatArray | None] = DelayLine(self._length, None)
 
-    def send(self, controls: FloatArray, data: mujoco.MjData) -> None:
-        """Take the controls of all actuators; earlier ones arrive and are applied."""
-        arrived = self._line.shift(controls)
-        if arrived is not None:
-            data.ctrl[self._actuators] = arrived[self._part]
+    def begin(self, controls: FloatArray) -> None:
+        """Take the controls of all actuators for the next control step; earlier ones arrive during it."""
+        self._arrived = self._line.shift(controls)
+
+    def apply(self, controls: FloatArray) -> None:
+        """Write the commands that arrive into the controls of the model, shape (nu,)."""
+        if self._arrived is not None:
+            controls[self._actuators] = self._arrived[self._part]
 
     @property
     def state(self) -> list[FloatArray | None]:

@@ -1,5 +1,6 @@
 """The `delays` of a spec and of a manifest: one for each registered sense, and one for the motor commands."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional
 
 from pydantic import Field
@@ -46,6 +47,21 @@ class DelaysSpec(Model):
 
         def __getattr__(self, name: str) -> Any:
             """Return the delay of a signal, or None."""
+
+
+def given_keys(spec: DelaysSpec, signal: str) -> list[str]:
+    """Return the keys of a spec that give the delay of a signal; the first takes precedence."""
+    common = () if signal == MOTOR else ("sensory_ms",)
+    return [key for key in (f"{signal}_ms", *common) if getattr(spec, key) is not None]
+
+
+def is_delayed(spec: DelaysSpec, senses: Iterable[str]) -> bool:
+    """Return whether the commands or one of some senses can have a delay."""
+    for signal in (*senses, MOTOR):
+        keys = given_keys(spec, signal)
+        if getattr(spec, keys[0]) if keys else spec.preset != "none":
+            return True
+    return False
 
 
 class DelayEntry(Model):

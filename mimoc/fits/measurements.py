@@ -41,6 +41,18 @@ class Measurements(Mapping[str, float]):
     """By name; a name that starts with `left_` or `right_` is of that side alone."""
     base: Mapping[str, Measured]
     """The same child before its spec replaced any single measurement."""
+    paper: "Measurements | None" = None
+    """The same child by the growth law of the paper, which published strength and masses follow; None is itself."""
+
+    @property
+    def published(self) -> "Measurements":
+        """The same child by the growth law of the paper."""
+        return self.paper or self
+
+    @property
+    def unreplaced(self) -> "Measurements":
+        """The same child before its spec replaced any single measurement."""
+        return replace(self, table=self.base, paper=self.paper and self.paper.unreplaced)
 
     def __getitem__(self, name: str) -> float:
         """Return a measurement in metres."""
@@ -57,6 +69,8 @@ class Measurements(Mapping[str, float]):
 
         The middle takes what both sides have; where they differ, it takes the side that changed less.
         """
+        if self.table.keys() == self.base.keys():  # No side has any of its own.
+            return {name: self.table[name].value_m for name in self.base}
         sides = (side,) if side else ("left", "right")
 
         def own(name: str) -> float:
@@ -85,8 +99,10 @@ class Measurements(Mapping[str, float]):
             else measured
             for name, measured in self.table.items()
         }
-        return Measurements(self.age_months, MappingProxyType(table), MappingProxyType(table))
+        paper = self.paper and self.paper.scaled(factors, why, given_by)
+        return replace(self, table=MappingProxyType(table), base=MappingProxyType(table), paper=paper)
 
     def replaced(self, given: Mapping[str, Measured]) -> "Measurements":
         """Return the measurements with some of them given, of both sides or of one."""
-        return Measurements(self.age_months, MappingProxyType({**self.table, **given}), self.base)
+        paper = self.paper and self.paper.replaced(given)
+        return replace(self, table=MappingProxyType({**self.table, **given}), paper=paper)

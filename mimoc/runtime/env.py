@@ -19,6 +19,7 @@ from mimoc.bundle.poses import pose_of
 from mimoc.delays.schedule import Schedule, Timing
 from mimoc.errors import UnknownNameError
 from mimoc.model_fields import ModelFields
+from mimoc.noise.streams import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes
 from mimoc.runtime.constraints import Constraints
 from mimoc.senses.binding import bind_senses
@@ -89,6 +90,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._picture_size = width, height
         self._next_bundle = next_bundle
         self._custom_task, self._custom_senses = task, dict(senses)
+        self._noise = NoiseStreams(self.np_random_seed)
         self._bind()
 
     @property
@@ -161,6 +163,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the seed is not a non-negative integer.
         """
         super().reset(seed=seed)
+        if seed is not None:
+            self._noise.restart(seed)
         options = options or {}
         known = ["pose", *(["scene_seed"] if self._next_bundle else [])]
         for key in options.keys() - known:
@@ -192,7 +196,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return observation, verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
-        """Return the complete state of the environment: physics, delayed signals, task and random generator.
+        """Return the complete state of the environment: physics, delayed signals, noise, task and random generator.
 
         The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
@@ -206,6 +210,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
                 "task": self._task.state,
                 "steps": self._steps,
                 "random": self.np_random.bit_generator.state,
+                "noise": self._noise.state,
                 "scene_seed": self.manifest.seed,
             }
         )
@@ -237,7 +242,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state["physics"], STATE)  # The solver's warm start, as it was.
         self._schedule.state = state["signals"]
-        self.np_random.bit_generator.state = state["random"]
+        self.np_random.bit_generator.state, self._noise.state = state["random"], state["noise"]
         return self._observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
@@ -263,6 +268,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Bind the copy to its own model and restore the state of the original."""
         state = kept.pop("state")
         self.__dict__.update(kept)
+        self._noise = NoiseStreams(self.np_random_seed)
         self._bind()
         self.set_state(state)
 
@@ -279,7 +285,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         )
         fields = (*self._constraints.model_fields, *self._task.model_fields)
         self._model_fields = ModelFields(self.model, fields)
-        self._schedule = Schedule(self._senses, self._act, self.model, self._timing())
+        self._schedule = Schedule(self._senses, self._act, self.model, self._timing(), self._noise)
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
         self._start(self.manifest.pose)
@@ -291,10 +297,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.observation_space = gymnasium.spaces.Dict(spaces)
 
     def _timing(self) -> Timing:
-        """Return the time base, and the delays of the bundle's signals and of senses that were passed as objects."""
+        """Return the time base, the noise, and the delays of the bundle's signals and of senses passed as objects."""
         delays = {name: delay for name, delay in self.manifest.delays if name != "legs"}
         custom = {name: sense.delay for name, sense in self._senses.items() if isinstance(sense, CustomSense)}
-        return Timing(self.manifest.step_ms, self.manifest.timestep_ms, delays | custom, self.manifest.delays.legs)
+        manifest = self.manifest
+        return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)
 
     def _change_scene(self, seed: int) -> None:
         """Put the infant into another scene."""
@@ -329,7 +336,18 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._senses[name]
 
 
-BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
+BOUND = {
+    "_noise",
+    "data",
+    "_act",
+    "_senses",
+    "_constraints",
+    "_task",
+    "_model_fields",
+    "_schedule",
+    "_keypoints",
+    "_renderer",
+}
 """Attributes that are not copied but bound anew."""
 
 

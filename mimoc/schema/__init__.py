@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mimoc.actuation.spec import ActuationSpec
     from mimoc.delays.spec import DelaysSpec
+    from mimoc.noise.spec import NoiseSpec
     from mimoc.scenes.room.spec import RoomSpec
     from mimoc.scenes.spec import SceneSpec, TexturesSpec
     from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
@@ -27,6 +28,7 @@ _HOMES = {
     "DelaysSpec": "mimoc.delays.spec",
     "IndividualSpec": "mimoc.schema.body",
     "InfantSpec": "mimoc.schema.infant",
+    "NoiseSpec": "mimoc.noise.spec",
     "PartSpec": "mimoc.schema.body",
     "ProprioceptionSpec": "mimoc.senses.proprioception.spec",
     "RoomSpec": "mimoc.scenes.room.spec",
@@ -53,6 +55,7 @@ __all__ = [
     "DelaysSpec",
     "IndividualSpec",
     "InfantSpec",
+    "NoiseSpec",
     "PartSpec",
     "ProprioceptionSpec",
     "RoomSpec",

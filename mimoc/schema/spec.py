@@ -6,6 +6,7 @@ from pydantic import BeforeValidator, Field, StringConstraints, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.delays.spec import DelaysSpec
+from mimoc.noise.spec import NoiseSpec, check_noise
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import BodySpec
@@ -51,6 +52,8 @@ class InfantKeys(Model):
     """The senses; a sense that is not listed is off."""
     delays: DelaysSpec = Field(default_factory=DelaysSpec)
     """Sensory and motor delays."""
+    noise: NoiseSpec = Field(default_factory=NoiseSpec)
+    """Noise of the commands and the senses, and jitter of the delays; by default, none."""
     scene: SceneSpec = Field(default_factory=SceneSpec)
     """The scene around the infant."""
     control: ControlSpec = Field(default_factory=ControlSpec)
@@ -99,4 +102,9 @@ class InfantKeys(Model):
                 to_steps(delay_ms, self.control.timestep_ms)
             except ValueError as error:
                 raise KeyedError(("delays", key), f"a delay of {error}", against=("control", "timestep_ms")) from None
+        return self
+
+    @model_validator(mode="after")
+    def _noise_has_something_to_act_on(self) -> Self:
+        check_noise(self.noise, dict(self.senses), self.delays, self.actuation.model, self.control.timestep_ms)
         return self

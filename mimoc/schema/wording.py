@@ -13,9 +13,9 @@ from mimoc.schema.base import KeyedError
 from mimoc.schema.key_paths import KeyPath, dotted, shown
 from mimoc.schema.outline import Outline, kinds_of, outline, sections_with
 
-_UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": ""}
+_UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": "", "n": "newtons"}
 _UNIT_SUFFIX = re.compile(
-    "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels)$"
+    "_(cm|mm|m|in|inch|inches|ft|kg|g|lb|lbs|oz|deg|degrees|rad|ms|s|sec|seconds|hz|days|weeks|months|years|px|pixels|n)$"
 )
 _WRITTEN_NUMBER = re.compile(r"\s*([-+]?[0-9]+(?:[.,][0-9]+)?)\s*(\D*)")
 _MISSPELT = 0.85
@@ -158,7 +158,7 @@ def _wrong_value(details: ErrorDetails, known: Outline) -> str:
         case "string_too_long":
             return f"{value} is too long; use {known.schema['maxLength']} characters at most"
         case "union_tag_not_found":
-            return f"{value} is not an acuity; write off, age, a number of months or {{cpd: 4.2}}"
+            return f"{value} is not {known.schema['wanted']}"
     return _wrong_type(details["input"], known)
 
 

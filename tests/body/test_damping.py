@@ -8,6 +8,14 @@ from mimoc.schema import InfantSpec
 
 AGES_MONTHS = (0, 4.5, 9, 18, 24)
 LARGE_HAND = {"left_hand": {"length": 1.87, "girth": 1.99}}
+STRONG = (
+    {"parts": LARGE_HAND},
+    {"parts": {"head": {"girth": 1.5}, "right_foot": {"length": 2.0, "girth": 2.0}}},
+    {"individual": {"sex": "male", "length_percentile": 99, "weight_percentile": 99}},
+    {"actuation": {"strength": {"arms": 10, "legs": 0.1}}},
+    {"actuation": {"strength_age_months": 24}},
+)
+"""Keys of specs that make some motor stronger than usual."""
 
 
 @pytest.fixture(params=["mitten", "five_finger"])
@@ -15,11 +23,15 @@ def hands(request):
     return request.param
 
 
-def child(age_months, hands, actuation=None, **body):
-    keys = {"actuation": actuation or {}, "body": {"hands": hands, **body}}
+def child(age_months, hands, actuation=None, development="published", **body):
+    keys = {"actuation": actuation or {}, "body": {"hands": hands, **body}, "development": development}
     spec = InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months, **keys})
     anatomy = assemble(hands, False)
     return grow_child(spec, measure_child(spec, anatomy), anatomy)
+
+
+def published(age_months, hands):
+    return grow(measure(age_months), assemble(hands, False), development="published")
 
 
 def passive(tree):
@@ -29,27 +41,17 @@ def passive(tree):
 
 @pytest.mark.parametrize("age_months", AGES_MONTHS)
 def test_the_average_child_has_mimos_joints(age_months, hands):
-    assert passive(child(age_months, hands)) == passive(grow(measure(18), assemble(hands, False)))
+    assert passive(child(age_months, hands)) == passive(published(18, hands))
 
 
 @pytest.mark.parametrize("age_months", AGES_MONTHS)
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"parts": LARGE_HAND},
-        {"parts": {"head": {"girth": 1.5}, "right_foot": {"length": 2.0, "girth": 2.0}}},
-        {"individual": {"sex": "male", "length_percentile": 99, "weight_percentile": 99}},
-        {"actuation": {"strength": {"arms": 10, "legs": 0.1}}},
-        {"actuation": {"strength_age_months": 24}},
-    ],
-    ids=str,
-)
+@pytest.mark.parametrize("keys", STRONG, ids=str)
 def test_no_torque_is_larger_for_damping_and_armature_than_an_average_childs(age_months, hands, keys):
     """Than of its age or of 18 months; and no joint is easier to swing than MIMo's."""
-    tree, anatomy = child(age_months, hands, **keys), assemble(hands, False)
-    mimos = grow(measure(18), anatomy)
+    tree = child(age_months, hands, **keys)
+    mimos = published(18, hands)
     usual = passive(mimos)
-    ordinary = zip(mimos.motors, grow(measure(age_months), anatomy).motors, strict=True)
+    ordinary = zip(mimos.motors, published(age_months, hands).motors, strict=True)
     ordinary_nm = {one.joint: max(one.gear_nm, other.gear_nm) for one, other in ordinary}
     gears_nm = {motor.joint: motor.gear_nm for motor in tree.motors}
     for joint, values in passive(tree).items():
@@ -64,3 +66,16 @@ def test_fingers_of_a_large_palm_are_harder_to_swing(hands):
     ratio = 1.87 * 1.99**2
     assert large[joint] == pytest.approx([ratio * value for value in mimos[joint]])
     assert large["robot:right_hand1"] == mimos["robot:right_hand1"]
+
+
+@pytest.mark.parametrize("age_months", AGES_MONTHS)
+@pytest.mark.parametrize("keys", STRONG, ids=str)
+def test_joints_that_mature_are_not_outrun_by_strong_motors_either(age_months, hands, keys):
+    """Torque by damping and by armature is at most MIMo's, or the average child's of that age if that is more."""
+    tree, average = (child(age_months, hands, development="maturing", **more) for more in (keys, {}))
+    mimos = published(18, hands)
+    for motor, usual, mimo in zip(tree.motors, average.motors, mimos.motors, strict=True):
+        for mine, here, there in zip(*(passive(each)[motor.joint] for each in (tree, average, mimos)), strict=True):
+            allowed = max(usual.gear_nm / here, mimo.gear_nm / there)
+            assert motor.gear_nm / mine <= allowed * (1 + 1e-9), motor.name
+            assert mine >= here * (1 - 1e-9), motor.name

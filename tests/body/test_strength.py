@@ -107,10 +107,16 @@ def test_the_strength_of_the_bodys_own_age_changes_nothing(body):
     assert set(factors({"strength_age_months": 9}, **body).values()) == {1}
 
 
-def test_strength_changes_nothing_but_gears_up_to_that_of_18_months(body):
-    plain, strong = child({}, **body), child({"strength_age_months": 18, "strength": {"legs": 0.5}}, **body)
-    assert (strong.bodies, strong.tendons) == (plain.bodies, plain.tendons)
-    assert [motor.force_range for motor in strong.motors] == [motor.force_range for motor in plain.motors]
+def test_strength_of_the_average_child_of_another_age_has_the_force_range_of_that_age(body):
+    there = grow(measure(3), assemble(body["hands"], True))
+    strong = child({"strength_age_months": 3}, **body)
+    assert [motor.force_range for motor in strong.motors] == [motor.force_range for motor in there.motors]
+
+
+def test_weakness_changes_nothing_but_gears(body):
+    plain, weak = child({}, **body), child({"strength": {"legs": 0.5, "neck": 0.2}}, **body)
+    assert (weak.bodies, weak.tendons) == (plain.bodies, plain.tendons)
+    assert [motor.force_range for motor in weak.motors] == [motor.force_range for motor in plain.motors]
 
 
 def test_age_groups_and_thicker_limbs_multiply():

@@ -19,8 +19,8 @@ from mimoc.tasks import TASKS
 
 MODELS = [getattr(schema, name) for name in schema.__all__ if name.endswith("Spec")]
 MODELS += [kind.spec for kind in TASKS.values()]
-UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd")
-NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity"}
+UNITS = ("cm", "m", "kg", "deg", "ms", "px", "months", "percentile", "cpd", "n")
+NO_UNIT = {"mimoc", "seed", "count", "density", "foveation", "length", "girth", "strength", "acuity", "motor"}
 WRONG = [
     "a word",
     "9 apples",

@@ -7,4 +7,5 @@ KIND = ActuationKind(
     about="Servos that hold a commanded angle with the strength of muscles.",
     build="mimoc.actuation.position.build",
     run="mimoc.actuation.position.run",
+    command_is_effort=False,
 )

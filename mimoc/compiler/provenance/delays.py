@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.body.provenance import Entry
-from mimoc.delays.presets import given_keys
-from mimoc.delays.spec import DelaysEntry, signals
+from mimoc.delays.spec import DelaysEntry, given_keys, signals
 from mimoc.schema.infant import InfantSpec
 
 PRESETS = {

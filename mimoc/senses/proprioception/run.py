@@ -20,6 +20,8 @@ MAX_SPEED_RAD_S = 1e3
 MAX_TORQUE_NM = 1e3
 MAX_LIMIT = 1e2
 """Bounds of the observation, far beyond what a stable simulation reaches."""
+ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"
+"""By which angles and velocities are known in the layout."""
 LEAST_BOUND_NM = 1e-6
 """Bound of the torque of actuators without strength, which some bound must have."""
 
@@ -64,7 +66,7 @@ def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
     return Component(
         lambda data: data.qpos[addresses],
         np.full(len(addresses), 4 * np.pi),
-        _names(entry.joints, "angle", "rad"),
+        _names(entry.joints, "angle", ANGLE_UNIT),
         _addresses(model, entry.joints, "bodyid"),
     )
 
@@ -74,7 +76,7 @@ def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mu
     return Component(
         lambda data: data.qvel[addresses],
         np.full(len(addresses), MAX_SPEED_RAD_S),
-        _names(entry.joints, "velocity", "rad/s"),
+        _names(entry.joints, "velocity", VELOCITY_UNIT),
         _addresses(model, entry.joints, "bodyid"),
     )
 

@@ -1,7 +1,7 @@
 """Touch, all over the skin."""
 
 from mimoc.delays.ages import AGES_MONTHS
-from mimoc.kinds import AgeTable, SenseKind
+from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.senses.touch.spec import TouchEntry, TouchSpec
 
 KIND = SenseKind(
@@ -11,4 +11,10 @@ KIND = SenseKind(
     build="mimoc.senses.touch.build",
     run="mimoc.senses.touch.run",
     physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
+    noise=NoiseOption(
+        unit="n",
+        about="Standard deviation of the force at each skin point that is touched, in newtons.",
+        most=100.0,
+        run="mimoc.senses.touch.noise",
+    ),
 )

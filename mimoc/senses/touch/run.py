@@ -62,9 +62,10 @@ class Touch(Sense):
         """Measure a quantity of the contacts with the bodies that have receptors."""
         self.receptors, self._quantity, self._response = receptors, quantity, response
         self._body_of_geom = skin_body_of_geoms(receptors.bodies, model)
-        width = len(quantity.numbers)
-        self.bodies = np.repeat(receptors.bodies, width)
-        shape = (len(receptors.bodies) * width,)
+        self.width = len(quantity.numbers)
+        """How many numbers each point has."""
+        self.bodies = np.repeat(receptors.bodies, self.width)
+        shape = (len(receptors.bodies) * self.width,)
         self.spaces = {"touch": Box(quantity.low_n, MAX_FORCE_N, shape, np.float32)}
 
     @property

@@ -29,6 +29,7 @@ Acuity: TypeAlias = Annotated[
     | Annotated[Annotated[Months, Field(le=36)], Tag("months")]
     | Annotated[AcuitySpec, Tag("measured")],
     Discriminator(_kind_of_acuity),
+    Field(json_schema_extra={"wanted": "an acuity; write off, age, a number of months or {cpd: 4.2}"}),
 ]
 """Visual acuity: not limited, that of the infant's age, that of another age in months, or as measured."""
 

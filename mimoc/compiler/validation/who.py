@@ -1,51 +1,25 @@
 """Comparison of the compiled infant with WHO's growth standards, by age."""
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
-from mimoc import body, fits
-from mimoc.actuation.setup import build_actuation
+from mimoc import fits
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
-from mimoc.compiler.compose import compose
-from mimoc.compiler.furnish import furnish
-from mimoc.compiler.model_check import compile_model
-from mimoc.compiler.scene_assets import SceneAssets
+from mimoc.compiler.validation.compiled import PRIMITIVES, ROOT, Progress, compile_infant, own_solids, solid_extents
 from mimoc.fits.who import REFERENCES, Reference, percentile
-from mimoc.geometry.primitives import Kind, extents
-from mimoc.mjcf import printing
+from mimoc.geometry.primitives import girth
 from mimoc.rounding import rounded
-from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec, validated
-from mimoc.units import m_to_cm, ms_to_s
+from mimoc.units import m_to_cm
 
 MONTHS = range(25)
 """Ages of the comparison, in whole months."""
-
-FloatArray = npt.NDArray[np.float64]
-Progress = Callable[[int, int], None]
-"""Called with the number of infants measured and their total number."""
-
-ROOT = "hip"
-"""The root body of the infant."""
-BODY_GROUP = 0
-"""Geom group of the body; geoms in other groups are only visual."""
-
-PRIMITIVES: Mapping[int, Kind] = {
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
-    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
-}
-"""Kinds of primitives by MuJoCo's geom type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +113,7 @@ def grow_against_who(
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     refuse_unavailable(infant)
     if months is None:
-        months = () if _is_of_one_age(infant) else MONTHS
+        months = () if is_of_one_age(infant) else MONTHS
     ages = sorted({*map(float, months), *([infant.age_months] if spec else ())})
     rows: list[Row] = []
     for done, age_months in enumerate(ages, start=1):
@@ -150,25 +124,11 @@ def grow_against_who(
     return GrowthReport(tuple(rows))
 
 
-def _is_of_one_age(spec: InfantSpec) -> bool:
+def is_of_one_age(spec: InfantSpec) -> bool:
     """Return whether a spec gives lengths or weights, which are valid only for its age, unlike percentiles."""
     individual = spec.body.individual
     measured = individual and (individual.length_cm, individual.weight_kg, individual.head_circumference_cm)
     return bool(spec.body.measurements) or any(value is not None for value in measured or ())
-
-
-def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
-    """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
-
-    Raises:
-        ModelError: If MuJoCo rejects it.
-    """
-    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
-    tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
-    plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
-    actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
-    infant = furnish(compose(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene
-    return compile_model(printing.render_scene(infant))
 
 
 def measure_compiled(model: mujoco.MjModel) -> Stature:
@@ -209,16 +169,16 @@ def _arm_circumference_cm(model: mujoco.MjModel) -> float | None:
 
 
 def _girth_m(model: mujoco.MjModel, geom: str) -> float:
-    return 2 * math.pi * float(model.geom(geom).size[0])
+    shape = model.geom(geom)
+    return float(girth(PRIMITIVES[shape.type[0]], shape.size))
 
 
 def _standing_height_m(model: mujoco.MjModel) -> float:
     """Return the crown-sole length: the vertical extent of the infant's geoms with all joints at zero."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    own = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
-    flesh = np.flatnonzero(own & (model.geom_group == BODY_GROUP))
+    flesh = own_solids(model)
     middles = data.geom_xpos[flesh, 2]
     up = data.geom_xmat[flesh].reshape(-1, 3, 3)[:, 2]  # The vertical, in the frame of each geom.
-    halves = extents((PRIMITIVES[model.geom_type[geom]], model.geom_size[geom]) for geom in flesh).along(up)
+    halves = solid_extents(model, flesh).along(up)
     return float(np.max(middles + halves) - np.min(middles - halves))

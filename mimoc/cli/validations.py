@@ -1,0 +1,59 @@
+"""What `mimoc validate --against` compares an infant with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mimoc.schema.infant import InfantSpec
+
+Progress = Callable[[int, int], None]
+"""Called with the number of steps done and their total number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """Result of a comparison."""
+
+    passed: bool
+    data: dict[str, Any]
+    """All numbers, for `--json`."""
+    show: Callable[[], None]
+    """Prints the result for people."""
+    plot: Callable[[Path], None]
+    """Writes a plot, in the format of the file's name."""
+
+
+def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
+    from mimoc.cli import console
+    from mimoc.compiler import validation
+    from mimoc.render.plots import plot_growth
+
+    report = validation.grow_against_who(infant, progress=progress)
+    shown, plot = partial(console.print_growth, report), partial(plot_growth, report.series)
+    return Findings(report.within_one_sd, report.to_data(), shown, plot)
+
+
+def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
+    from mimoc.cli.measurement_table import print_measurements
+    from mimoc.compiler.validation import anthrokids
+    from mimoc.render.plots.measurements import plot_measurements
+
+    report = anthrokids.compare_with_anthrokids(infant, progress=progress)
+    series = {
+        name: [(age_months, row.value_cm) for age_months, row in rows.items()] for name, rows in report.by_measurement()
+    }
+    shown = partial(print_measurements, report, anthrokids.TOLERANCE)
+    plot = partial(plot_measurements, series, anthrokids.TOLERANCE)
+    return Findings(report.within_tolerance, report.to_data(), shown, plot)
+
+
+VALIDATIONS: Mapping[str, Callable[[InfantSpec | None, Progress], Findings]] = {
+    "who": _against_who,
+    "anthrokids": _against_anthrokids,
+}
+"""How an infant, or the average child if none is given, is compared, by the name that a user gives."""

@@ -1,0 +1,17 @@
+"""Comparisons of the compiled infant with what is known of children."""
+
+from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow, compare_with_anthrokids
+from mimoc.compiler.validation.compiled import compile_infant
+from mimoc.compiler.validation.who import GrowthReport, Row, compare_with_who, grow_against_who, measure_compiled
+
+__all__ = [
+    "GrowthReport",
+    "MeasurementReport",
+    "MeasurementRow",
+    "Row",
+    "compare_with_anthrokids",
+    "compare_with_who",
+    "compile_infant",
+    "grow_against_who",
+    "measure_compiled",
+]

@@ -1,0 +1,116 @@
+"""Signals whose delay varies: the samples of senses, and commands to actuators."""
+
+from collections import deque
+from typing import Any
+
+from mimoc.delays.signals import Mask
+from mimoc.noise.wander import Wander
+from mimoc.senses.sense import FloatArray, IntArray, Sample
+
+
+class JitteredSamples:
+    """The samples of a sense, or of some of its numbers, on their way to observations, as `DelayedSamples`.
+
+    The delay of each observation is drawn before the earliest time at which it could be sampled, so that a sense is
+    only sampled when it is to be observed.
+    """
+
+    def __init__(self, delay_steps: int, control_steps: int, part: Mask | None, wander: Wander):
+        """Delay samples by a number of physics steps and its deviation, which is not larger."""
+        self.part = part
+        self._delay, self._period, self._wander = delay_steps, control_steps, wander
+        self.sampled_after: tuple[int, ...] = ()
+        """Physics steps of this control step after which the sense is sampled."""
+
+    def reset(self, sample: Sample) -> None:
+        """Forget all samples; this one is observed until a later one arrives."""
+        self._wander.reset()
+        self._now = 0
+        self._due: deque[tuple[int, Sample | None]] = deque([(0, sample)])
+
+    @property
+    def arrived(self) -> Sample:
+        """The sample that has arrived."""
+        sample = self._due[0][1]
+        assert sample is not None, "the sample of an observation has been taken by then"
+        return sample
+
+    def begin(self) -> None:
+        """Draw when the sense is sampled in the next control step."""
+        start, end = self._now, self._now + self._period
+        while self._due[-1][0] <= end:
+            observed = start + len(self._due) * self._period
+            taken = observed - self._delay - self._wander.advance(self._period)[-1]
+            self._due.append((taken, self.arrived if taken <= 0 else None))
+        self._due.popleft()
+        self._now = end
+        self.sampled_after = tuple(
+            sorted({taken - start for taken, sample in self._due if taken <= end and sample is None})
+        )
+
+    def send(self, sample: Sample) -> None:
+        """Take a new sample, for each observation that is due now."""
+        now = next(taken for taken, found in self._due if found is None)
+        self._due = deque((taken, sample if taken == now else found) for taken, found in self._due)
+
+    @property
+    def state(self) -> list[Any]:
+        """Time and deviation, and when the sample of each observation is taken, with those that have been."""
+        return [self._now, self._wander.steps, list(self._due)]
+
+    @state.setter
+    def state(self, state: list[Any]) -> None:
+        self._now, self._wander.steps, due = state
+        self._due = deque(due)
+
+
+class JitteredCommands:
+    """Commands on their way to some actuators, as `DelayedCommands`.
+
+    At each physics step the latest of those commands is applied that were sent at least as long ago as the delay is.
+    """
+
+    def __init__(self, delay_steps: int, control_steps: int, part: IntArray, actuators: IntArray, wander: Wander):
+        """Delay commands by a number of physics steps and its deviation, which is not larger."""
+        self._delay, self._period, self._wander = delay_steps, control_steps, wander
+        self._part, self._actuators = part, actuators
+        self.applied_after: tuple[int, ...] = ()
+        """Physics steps of this control step after which commands arrive."""
+
+    def reset(self) -> None:
+        """Forget all commands; the actuators keep their controls until a new one arrives."""
+        self._wander.reset()
+        self._number, self._applied = -1, -1
+        self._sent: list[FloatArray] = []
+        self._arriving: deque[int] = deque()
+
+    def begin(self, controls: FloatArray) -> None:
+        """Take the controls of all actuators for the next control step, and draw which arrive during it, and when."""
+        self._number += 1
+        self._sent.append(controls)
+        start, applied = self._number * self._period, []
+        for after, deviation in enumerate(self._wander.advance(self._period)):
+            number = (start + after - self._delay - deviation) // self._period
+            if number > self._applied:
+                applied.append(after)
+                self._arriving.append(number)
+                self._applied = number
+        self.applied_after = tuple(applied)
+
+    def apply(self, controls: FloatArray) -> None:
+        """Write the commands that arrive into the controls of the model, shape (nu,)."""
+        number = self._arriving.popleft()
+        arrived = self._sent[number - self._number - 1]
+        controls[self._actuators] = arrived[self._part]
+        if not self._arriving:
+            del self._sent[: number - self._number - 1 + len(self._sent)]
+
+    @property
+    def state(self) -> list[Any]:
+        """The number of the last command sent and of the last applied, the deviation, and the commands on their way."""
+        return [self._number, self._applied, self._wander.steps, list(self._sent)]
+
+    @state.setter
+    def state(self, state: list[Any]) -> None:
+        self._number, self._applied, self._wander.steps, sent = state
+        self._sent, self._arriving = list(sent), deque()

@@ -1,0 +1,1 @@
+"""Noise of the commands and the senses, and jitter of their delays."""

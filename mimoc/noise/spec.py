@@ -1,0 +1,129 @@
+"""The `noise` of a spec and of a manifest: of the commands, of each sense that has one, and of the delays."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+
+from pydantic import Discriminator, Field, Tag
+from pydantic.fields import FieldInfo
+
+from mimoc.actuation import ACTUATIONS
+from mimoc.delays.spec import DelaysSpec, is_delayed
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.composition import composed
+from mimoc.schema.quantities import Milliseconds, Real
+from mimoc.senses import SENSES
+from mimoc.units import to_steps
+
+LOW_PASS_MS = 60.0
+"""Time constant of the noise of commands and of proprioception: as long as the muscles of infants are assumed to take
+(derived, for want of a measurement; half-relaxation takes 90 ms at 3 years and 40 ms at 10, Lin et al. 1994)."""
+
+
+def _kind_of_motor_noise(value: Any) -> str | None:
+    if isinstance(value, str):
+        return "word" if value.isalpha() else None
+    return "share" if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+
+MotorNoise: TypeAlias = Annotated[
+    Annotated[Literal["maturing"], Tag("word")] | Annotated[Annotated[Real, Field(ge=0, le=1)], Tag("share")],
+    Discriminator(_kind_of_motor_noise),
+    Field(json_schema_extra={"wanted": "a share of the command; write a number from 0 to 1, or maturing"}),
+]
+"""A share of the command, or that of the infant's age."""
+
+
+def noise_keys() -> dict[str, str]:
+    """Return the key of each sense that can be noisy, such as `proprioception_deg`."""
+    return {kind.name: f"{kind.name}_{kind.noise.unit}" for kind in SENSES.values() if kind.noise}
+
+
+def _spec_fields() -> dict[str, FieldInfo]:
+    fields = {}
+    for name, key in noise_keys().items():
+        noise: Any = SENSES[name].noise
+        amount: Any = Annotated[Real, Field(ge=0, le=noise.most, json_schema_extra={"unit": noise.unit})]
+        fields[key] = FieldInfo.from_annotated_attribute(amount, Field(default=0.0, description=noise.about))
+    return fields
+
+
+@composed(_spec_fields)
+class NoiseSpec(Model):
+    """Noise of the commands and the senses, and jitter of their delays; 0 is none."""
+
+    motor: MotorNoise = 0.0
+    """Standard deviation of what an actuator is driven by, as a share of its command, or that of the infant's age
+    (`maturing`: .30 at birth, .10 from 18 months on); it changes with a time constant of 60 ms."""
+    delay_jitter_ms: Annotated[Milliseconds, Field(le=1000)] = 0.0
+    """Largest deviation of a delay from its value, a multiple of the physics step; a delay that is shorter deviates by
+    no more than itself."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the noise of a sense."""
+
+
+def _entry_fields() -> dict[str, FieldInfo]:
+    return {
+        key: FieldInfo(annotation=float, default=0.0, description=f"Noise of {name}.")
+        for name, key in noise_keys().items()
+    }
+
+
+@composed(_entry_fields)
+class NoiseEntry(Model):
+    """The noise of commands, senses and delays; 0 is none."""
+
+    motor: float = 0.0
+    """Standard deviation of what an actuator is driven by, as a share of its command."""
+    low_pass_ms: float = LOW_PASS_MS
+    """Time constant of the noise of commands and of senses whose noise changes gradually."""
+    delay_jitter_ms: float = 0.0
+    """Largest deviation of a delay, in whole physics steps."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Return the noise of a sense."""
+
+
+def check_noise(
+    noise: NoiseSpec, senses: Mapping[str, Any], delays: DelaysSpec, actuation: str, timestep_ms: float
+) -> None:
+    """Check that there is something for each noise to act on.
+
+    Args:
+        noise: The noise.
+        senses: The section of each sense, or None if it is off.
+        delays: The delays.
+        actuation: Name of the actuation model.
+        timestep_ms: Physics step.
+
+    Raises:
+        KeyedError: If a sense is off, nothing has a delay, or the actuation model has no such noise.
+    """
+    if noise.motor and not ACTUATIONS[actuation].command_is_effort:
+        able = " or ".join(kind.name for kind in ACTUATIONS.values() if kind.command_is_effort)
+        message = (
+            f"is in proportion to effort, which a command to '{actuation}' actuators does not say; "
+            f"remove it, or set actuation.model to {able}"
+        )
+        raise KeyedError(("noise", "motor"), message, against=("actuation", "model"))
+    for name, key in noise_keys().items():
+        if getattr(noise, key) and senses.get(name) is None:
+            message = f"'{name}' is off, so it has no noise; add '{name}: {{}}' to the senses, or remove this"
+            raise KeyedError(("noise", key), message)
+    if noise.delay_jitter_ms:
+        _check_jitter(noise.delay_jitter_ms, senses, delays, timestep_ms)
+
+
+def _check_jitter(jitter_ms: float, senses: Mapping[str, Any], delays: DelaysSpec, timestep_ms: float) -> None:
+    key = ("noise", "delay_jitter_ms")
+    try:
+        to_steps(jitter_ms, timestep_ms)
+    except ValueError as error:
+        raise KeyedError(key, f"a jitter of {error}", against=("control", "timestep_ms")) from None
+    if not is_delayed(delays, [name for name, section in senses.items() if section is not None]):
+        message = "no delay varies, because there is none; add delays, such as 'preset: physiological', or remove this"
+        raise KeyedError(key, message, against=("delays",))

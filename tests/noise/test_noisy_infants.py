@@ -1,0 +1,207 @@
+"""Infants with noise: each noise acts on its own channel, by the seed, and is part of the state."""
+
+import copy
+import dataclasses
+import pickle
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mimoc
+from mimoc.noise.motor import MotorNoise
+from mimoc.noise.spec import NoiseEntry
+from mimoc.noise.streams import NoiseStreams
+from mimoc.senses.proprioception.noise import ProprioceptionNoise
+from mimoc.senses.touch.noise import TouchNoise
+
+SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {}, "touch": {"density": 0.1}}
+ALL = {"motor": 0.2, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10.0}
+STEPS = 8
+
+
+@pytest.fixture(scope="module", params=["torque", "muscle"])
+def quiet(request, built) -> mimoc.Bundle:
+    """Return a sitting infant whose signals are late."""
+    return built(
+        senses=SENSES,
+        delays={"preset": "physiological"},
+        actuation={"model": request.param},
+        scene={"kind": "flat", "pose": "sitting"},
+    )
+
+
+def noisy(bundle: mimoc.Bundle, **noise: float) -> mimoc.InfantEnv:
+    """Return the environment of a bundle with some noise."""
+    manifest = bundle.manifest.model_copy(update={"noise": NoiseEntry(**noise)})
+    return mimoc.InfantEnv(dataclasses.replace(bundle, manifest=manifest))
+
+
+def act(env: mimoc.InfantEnv, steps: int = STEPS, seed: int = 0) -> list[dict[str, np.ndarray]]:
+    drawn = np.random.default_rng(seed).uniform(-1, 1, (steps, *env.action_space.shape)).astype(np.float32)
+    return [env.step(action)[0] for action in drawn]
+
+
+def same(one: list[dict[str, np.ndarray]], other: list[dict[str, np.ndarray]]) -> bool:
+    pairs = zip(one, other, strict=True)
+    return all(np.array_equal(mine[key], theirs[key]) for mine, theirs in pairs for key in mine)
+
+
+def run(env: mimoc.InfantEnv, seed: int = 0) -> list[dict[str, np.ndarray]]:
+    return [env.reset(seed=seed)[0], *act(env)]
+
+
+def test_the_same_seed_gives_the_same_noise_and_another_seed_another(quiet):
+    one, other = noisy(quiet, **ALL), noisy(quiet, **ALL)
+    first = run(one)
+    act(other)
+    assert same(run(other), first)
+    assert not same(run(other, seed=1), first)
+
+
+def test_episodes_without_a_seed_differ_and_repeat_after_a_seed(quiet):
+    env = noisy(quiet, **ALL)
+    one, two = run(env, seed=3), [env.reset()[0], *act(env)]
+    assert not same(one, two)
+    env.reset(seed=3)
+    act(env)
+    assert same([env.reset()[0], *act(env)], two)
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, copy.copy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_forks_and_copies_have_the_same_noise(quiet, duplicate):
+    env = noisy(quiet, **ALL)
+    run(env, seed=5)
+    state, twin, fork = env.get_state(), duplicate(env), noisy(quiet, **ALL)
+    mine = act(env, seed=1)
+    assert same(act(twin, seed=1), mine)
+    fork.set_state(pickle.loads(pickle.dumps(state)))
+    assert same(act(fork, seed=1), mine)
+    env.set_state(state)
+    assert same(act(env, seed=1), mine)
+
+
+def test_noise_leaves_the_random_numbers_of_the_task_alone(quiet):
+    draws = []
+    for noise in ({}, ALL):
+        env = noisy(quiet, **noise)
+        run(env)
+        draws.append(env.np_random.random(3).tolist())
+    assert draws[0] == draws[1]
+
+
+@pytest.mark.parametrize(("key", "changed"), [("proprioception_deg", "proprioception"), ("touch_n", "touch")])
+def test_noise_of_a_sense_changes_nothing_else(quiet, key, changed):
+    for silent, loud in zip(run(noisy(quiet)), run(noisy(quiet, **{key: ALL[key]})), strict=True):
+        assert not np.array_equal(silent[changed], loud[changed])
+        assert all(np.array_equal(silent[other], loud[other]) for other in silent if other != changed)
+
+
+def test_the_noise_of_a_channel_does_not_depend_on_that_of_others(quiet):
+    """Noise of touch does not move the body: the proprioception of both is the same, noise included."""
+    one, other = run(noisy(quiet, proprioception_deg=1.0)), run(noisy(quiet, proprioception_deg=1.0, touch_n=1.0))
+    assert all(np.array_equal(a["proprioception"], b["proprioception"]) for a, b in zip(one, other, strict=True))
+
+
+@pytest.mark.parametrize("key", ["motor", "delay_jitter_ms"])
+def test_noise_of_commands_moves_the_body(quiet, key):
+    silent, loud = noisy(quiet), noisy(quiet, **{key: ALL[key]})
+    for env in (silent, loud):
+        run(env)
+    assert not np.array_equal(silent.data.qpos, loud.data.qpos)
+
+
+# Laws of each noise.
+
+
+class Levels:
+    """Actuators whose commands differ."""
+
+    actuators, low, high = np.arange(5), np.full(5, -1.0), np.full(5, 1.0)
+
+
+SLIDERS = """<mujoco><worldbody><body>{}<geom size="1"/></body></worldbody><actuator>{}</actuator></mujoco>""".format(
+    "".join(f'<joint name="{index}" type="slide" axis="1 {index} 0"/>' for index in range(5)),
+    "".join(f'<motor joint="{index}"/>' for index in range(5)),
+)
+MODEL = mujoco.MjModel.from_xml_string(SLIDERS)
+
+
+def driven(share: float, low_pass_s: float, timestep_s: float, commands: np.ndarray, steps: int) -> np.ndarray:
+    """Return what drives each actuator in each physics step, shape (steps, 5)."""
+    levels: Any = Levels()
+    noise, data = MotorNoise(share, low_pass_s, timestep_s, levels, NoiseStreams(0)), mujoco.MjData(MODEL)
+    noise.reset(data)
+    noise.commanded[:] = commands
+    found = []
+    for _ in range(steps):
+        noise(data)
+        found.append(data.ctrl.copy())
+    return np.array(found)
+
+
+@settings(max_examples=10)
+@given(st.floats(0.01, 0.5), st.sampled_from([0.001, 0.005, 0.02]))
+def test_motor_noise_is_a_share_of_the_command_and_lasts_60_ms(share, timestep_s):
+    commands = np.array([0.0, 0.1, 0.5, 1.0, -1.0])
+    lag = round(0.06 / timestep_s)
+    noise = driven(share, 0.06, timestep_s, commands, 200 * lag) - commands
+    assert not noise[:, 0].any()
+    deviations = noise[:, 1:].std(axis=0)
+    assert deviations == pytest.approx(share * np.abs(commands[1:]), rel=0.35)
+    normed = noise[:, 1:] / deviations
+    correlation = (normed[lag:] * normed[:-lag]).mean()
+    assert correlation == pytest.approx(np.exp(-lag * timestep_s / 0.06), abs=0.15)
+    assert np.abs(normed.mean(axis=0)).max() < 0.5
+
+
+def test_a_command_beyond_its_range_is_no_noisier_than_one_at_its_end():
+    beyond, at_the_end = (driven(0.1, 0.06, 0.005, np.full(5, level), 20) for level in (7.0, 1.0))
+    assert np.array_equal(beyond, at_the_end)
+
+
+@settings(max_examples=30)
+@given(st.floats(0, 5), st.sampled_from([1, 3]), st.integers(0, 2**32))
+def test_touch_keeps_the_direction_of_forces_and_feels_nothing_where_nothing_touches(deviation_n, width, seed):
+    draws = np.random.default_rng(seed)
+    forces = draws.normal(size=(200, width)) * draws.integers(0, 2, size=(200, 1))
+    forces = np.abs(forces) if width == 1 else forces
+    found = TouchNoise(deviation_n, width)(forces.flatten(), 0.01, draws).reshape(-1, width)
+    assert not found[~forces.any(axis=1)].any()
+    along = (found * forces).sum(axis=1)
+    assert (along >= 0).all()
+    sizes = np.linalg.norm(found, axis=1) * np.linalg.norm(forces, axis=1)
+    assert along == pytest.approx(sizes)
+
+
+@pytest.mark.parametrize("width", [1, 3])
+def test_the_size_of_a_force_varies_by_the_stated_newtons(width):
+    forces = np.tile([3.0, 0.0, 4.0][:width], 20_000)
+    found = np.linalg.norm(TouchNoise(0.2, width)(forces, 0.0, np.random.default_rng(0)).reshape(-1, width), axis=1)
+    assert found.mean() == pytest.approx(5.0 if width == 3 else 3.0, abs=0.01)
+    assert found.std() == pytest.approx(0.2, rel=0.02)
+
+
+def test_angles_vary_by_the_stated_degrees_and_velocities_accordingly():
+    count = 20_000
+    places = np.arange(count)
+    noise = ProprioceptionNoise(np.radians(2), places, count + places, 0.06)
+    found = np.degrees(noise(np.zeros(2 * count + 5), np.inf, np.random.default_rng(0)))
+    assert found[:count].std() == pytest.approx(2, rel=0.02)
+    assert found[count : 2 * count].std() == pytest.approx(2 / 0.06, rel=0.02)
+    assert not found[2 * count :].any()
+
+
+def test_angles_and_velocities_of_an_infant_are_noisy_and_its_torques_are_not(quiet):
+    env, silent = noisy(quiet, proprioception_deg=2.0), noisy(quiet)
+    differences = np.array([env.reset(seed=seed)[0]["proprioception"] for seed in range(40)])
+    differences -= silent.reset(seed=0)[0]["proprioception"]
+    layout = env.layout("proprioception")
+    deviations = np.degrees(differences.std(axis=0))
+    for unit, deviation_deg in (("rad", 2), ("rad/s", 2 / 0.06), ("N m", 0)):
+        mine = deviations[[name.endswith(f"[{unit}]") for name in layout]]
+        assert len(mine) > 20
+        assert np.sqrt((mine**2).mean()) == pytest.approx(deviation_deg, rel=0.1, abs=1e-9)
