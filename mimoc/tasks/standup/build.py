@@ -148,8 +148,8 @@ def _flat_foot(
 ) -> dict[str, float]:
     """Return knee and ankle, in [rad], that put a foot flat on the floor, which is so far below the hip.
 
-    The thigh is turned up by *thigh_deg* from hanging down. With a flat foot the ankle follows from the knee; the farther the knee is bent, the steeper is the shank and the
-    deeper the foot.
+    The thigh is turned up by *thigh_deg* from hanging down. With a flat foot the ankle follows from the knee; the
+    farther the knee is bent, the steeper is the shank and the deeper the foot.
 
     Raises:
         UnsupportedTaskError: If there is no such knee.
