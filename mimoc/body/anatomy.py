@@ -11,6 +11,7 @@ from mimoc.body.figures import (
     LEG_LENGTH,
     LEG_SHARE,
     REST_ABDUCTION_DEG,
+    THIGH_LENGTH,
     TRUNK_HEIGHT,
     GeomFigures,
     JointFigures,
@@ -150,9 +151,8 @@ ARM = (
                 "capsule",
                 0.2684,
                 ("upper_arm_circumference", "shoulder_elbow_length", "forearm_circumference"),
-                "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; nearer "
-                "to the midline than its joint, so that shoulder_breadth is that over the arms, unless they touch the "
-                "chest",
+                "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; "
+                "nearer to the midline than its joint, so shoulder_breadth is over the arms unless ribs stop it",
                 placed_by=SHOULDERS,
                 material="top_sleeve",
             ),
@@ -258,7 +258,7 @@ LEG = (
                 "{side}_upper_leg1",
                 "capsule",
                 0.7998,
-                LEG_LENGTH,
+                THIGH_LENGTH,
                 "radius = mid_thigh_circumference / 2 pi, from the hip to one calf radius past the knee",
                 contype=2,
                 conaffinity=3,
@@ -298,7 +298,7 @@ LEG = (
             ),
         ),
         (JointFigures("robot:{side}_knee", (0, -1, 0), (-145, 4), 1.63, 0.53, 0.065, 0.003, -30),),
-        follows=LEG_LENGTH,
+        follows=THIGH_LENGTH,
         rule=LEG_SHARE,
         motors=motors.LOWER_LEG_MOTORS,
         matures_with="knee",

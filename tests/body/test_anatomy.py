@@ -90,12 +90,13 @@ def test_the_average_child_of_18_months_weighs_what_mimo_does_geom_by_geom(hands
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 @pytest.mark.parametrize("age_months", [0, 1.5, 4.5, 9, 14, 24])
 def test_every_geom_has_the_same_density_at_every_age(age_months, hands):
-    """And that of flesh and bones: none is of cork or lead."""
+    """And that of flesh and bones: none is of cork or lead. Solids of the trunk overlap, so densities differ."""
     reference = grow(measure(18), assemble(hands, True)).geoms
     for name, geom in grow(measure(age_months), assemble(hands, True)).geoms.items():
         density, at_18 = (each.mass_kg / volume(each.type, each.size_m) for each in (geom, reference[name]))
         assert density == pytest.approx(at_18, rel=1e-9), name
-        assert 650 < density < 1200 or name == "neck", name
+        least, most = (450, 1400) if name in ("lb", "cb", "ub1", "ub2", "ub3") else (650, 1200)
+        assert least < density < most or name == "neck", (name, density)
 
 
 FILLERS = {"neck"}
