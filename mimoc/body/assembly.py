@@ -18,9 +18,12 @@ IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs")
 """MIMo lists the motors of the head and the eyes before those of the arms."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Anatomy:
-    """A reference body: everything that does not depend on age."""
+    """A reference body: everything that does not depend on age.
+
+    Compared by identity, since `assemble` returns the same one each time, so that it is a quick key of a cache.
+    """
 
     hands: str
     """`mitten` or `five_finger`."""

@@ -22,19 +22,18 @@ Size = tuple[float, ...]
 """Size as in MuJoCo, in [m]."""
 
 
-def density(figures: GeomFigures, hands: str, published: bool = False) -> float:
+def density(figures: GeomFigures, hands: str) -> float:
     """Return the density of a geom, in [kg/m³]; 0 for geoms without mass.
 
     Args:
         figures: Reference values of the geom.
         hands: `mitten` or `five_finger`.
-        published: Whether it is that of the published shapes.
     """
     if not figures.mass_kg:
         return 0.0
     if is_of_fingers(figures, hands):
         return figures.mass_kg / volume(figures.type, FIVE_FINGER_HAND[figures.name])
-    return figures.mass_kg / reference_volumes(hands, published)[figures.name]
+    return figures.mass_kg / reference_volumes(hands)[figures.name]
 
 
 def is_of_fingers(figures: GeomFigures, hands: str) -> bool:
@@ -43,21 +42,24 @@ def is_of_fingers(figures: GeomFigures, hands: str) -> bool:
 
 
 @cache
-def reference_volumes(hands: str, published: bool = False) -> Mapping[str, float]:
-    """Return the volume of each geom of the average child of 18 months, in m³, by its name with `{side}`.
+def reference_volumes(hands: str) -> Mapping[str, float]:
+    """Return the volume of each of MIMo's geoms in the average child of 18 months, in m³, by its name with `{side}`.
 
     Args:
         hands: `mitten` or `five_finger`.
-        published: Whether the shapes are the published ones.
     """
-    average = measure(REFERENCE_AGE_MONTHS)
-    child = average.published if published else average
-    return volumes(assemble(hands, False), body_dimensions(proportions(child, child, published), hands))
+    average = measure(REFERENCE_AGE_MONTHS).published
+    return volumes(assemble(hands, False), body_dimensions(proportions(average, average, published=True), hands))
 
 
 def volumes(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
     """Return the volume of each geom by its name with `{side}`, in m³."""
     return {name: volume(figures.type, dimensions.shapes[name].size_m) for name, figures in anatomy.geoms.items()}
+
+
+def masses(anatomy: Anatomy, volumes_m3: Mapping[str, float]) -> dict[str, float]:
+    """Return the mass of each geom by its name with `{side}`, in kg, from their volumes."""
+    return {name: density(figures, anatomy.hands) * volumes_m3[name] for name, figures in anatomy.geoms.items()}
 
 
 FIVE_FINGER_HAND: Mapping[str, Size] = {

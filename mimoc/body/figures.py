@@ -5,7 +5,7 @@ from typing import Literal
 
 from mimoc.geometry.rotations import Vec3
 
-GeomType = Literal["sphere", "capsule", "cylinder", "box"]
+GeomType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
 Region = Literal["trunk", "head", "limb"]
 """Bodies that limbs hang on, the head, and all others, which an infant may lack."""
 

@@ -71,6 +71,9 @@ def _gyration_squares(geom: Geom) -> tuple[float, float, float]:
     if geom.type == "box":
         x, y, z = (half_m**2 / 3 for half_m in geom.size_m)
         return y + z, x + z, x + y
+    if geom.type == "ellipsoid":
+        x, y, z = (half_m**2 / 5 for half_m in geom.size_m)
+        return y + z, x + z, x + y
     if geom.type == "sphere":
         square = 0.4 * geom.size_m[0] ** 2
         return square, square, square

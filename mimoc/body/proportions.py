@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from mimoc.body.published import published_arm, published_leg, published_trunk
 from mimoc.body.trunk import Trunk, measured_trunk
 from mimoc.errors import GeometryError
+from mimoc.geometry.ellipsoids import ellipse_perimeter
 
 REFERENCE_M: Mapping[str, float] = {
     "foot_breadth": 0.050,
@@ -70,6 +71,9 @@ class Proportions:
     """Proportions that determine all shapes of an infant."""
 
     head_radius_m: float
+    """Of a circle with the head's circumference."""
+    head_half_axes_m: tuple[float, float]
+    """Of the head's level section, an ellipse with the same circumference: half its length and half its breadth."""
     trunk: Trunk
     upper_arm: Limb
     forearm: Limb
@@ -83,19 +87,22 @@ class Proportions:
     foot: Foot
 
 
-def proportions(m: Mapping[str, float], base: Mapping[str, float], published: bool = False) -> Proportions:
+def proportions(
+    m: Mapping[str, float], base: Mapping[str, float], published: bool = False, foot_height: float = 1.0
+) -> Proportions:
     """Return the proportions of a child, or of one of its sides.
 
     Args:
         m: Measurements in [m], by AnthroKids name.
         base: The same before any of them was replaced: the reference for replaced lengths of the leg.
-        published: Whether trunk and legs are those whose volumes published strength follows.
+        published: Whether trunk and limbs are those whose volumes strength and masses follow.
+        foot_height: Height of the feet relative to MIMo's; the legs are as much shorter.
 
     Raises:
         GeometryError: If a measurement does not fit the others.
     """
     head_radius_m = _radius(m["head_circumference"])
-    arm_radius_m, foot = _radius(m["upper_arm_circumference"]), _foot(m)
+    arm_radius_m, foot = _radius(m["upper_arm_circumference"]), _foot(m, foot_height)
     if published:
         trunk = published_trunk(m, head_radius_m, arm_radius_m)
         upper_arm_m, forearm_m = published_arm(m)
@@ -108,6 +115,7 @@ def proportions(m: Mapping[str, float], base: Mapping[str, float], published: bo
     shank = Limb(shank_m, _radius(m["calf_circumference"]))
     return Proportions(
         head_radius_m=head_radius_m,
+        head_half_axes_m=_head_half_axes(m),
         trunk=trunk,
         upper_arm=Limb(upper_arm_m, arm_radius_m),
         forearm=Limb(forearm_m, _radius(m["forearm_circumference"])),
@@ -150,9 +158,15 @@ def _finger_radius(m: Mapping[str, float], base: Mapping[str, float], name: str,
     return m[name] / 2 if m[name] != base[name] else min(m[name] / 2, room * m["hand_length"])
 
 
-def _foot(m: Mapping[str, float]) -> Foot:
+def _foot(m: Mapping[str, float], relative_height: float) -> Foot:
     height = (m["foot_length"] + m["foot_breadth"]) / (REFERENCE_M["foot_length"] + REFERENCE_M["foot_breadth"])
-    return Foot(m["foot_length"], m["foot_breadth"] / 2, 0.01 * height)
+    return Foot(m["foot_length"], m["foot_breadth"] / 2, 0.01 * height * relative_height)
+
+
+def _head_half_axes(m: Mapping[str, float]) -> tuple[float, float]:
+    """Return half of head_length and half of head_breadth, both by the factor that gives head_circumference."""
+    factor = m["head_circumference"] / ellipse_perimeter(m["head_length"] / 2, m["head_breadth"] / 2)
+    return factor * m["head_length"] / 2, factor * m["head_breadth"] / 2
 
 
 def _leg(m: Mapping[str, float], base: Mapping[str, float], trunk: Trunk, foot: Foot) -> tuple[float, float]:

@@ -8,7 +8,9 @@ from typing import Any
 from mimoc.body.assembly import Anatomy
 from mimoc.body.density import density, is_of_fingers
 from mimoc.body.figures import GeomFigures, JointFigures, Part
+from mimoc.body.maturing.mass_rules import mass_rule
 from mimoc.body.maturing.mature import maturing_groups, passive_scales
+from mimoc.body.maturing.parts import matured
 from mimoc.body.maturing.rules import REFERENCE, Rule, joint_rules
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
@@ -34,6 +36,7 @@ def trace_body(
         tree: The body.
         scaled: Keys of the spec that scale a part, by name of the body.
     """
+    anatomy = matured(anatomy) if tree.development == "maturing" else anatomy
     figures = {geom.name.format(side=side): geom for side, part in anatomy.parts for geom in part.geoms}
     sides = {part.name.format(side=side): side for side, part in anatomy.parts}
     parts = {part.name.format(side=side): part for side, part in anatomy.parts}
@@ -47,7 +50,9 @@ def trace_body(
         for geom in body.geoms:
             sized, placed = figures[geom.name].follows, figures[geom.name].placed_by
             sources = [_keys(names, side, measurements, here) for names in (sized, (*sized, *placed))]
-            entries.update(_trace_geom(geom, figures[geom.name], anatomy.hands, *sources))
+            entries.update(_trace_shape(geom, figures[geom.name], *sources))
+            mass = _trace_mass(geom, figures[geom.name], parts[body.name], tree, sources[0])
+            entries[f"geom.{geom.name}.mass"] = mass
         for joint in body.joints:
             law = _law(joint, hinges[joint.name], groups[joint.name], tree)
             entries.update(_trace_joint(joint, law, motors.get(joint.name)))
@@ -91,25 +96,21 @@ def _trace_body(body: Body, part: Part, sources: list[str]) -> Iterator[tuple[st
         yield f"body.{body.name}.pos", entry
 
 
-def _trace_geom(
-    geom: Geom, figures: GeomFigures, hands: str, sources: list[str], place: list[str]
-) -> Iterator[tuple[str, Entry]]:
+def _trace_shape(geom: Geom, figures: GeomFigures, sources: list[str], place: list[str]) -> Iterator[tuple[str, Entry]]:
     key, at = f"geom.{geom.name}", _xml("geom", geom.name)
     yield (
         f"{key}.size",
         {"value": geom.size_m, "unit": "m", "rule": figures.rule, "from": sources, "xml": at + "/@size"},
     )
     yield f"{key}.pos", {"value": geom.pos_m, "unit": "m", "rule": figures.rule, "from": place, "xml": at + "/@pos"}
-    yield (
-        f"{key}.mass",
-        {
-            "value": geom.mass_kg,
-            "unit": "kg",
-            "rule": f"{density(figures, hands):.6g} kg/m3 x volume; {_weighing(figures, hands)}",
-            "from": [f"{key}.size"],
-            "xml": at + "/@mass",
-        },
-    )
+
+
+def _trace_mass(geom: Geom, figures: GeomFigures, part: Part, tree: BodyTree, sources: list[str]) -> Entry:
+    solid = "volume of MIMo's solid with these measurements, by the growth law of the paper"
+    usual = Rule(f"{density(figures, tree.hands):.6g} kg/m3 x {solid}; {_weighing(figures, tree.hands)}", (*sources,))
+    rule = (tree.growth and mass_rule(geom, figures, part, tree.hands, tree.growth, sources)) or usual
+    at = f"{_xml('geom', geom.name)}/@mass"
+    return {"value": geom.mass_kg, "unit": "kg", "rule": rule.text, "from": list(rule.sources), "xml": at}
 
 
 def _weighing(figures: GeomFigures, hands: str) -> str:

@@ -77,7 +77,7 @@ def _scale_solid(solid: Shape, geom: GeomFigures, scale: Vec3) -> Shape:
     x, y, z = _in_geom_frame(geom.euler_deg, scale)
     if geom.type == "sphere":
         size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
-    elif geom.type == "box":
+    elif geom.type in ("box", "ellipsoid"):
         size_m = _scaled((solid.size_m[0], solid.size_m[1], solid.size_m[2]), (x, y, z))
     else:
         radius_m, half_m = solid.size_m

@@ -31,7 +31,7 @@ def body_dimensions(p: Proportions, hands: str) -> Dimensions:
     Raises:
         GeometryError: If a segment is wider than it is long.
     """
-    return reduce(or_, (shape(p) for shape in (*SHAPES, *HANDS_AND_FEET[hands])))
+    return reduce(or_, (shape(p) for shape in (*SHAPES, HANDS[hands], FEET[hands])))
 
 
 def _trunk_dimensions(p: Proportions) -> Dimensions:
@@ -156,8 +156,6 @@ def _flip(solid: Shape) -> Shape:
 
 SHAPES: tuple[ShapeRule, ...] = (_trunk_dimensions, _head_dimensions, _arm_dimensions, _leg_dimensions)
 """The shapes of all parts but those of hands and feet."""
-HANDS_AND_FEET: Mapping[str, tuple[ShapeRule, ...]] = {
-    "mitten": (mitten_dimensions, flat_foot_dimensions),
-    "five_finger": (fingers_dimensions, toes_dimensions),
-}
+HANDS: Mapping[str, ShapeRule] = {"mitten": mitten_dimensions, "five_finger": fingers_dimensions}
+FEET: Mapping[str, ShapeRule] = {"mitten": flat_foot_dimensions, "five_finger": toes_dimensions}
 """The shapes of hands and feet, by kind of hands."""

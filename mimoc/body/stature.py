@@ -1,12 +1,12 @@
 """Length, weight, head and arm circumference of a body, for comparison with growth standards."""
 
-import math
 from typing import TypedDict
 
 import numpy as np
 
 from mimoc.body.kinematics import pose
-from mimoc.body.tree import BodyTree
+from mimoc.body.tree import BodyTree, Geom
+from mimoc.geometry.primitives import girth
 from mimoc.units import m_to_cm
 
 
@@ -27,11 +27,15 @@ def stature(tree: BodyTree) -> Stature:
     return Stature(
         length_cm=m_to_cm(posed.extent(up) + posed.extent(-up)),
         weight_kg=tree.mass_kg,
-        head_circumference_cm=m_to_cm(2 * math.pi * tree.geoms["head"].size_m[0]),
+        head_circumference_cm=m_to_cm(_girth_m(tree.geoms["head"])),
         arm_circumference_cm=_arm_circumference_cm(tree),
     )
 
 
 def _arm_circumference_cm(tree: BodyTree) -> float | None:
     arms = [tree.geoms[name] for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
-    return m_to_cm(2 * math.pi * arms[0].size_m[0]) if arms else None
+    return m_to_cm(_girth_m(arms[0])) if arms else None
+
+
+def _girth_m(geom: Geom) -> float:
+    return girth(geom.type, geom.size_m)

@@ -18,7 +18,7 @@ class Geom:
     name: str
     type: GeomType
     size_m: tuple[float, ...]
-    """Size as in MuJoCo: radius, then half length; half edges of a box."""
+    """Size as in MuJoCo: radius, then half length; half axes of an ellipsoid, half edges of a box."""
     pos_m: Vec3
     """Centre, in the frame of its body."""
     euler_deg: Vec3
@@ -116,6 +116,10 @@ class Growth:
     """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
     head_gain: float
     """Mass of head and neck, relative to the published law."""
+    foot_height: float
+    """Height of the feet, likewise."""
+    trunk_left: float
+    """Mass of the trunk, likewise."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.body import assemble
+from mimoc.body.maturing.parts import matured
 from mimoc.errors import Problem, SpecError
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.names import unsided
@@ -25,6 +26,7 @@ def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each unavailable key, what is unavailable, and advice."""
     leave_out = "leave it out"
     anatomy = assemble(spec.body.hands, spec.body.chest_joint)
+    anatomy = matured(anatomy) if spec.development == "maturing" else anatomy
     for key in spec.body.measurements:
         if unsided(key) not in anatomy.follows:
             yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", leave_out

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
+from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import standing_height
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress
@@ -41,7 +42,7 @@ def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses:
         name=spec.name,
         solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
-        appearance=dress(spec.body.expression),
+        appearance=dress(spec.body.expression, round_head=tree.geoms["head"].type == "sphere"),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         frictionless=tree.frictionless,
         excluded=tree.excluded,
@@ -128,18 +129,17 @@ def _features(body: Body) -> tuple[PrintedGeom, ...]:
     """Return the visual geoms of the head: nose, ears, lids."""
     if body.name != "head":
         return ()
-    (head,) = body.geoms
+    head = next(geom for geom in body.geoms if geom.name == body.name)
     return tuple(_feature(feature, head) for feature in HEAD_FEATURES)
 
 
 def _feature(feature: HeadFeature, head: Geom) -> PrintedGeom:
-    radius_m = head.size_m[0]
-    x, y, z = (middle + radius_m * offset for middle, offset in zip(head.pos_m, feature.pos, strict=True))
+    radius_m = head_radius(head)
     return PrintedGeom(
         name=feature.name,
         type=feature.type,
         size_m=tuple(radius_m * size for size in feature.size),
-        pos_m=(x, y, z),
+        pos_m=on_head(head, feature.pos),
         euler_rad=_radians(feature.euler_deg),
         mass_kg=0.0,
         material=feature.material,

@@ -1,7 +1,7 @@
 """The average child of any age: one growth curve for each measurement."""
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from types import MappingProxyType
 from typing import Literal
 
@@ -33,6 +33,7 @@ BIRTH = "inferred birth row"
 Fit = tuple[LogCurve, tuple[DataPoint, ...]]
 
 
+@lru_cache(maxsize=64)
 def measure(age_months: float) -> Measurements:
     """Return the measurements of the average child of *age_months*, 0 to 24.
 

@@ -49,6 +49,11 @@ class Measurements(Mapping[str, float]):
         """The same child by the growth law of the paper."""
         return self.paper or self
 
+    @property
+    def unreplaced(self) -> "Measurements":
+        """The same child before its spec replaced any single measurement."""
+        return replace(self, table=self.base, paper=self.paper and self.paper.unreplaced)
+
     def __getitem__(self, name: str) -> float:
         """Return a measurement in metres."""
         return self.table[name].value_m
@@ -64,6 +69,8 @@ class Measurements(Mapping[str, float]):
 
         The middle takes what both sides have; where they differ, it takes the side that changed less.
         """
+        if self.table.keys() == self.base.keys():  # No side has any of its own.
+            return {name: self.table[name].value_m for name in self.base}
         sides = (side,) if side else ("left", "right")
 
         def own(name: str) -> float:

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from mimoc.geometry.ellipsoids import ellipse_perimeter, ellipsoid_area, normals, signed_depths
 from mimoc.geometry.rotations import FloatArray
 
 Kind = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
@@ -32,17 +33,26 @@ def volume(kind: Kind, size: Size) -> float:
             return math.pi * size[0] ** 2 * 2 * size[1] + 4 / 3 * math.pi * size[0] ** 3
 
 
-def area(kind: Literal["sphere", "capsule", "cylinder", "box"], size: Size) -> float:
-    """Return the area of the whole surface of a primitive; that of an ellipsoid has no closed form."""
+def area(kind: Kind, size: Size) -> float:
+    """Return the area of the whole surface of a primitive."""
     match kind:
         case "box":
             return 8 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0])
         case "sphere":
             return 4 * math.pi * size[0] ** 2
+        case "ellipsoid":
+            return ellipsoid_area(size)
         case "cylinder":
             return 2 * math.pi * size[0] * (2 * size[1] + size[0])
         case "capsule":
             return 4 * math.pi * size[0] * (size[1] + size[0])
+
+
+def girth(kind: Kind, size: Size) -> float:
+    """Return the perimeter of a primitive's section across z, through its middle."""
+    if kind == "box":
+        return 4 * (size[0] + size[1])
+    return ellipse_perimeter(size[0], size[1]) if kind == "ellipsoid" else 2 * math.pi * size[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +84,7 @@ def depths(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
     """Return how deep inside of a primitive points are, shape (n,); outside it is negative, and at most the distance.
 
     Args:
-        kind: Any but an ellipsoid.
+        kind: Of the primitive.
         size: Of the primitive.
         points: Shape (n, 3), in its frame.
     """
@@ -82,6 +92,8 @@ def depths(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
         return (size - np.abs(points)).min(axis=1)
     if kind == "cylinder":
         return _depths_in_cylinder(points, size).min(axis=1)
+    if kind == "ellipsoid":
+        return signed_depths(size, points)
     return size[0] - np.linalg.norm(_from_axis(kind, size, points), axis=1)
 
 
@@ -89,7 +101,7 @@ def outward(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
     """Return the directions from points inside of a primitive to the nearest points of its surface, shape (n, 3).
 
     Args:
-        kind: Any but an ellipsoid.
+        kind: Of the primitive.
         size: Of the primitive.
         points: Shape (n, 3), in its frame.
     """
@@ -100,6 +112,8 @@ def outward(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
         by_side, by_end = _depths_in_cylinder(points, size).T
         ends = np.copysign((0.0, 0.0, 1.0), points)
         return np.where((by_end < by_side)[:, None], ends, _unit(points * (1, 1, 0)))
+    if kind == "ellipsoid":
+        return normals(size, points)
     return _unit(_from_axis(kind, size, points))
 
 

@@ -21,10 +21,14 @@ TOP: Colour = (247, 204, 112)
 TOP_STRIPE: Colour = (252, 236, 196)
 PANTS: Colour = (112, 160, 172)
 
+HEAD_BREADTH = 0.863
+"""Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
+(AnthroKids)."""
+
 
 @dataclass(frozen=True, slots=True)
 class HeadFeature:
-    """A visual geom of the head, without mass or contacts. Lengths are in head radii."""
+    """A visual geom of the head, without mass or contacts. Sizes are in head radii."""
 
     name: str
     """Name of the geom."""
@@ -33,7 +37,7 @@ class HeadFeature:
     size: tuple[float, ...]
     """Radius, or the three half-axes."""
     pos: tuple[float, float, float]
-    """Centre, relative to the centre of the head; x forward, y left, z up."""
+    """Centre, from the centre of the head in its half axes; x forward, y left, z up."""
     euler_deg: tuple[float, float, float]
     """Successive rotations about x, y and z, in [deg]."""
     material: str
@@ -48,18 +52,20 @@ HEAD_FEATURES = (
 """The nose and the ears, so that a head is recognisable from the side; the rest of the face is in the texture."""
 
 
-def dress(expression: str) -> Appearance:
+def dress(expression: str, *, round_head: bool = True) -> Appearance:
     """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
     Args:
         expression: One of `mimoc.looks.expressions.FACES`.
+        round_head: Whether its head is a sphere; else it is as much narrower as children's are.
     """
+    breadth = 1.0 if round_head else HEAD_BREADTH
     faces = {name: _cube(face_texture(name), f"assets/face_{name}.png") for name in FACES}
     eye = _cube("eye", "assets/eye.png")
     ear = _cube("ear", "assets/ear.png")
     stripes = _cube("stripes", "assets/stripes.png")
     assets = {
-        **{texture.file: draw_face(name) for name, texture in faces.items()},
+        **{texture.file: draw_face(name, breadth) for name, texture in faces.items()},
         eye.file: draw_eye(),
         ear.file: draw_ear(),
         stripes.file: draw_stripes(TOP, TOP_STRIPE),

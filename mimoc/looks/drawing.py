@@ -56,16 +56,18 @@ EYE_Y, EYE_Z = 0.352, -0.090
 
 
 @functools.cache
-def draw_face(expression: str) -> bytes:
+def draw_face(expression: str, breadth: float = 1.0) -> bytes:
     """Return a PNG of the head's cube texture: one grid of 2 by 3 cells.
 
     Args:
         expression: A key of `FACES`.
+        breadth: Half of the head's breadth in head radii; the features of the face are as wide on any head.
     """
     face = FACES[expression]
     direction = directions(FACE_CELL_PX)
     x, y, z = np.moveaxis(direction, 2, 0)
-    image = _brow(_bare_head(), np.abs(y), z, x > 0, face)
+    y = breadth * y
+    image = _brow(_bare_head(breadth), np.abs(y), z, x > 0, face)
     return encode_png(_mouth(image, y, z, x > 0, face))
 
 
@@ -107,17 +109,17 @@ def _paint_cube(cell_px: int, colour: Callable[[FloatArray], FloatArray]) -> byt
 
 
 @functools.cache
-def _bare_head() -> FloatArray:
+def _bare_head(breadth: float) -> FloatArray:
     """Return the parts of the head that all expressions share: skin, hair and lids; read-only.
 
     By direction from its centre: x forward, y left, z up.
     """
     direction = directions(FACE_CELL_PX)
     x, y, z = np.moveaxis(direction, 2, 0)
-    front, side = x > 0, np.abs(y)
+    front, side = x > 0, breadth * np.abs(y)
     image = np.full(direction.shape, SKIN, np.float64)
     image = over(image, BLUSH, 0.42 * front * _blob(side - 0.53, z + 0.36, 0.17, 0.14))
-    image = over(image, BLUSH, 0.18 * front * _blob(y, z + 0.27, 0.09, 0.08))
+    image = over(image, BLUSH, 0.18 * front * _blob(breadth * y, z + 0.27, 0.09, 0.08))
     image = _hair(image, x, y, z)
     image = _eye_opening(image, side, z, front)
     image.flags.writeable = False

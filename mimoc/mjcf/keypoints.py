@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.body import BodyTree
+from mimoc.body.head_surface import as_on_mimos_head
 from mimoc.body.trunk import BUTTOCKS, RUMP
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.infant import Site
@@ -41,12 +42,11 @@ def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
 
 def _middle(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
     """Yield the keypoints of head and hip, in proportion to them (MIMo v2); the hip's is between its joints."""
-    size = tree.geoms["head"].size_m[0] / 0.0735
-    pelvis = tree.geoms["lb"]
-    yield "Nose", "head", (0.0685 * size, 0.0, 0.0435 * size)
+    head, pelvis = tree.geoms["head"], tree.geoms["lb"]
+    yield "Nose", "head", as_on_mimos_head(head, (0.0685, 0.0, 0.0435))
     yield "Neck", "head", (0.0, 0.0, 0.0)
-    yield "REar", "head", (0.01 * size, -0.0625 * size, 0.0575 * size)
-    yield "LEar", "head", (0.01 * size, 0.0625 * size, 0.0575 * size)
+    yield "REar", "head", as_on_mimos_head(head, (0.01, -0.0625, 0.0575))
+    yield "LEar", "head", as_on_mimos_head(head, (0.01, 0.0625, 0.0575))
     (radius_m, _), (x_m, _, z_m) = pelvis.size_m, pelvis.pos_m
     yield "MidHip", "hip", (x_m - (1 - BUTTOCKS) * radius_m, 0.0, z_m - (1 - RUMP) * radius_m)
 

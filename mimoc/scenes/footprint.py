@@ -107,4 +107,6 @@ def _spine(geom: Geom) -> tuple[int, float, float]:
     if geom.type == "box":
         axis = int(np.argmax(geom.size_m))
         return axis, geom.size_m[axis], math.hypot(*np.delete(geom.size_m, axis))
-    return (2, 0.0, geom.size_m[0]) if geom.type == "sphere" else (2, geom.size_m[1], geom.size_m[0])
+    if geom.type in ("sphere", "ellipsoid"):
+        return 2, 0.0, max(geom.size_m)
+    return 2, geom.size_m[1], geom.size_m[0]

@@ -28,6 +28,7 @@ INERT = {"scene.seed", "scene.room", "scene.textures"}
 BUILT = {
     "name": "other",
     "age_months": 10,
+    "development": "published",
     "body.hands": "five_finger",
     "body.chest_joint": True,
     "body.individual": {"sex": "female", "length_percentile": 25},

@@ -4,6 +4,9 @@ import math
 from functools import lru_cache
 
 from mimoc.body.assembly import assemble
+from mimoc.body.density import masses, volumes
+from mimoc.body.proportions import proportions
+from mimoc.body.segments import body_dimensions
 from mimoc.fits import measure
 
 ADULT_SHARE, NEWBORN_EXCESS, DECAY_MONTHS = 0.20, 0.10, 18.0
@@ -20,7 +23,8 @@ def head_share(age_months: float) -> float:
 @lru_cache(maxsize=64)
 def head_gain(age_months: float, hands: str) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
-    from mimoc.body.growth import grow
-
-    published = grow(measure(age_months), assemble(hands, False), development="published")
-    return head_share(age_months) * published.mass_kg / published.geoms["head"].mass_kg
+    average, anatomy = measure(age_months).published, assemble(hands, False)
+    shapes = body_dimensions(proportions(average, average, published=True), hands)
+    published_kg = masses(anatomy, volumes(anatomy, shapes))
+    body_kg = sum(published_kg[geom.name] for _, part in anatomy.parts for geom in part.geoms)
+    return head_share(age_months) * body_kg / published_kg["head"]

@@ -12,7 +12,7 @@ UNITS = {"length_cm": "cm", "weight_kg": "kg", "head_circumference_cm": "cm", "a
 RULES = {
     "length_cm": "crown to sole: how far the geoms reach along the vertical, no joint turned",
     "weight_kg": "sum of all bodies",
-    "head_circumference_cm": "2 pi x radius of the head",
+    "head_circumference_cm": "perimeter of the head's level section",
     "arm_circumference_cm": "2 pi x radius of the upper arm",
 }
 AMONG = {"male": "boys", "female": "girls", None: "the mean of boys and girls"}

@@ -1,6 +1,5 @@
 """Comparison of the compiled infant with WHO's growth standards, by age."""
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -12,8 +11,9 @@ import numpy as np
 from mimoc import fits
 from mimoc.body.stature import Stature
 from mimoc.compiler.availability import refuse_unavailable
-from mimoc.compiler.validation.compiled import ROOT, Progress, compile_infant, own_solids, solid_extents
+from mimoc.compiler.validation.compiled import PRIMITIVES, ROOT, Progress, compile_infant, own_solids, solid_extents
 from mimoc.fits.who import REFERENCES, Reference, percentile
+from mimoc.geometry.primitives import girth
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.units import m_to_cm
@@ -169,7 +169,8 @@ def _arm_circumference_cm(model: mujoco.MjModel) -> float | None:
 
 
 def _girth_m(model: mujoco.MjModel, geom: str) -> float:
-    return 2 * math.pi * float(model.geom(geom).size[0])
+    shape = model.geom(geom)
+    return float(girth(PRIMITIVES[shape.type[0]], shape.size))
 
 
 def _standing_height_m(model: mujoco.MjModel) -> float:

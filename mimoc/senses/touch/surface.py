@@ -42,8 +42,8 @@ def outward(geom: Geom, points_m: FloatArray) -> FloatArray:
 
 
 def _radii_m(geom: Geom) -> FloatArray:
-    """Return radii, or half edges, along x, y and z."""
-    if geom.type == "box":
+    """Return radii, half axes or half edges along x, y and z."""
+    if geom.type in ("box", "ellipsoid"):
         return np.array(geom.size_m)
     radius_m = geom.size_m[0]
     return np.array((radius_m, radius_m, geom.size_m[1] if geom.type == "cylinder" else radius_m))

@@ -1,0 +1,176 @@
+"""Shapes, volumes and masses of a child's parts, by either law of development."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from mimoc.body.assembly import Anatomy
+from mimoc.body.density import masses, volumes
+from mimoc.body.dimensions import Dimensions
+from mimoc.body.maturing.feet import foot_height
+from mimoc.body.maturing.head import head_gain
+from mimoc.body.maturing.head_shape import head_dimensions
+from mimoc.body.maturing.masses import matured_masses, trunk_left
+from mimoc.body.maturing.parts import matured
+from mimoc.body.proportions import proportions
+from mimoc.body.scaling import check_limbs, check_trunk, scale_part
+from mimoc.body.segments import body_dimensions
+from mimoc.fits import Measurements
+
+SIDES = ("", "right", "left")
+
+Factors = tuple[float, float]
+"""Factors on the length and the girth of a part."""
+Scales = Mapping[str, Factors]
+"""By the name of the body."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solids:
+    """The geoms of the middle and of one side, by their names with `{side}`."""
+
+    dimensions: Dimensions
+    volumes_m3: Mapping[str, float]
+    masses_kg: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """Which shapes a child's measurements are made into."""
+
+    published: bool = False
+    """Whether they are MIMo's, whose volumes strength and masses follow."""
+    foot_height: float | None = None
+    """Height of the feet by the law `maturing`, relative to MIMo's, which changes the head too; None is neither."""
+
+
+MIMOS, MEASURED = Kind(published=True), Kind()
+
+
+@dataclass(frozen=True, slots=True)
+class Heavier:
+    """What the law `maturing` changes in the masses of a child, relative to the published law."""
+
+    head_gain: float
+    """Mass of head and neck."""
+    foot_height: float
+    """Height of the feet."""
+    trunk_left: float
+    """Mass of the trunk."""
+
+
+def published_solids(measurements: Measurements, anatomy: Anatomy, scales: Scales) -> dict[str, Solids]:
+    """Return MIMo's solids of each side, whose volumes strength and masses follow by either law.
+
+    They are never built, so nothing is wrong if they do not fit.
+
+    Args:
+        measurements: Measurements of the child.
+        anatomy: Its parts.
+        scales: Factors on single parts.
+    """
+    found = {}
+    for side in SIDES:
+        shapes = _shapes(measurements.published, anatomy, scales, side, MIMOS)
+        found[side] = Solids(*shapes, masses(anatomy, shapes[1]))
+    return found
+
+
+def measured_solids(
+    measurements: Measurements, anatomy: Anatomy, scales: Scales, published: Mapping[str, Solids]
+) -> dict[str, Solids]:
+    """Return the solids of each side that have the child's measurements, with MIMo's head and feet.
+
+    Args:
+        measurements: Measurements of the child.
+        anatomy: Its parts.
+        scales: Factors on single parts.
+        published: The same child's `published_solids`, whose masses they have.
+
+    Raises:
+        GeometryError: If no body has these measurements.
+    """
+    return {
+        side: Solids(*_shapes(measurements, anatomy, scales, side, MEASURED), published[side].masses_kg)
+        for side in SIDES
+    }
+
+
+def heavier_parts(measurements: Measurements, anatomy: Anatomy) -> Heavier:
+    """Return what the law `maturing` changes in the masses of a child, before its spec changes any single part.
+
+    Raises:
+        GeometryError: If head and feet would be too heavy.
+    """
+    child = measurements.unreplaced
+    gain, height = head_gain(child.age_months, anatomy.hands), foot_height(child.age_months, anatomy.hands)
+    _, published_m3 = _shapes(child.published, anatomy, {}, "", MIMOS)
+    _, volumes_m3 = _shapes(child, matured(anatomy), {}, "", Kind(foot_height=height))
+    left = trunk_left(matured(anatomy), masses(anatomy, published_m3), volumes_m3, gain)
+    return Heavier(gain, height, left)
+
+
+def matured_solids(
+    measurements: Measurements, anatomy: Anatomy, scales: Scales, published: Mapping[str, Solids], heavier: Heavier
+) -> dict[str, Solids]:
+    """Return the solids of each side, by the law `maturing`.
+
+    Args:
+        measurements: Measurements of the child.
+        anatomy: Its parts by this law.
+        scales: Factors on single parts.
+        published: The same child by the published law.
+        heavier: What is heavier and lighter.
+
+    Raises:
+        GeometryError: If no body has these measurements.
+    """
+    found = {}
+    for side in SIDES:
+        kind = Kind(foot_height=heavier.foot_height)
+        dimensions, volumes_m3 = _shapes(measurements, anatomy, scales, side, kind)
+        usual_kg = published[side].masses_kg
+        masses_kg = matured_masses(anatomy, usual_kg, volumes_m3, heavier.head_gain, heavier.trunk_left)
+        found[side] = Solids(dimensions, volumes_m3, masses_kg)
+    return found
+
+
+Shapes = tuple[Dimensions, Mapping[str, float]]
+"""Dimensions and volumes."""
+
+
+def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: str, kind: Kind) -> Shapes:
+    """Return the shapes from one side's measurements, or from both sides' if *side* is empty.
+
+    Args:
+        measurements: Measurements of the child.
+        anatomy: Its parts.
+        scales: Factors on single parts.
+        side: `left`, `right` or empty.
+        kind: Which shapes.
+    """
+    base = tuple((name, measured.value_m) for name, measured in measurements.base.items())
+    shapes = _unscaled(tuple(measurements.of_side(side).items()), base, anatomy, kind)
+    dimensions = shapes[0]
+    parts = [part for here, part in anatomy.parts if here in (side, "")] if scales else []
+    for part in parts:
+        if part.name.format(side=side) in scales:
+            dimensions = scale_part(dimensions, part.name, parts, *scales[part.name.format(side=side)])
+    if not kind.published:
+        check = check_limbs if side else check_trunk
+        check(dimensions)
+    return shapes if dimensions is shapes[0] else (dimensions, volumes(anatomy, dimensions))
+
+
+Values = tuple[tuple[str, float], ...]
+"""Measurements in m, by name."""
+
+
+@lru_cache(maxsize=16)
+def _unscaled(values: Values, base: Values, anatomy: Anatomy, kind: Kind) -> Shapes:
+    """Return the shapes of a body; both sides of most children are the same one."""
+    p = proportions(dict(values), dict(base), kind.published, kind.foot_height or 1.0)
+    dimensions = body_dimensions(p, anatomy.hands)
+    if kind.foot_height is not None:
+        dimensions |= head_dimensions(p)
+    return dimensions, volumes(anatomy, dimensions)
