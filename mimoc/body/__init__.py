@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mimoc.body.assembly import Anatomy, assemble
     from mimoc.body.child import grow_child, measure_child
+    from mimoc.body.figures import MotorFigures
     from mimoc.body.growth import grow, grow_reference
     from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint, Motor, Tendon
 
@@ -17,6 +18,7 @@ _HOMES = {
     "Geom": "mimoc.body.tree",
     "Joint": "mimoc.body.tree",
     "Motor": "mimoc.body.tree",
+    "MotorFigures": "mimoc.body.figures",
     "Tendon": "mimoc.body.tree",
     "assemble": "mimoc.body.assembly",
     "grow": "mimoc.body.growth",
@@ -34,6 +36,7 @@ __all__ = [
     "Geom",
     "Joint",
     "Motor",
+    "MotorFigures",
     "Tendon",
     "assemble",
     "grow",

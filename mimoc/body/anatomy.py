@@ -151,8 +151,8 @@ ARM = (
                 0.2684,
                 ("upper_arm_circumference", "shoulder_elbow_length", "forearm_circumference"),
                 "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; "
-                "nearer to the midline than its joint, so that shoulder_breadth is that over the arms, unless they touch the "
-                "chest",
+                "nearer to the midline than its joint, so that shoulder_breadth is that over the arms, unless they "
+                "touch the chest",
                 placed_by=SHOULDERS,
                 material="top_sleeve",
             ),

@@ -51,7 +51,8 @@ def trace_body(
             sized, placed = figures[geom.name].follows, figures[geom.name].placed_by
             sources = [_keys(names, side, measurements, here) for names in (sized, (*sized, *placed))]
             entries.update(_trace_shape(geom, figures[geom.name], *sources))
-            entries[f"geom.{geom.name}.mass"] = _trace_mass(geom, figures[geom.name], parts[body.name], tree)
+            mass = _trace_mass(geom, figures[geom.name], parts[body.name], tree, sources[0])
+            entries[f"geom.{geom.name}.mass"] = mass
         for joint in body.joints:
             law = _law(joint, hinges[joint.name], groups[joint.name], tree)
             entries.update(_trace_joint(joint, law, motors.get(joint.name)))
@@ -104,10 +105,10 @@ def _trace_shape(geom: Geom, figures: GeomFigures, sources: list[str], place: li
     yield f"{key}.pos", {"value": geom.pos_m, "unit": "m", "rule": figures.rule, "from": place, "xml": at + "/@pos"}
 
 
-def _trace_mass(geom: Geom, figures: GeomFigures, part: Part, tree: BodyTree) -> Entry:
-    text = f"{density(figures, tree.hands):.6g} kg/m3 x volume; {_weighing(figures, tree.hands)}"
-    usual = Rule(text, (f"geom.{geom.name}.size",))
-    rule = (tree.growth and mass_rule(geom, figures, part, tree.hands, tree.growth)) or usual
+def _trace_mass(geom: Geom, figures: GeomFigures, part: Part, tree: BodyTree, sources: list[str]) -> Entry:
+    solid = "volume of MIMo's solid with these measurements, by the growth law of the paper"
+    usual = Rule(f"{density(figures, tree.hands):.6g} kg/m3 x {solid}; {_weighing(figures, tree.hands)}", (*sources,))
+    rule = (tree.growth and mass_rule(geom, figures, part, tree.hands, tree.growth, sources)) or usual
     at = f"{_xml('geom', geom.name)}/@mass"
     return {"value": geom.mass_kg, "unit": "kg", "rule": rule.text, "from": list(rule.sources), "xml": at}
 

@@ -92,7 +92,7 @@ def _learners(
 
 
 def reaching(delay_ms: float) -> Bundle:
-    """Return the bundle of an infant with the task `reach` and the given delay of all its senses."""
+    """Return the paper's infant with the task `reach` and the given delay of all its senses."""
     spec = {
         "mimoc": 1,
         "name": "reaching",

@@ -81,7 +81,7 @@ class Measurements(Mapping[str, float]):
         return {name: own(name) for name in self.base}
 
     def scaled(self, factors: Mapping[str, float], why: str, given_by: tuple[str, ...]) -> "Measurements":
-        """Return the measurements of a child whose named ones differ by a factor, but for those by the paper's law.
+        """Return the measurements of a child whose named ones differ by a factor.
 
         Args:
             factors: By name.
@@ -99,7 +99,8 @@ class Measurements(Mapping[str, float]):
             else measured
             for name, measured in self.table.items()
         }
-        return replace(self, table=MappingProxyType(table), base=MappingProxyType(table))
+        paper = self.paper and self.paper.scaled(factors, why, given_by)
+        return replace(self, table=MappingProxyType(table), base=MappingProxyType(table), paper=paper)
 
     def replaced(self, given: Mapping[str, Measured]) -> "Measurements":
         """Return the measurements with some of them given, of both sides or of one."""

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 import mimoc
 from mimoc.body import assemble, grow_child, measure_child
+from mimoc.body.maturing.parts import matured
 from mimoc.fits import measure
+from mimoc.geometry.ellipsoids import ellipse_perimeter
 from mimoc.geometry.primitives import volume
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import LIMB_MEASUREMENTS, MEASUREMENTS, limb_bodies, trunk_bodies
@@ -19,10 +21,12 @@ from mimoc.schema.names import LIMB_MEASUREMENTS, MEASUREMENTS, limb_bodies, tru
 HANDS = ("mitten", "five_finger")
 UP, FORWARD, LEFT = np.eye(3)[[2, 0, 1]]
 INERT = {
-    "mitten": {"head_breadth", "head_length", "rump_sole_length", "middle_finger_diameter", "thumb_diameter"},
-    "five_finger": {"head_breadth", "head_length", "rump_sole_length", "maximum_fist_breadth"},
+    "mitten": {"rump_sole_length", "middle_finger_diameter", "thumb_diameter"},
+    "five_finger": {"rump_sole_length", "maximum_fist_breadth"},
 }
-"""What no part of a body follows: heads are round, and each kind of hand has its own measurements."""
+"""What no part of a body follows: each kind of hand has its own measurements."""
+HEAD_SHAPE = {"head_breadth", "head_length"}
+"""What shares out the head's circumference."""
 
 
 def spec(hands: str = "mitten", age_months: float = 9, **body) -> InfantSpec:
@@ -102,7 +106,7 @@ DIMENSIONS = {
     "forearm_circumference": girth("{side}_larm"),
     "hand_breadth": hand_breadth,
     "hand_length": hand_length,
-    "head_circumference": girth("head"),
+    "head_circumference": lambda infant, side: ellipse_perimeter(*infant.model.geom("head").size[:2]),
     "hip_breadth": across("lb"),
     "hip_circumference": radius("lb"),
     "knee_sole_length": between("{side}_lower_leg", "{side}_foot"),
@@ -131,10 +135,10 @@ IN_PROPORTION = {
 
 
 def test_every_measurement_is_tried():
-    assert DIMENSIONS.keys() == set(MEASUREMENTS) - {"head_breadth", "head_length", "rump_sole_length"}
+    assert DIMENSIONS.keys() == set(MEASUREMENTS) - {*HEAD_SHAPE, "rump_sole_length"}
 
 
-FOLLOWED = [(hands, name) for hands in HANDS for name in MEASUREMENTS if name not in INERT[hands]]
+FOLLOWED = [(hands, name) for hands in HANDS for name in MEASUREMENTS if name not in INERT[hands] | HEAD_SHAPE]
 
 
 @pytest.mark.parametrize("factor", [0.96, 1.05])
@@ -153,10 +157,20 @@ def test_a_measurement_is_found_on_the_compiled_body(infant_with, infant_at, han
             assert found_m == pytest.approx(value_m, abs=1e-4)
 
 
+@pytest.mark.parametrize("name", sorted(HEAD_SHAPE))
+def test_a_longer_or_broader_head_has_the_same_circumference(infant_with, infant_at, name):
+    child = {**measure(9), name: 1.05 * measure(9)[name]}
+    before = infant_at(9).model.geom("head").size
+    after = infant_with(measurements={f"{name}_cm": 100 * child[name]}).model.geom("head").size
+    assert after[0] / after[1] == pytest.approx(child["head_length"] / child["head_breadth"], rel=1e-6)
+    assert ellipse_perimeter(*after[:2]) == pytest.approx(ellipse_perimeter(*before[:2]), rel=1e-6)
+    assert after[2] == before[2]
+
+
 def followers(infant: InfantSpec, name: str, side: str = "") -> tuple[set[str], set[str]]:
     """Return the geoms and the bodies that say they follow a measurement, of one side or of all."""
     geoms, bodies = set(), set()
-    for here, part in assemble(infant.body.hands, infant.body.chest_joint).parts:
+    for here, part in matured(assemble(infant.body.hands, infant.body.chest_joint)).parts:
         if side in ("", here):
             bodies |= {part.name.format(side=here)} if name in part.follows else set()
             follow = [geom.name for geom in part.geoms if name in (*geom.follows, *geom.placed_by)]

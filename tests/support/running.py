@@ -1,6 +1,7 @@
-"""Infants that run: those of `configs/`, and those of a spec given as keywords."""
+"""Infants that run, each built once: those of `configs/`, and those of a spec given as keywords."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +15,36 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
-    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+    return built_once({**spec, **keys})
+
+
+def built_once(spec: mimoc.InfantSpec | dict[str, Any]) -> mimoc.Bundle:
+    """Return the bundle of a spec; bundles cannot be changed."""
+    wanted = mimoc.InfantSpec.model_validate(spec)
+    told = wanted.model_dump_json(exclude_unset=True)
+    if told not in _bundles:
+        _bundles[told] = mimoc.build(wanted)
+    return _bundles[told]
+
+
+_bundles: dict[str, mimoc.Bundle] = {}
+"""By what their specs say."""
+
+
+@cache
+def shipped(config: Path) -> mimoc.Bundle:
+    return mimoc.build(mimoc.load_spec(config))
 
 
 @pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)
 def config(request) -> mimoc.Bundle:
     """Return the bundle of each config that mimoc ships."""
-    return mimoc.build(mimoc.load_spec(request.param))
+    return shipped(request.param)
 
 
 @pytest.fixture(scope="session")
 def built() -> Callable[..., mimoc.Bundle]:
-    """Return what builds the spec given as keywords."""
+    """Return what builds the spec given as keywords, or gives what it built before, which cannot be changed."""
     return build
 
 

@@ -1,6 +1,6 @@
 """How the law `maturing` makes masses, for people, with the certainty of its sources."""
 
-import math
+from collections.abc import Sequence
 
 from mimoc.body.density import density
 from mimoc.body.figures import GeomFigures, Part
@@ -8,7 +8,6 @@ from mimoc.body.maturing.head import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS
 from mimoc.body.maturing.masses import NECK_SHARE
 from mimoc.body.maturing.rules import AGE_KEY, REFERENCE, Rule
 from mimoc.body.tree import Geom, Growth
-from mimoc.geometry.primitives import volume
 
 HEAD_KEY = "measurements.head_circumference_cm"
 HEAD_SHARES = (
@@ -17,7 +16,9 @@ HEAD_SHARES = (
 )
 
 
-def mass_rule(geom: Geom, figures: GeomFigures, part: Part, hands: str, growth: Growth) -> Rule | None:
+def mass_rule(
+    geom: Geom, figures: GeomFigures, part: Part, hands: str, growth: Growth, sources: Sequence[str]
+) -> Rule | None:
     """Return the rule of a geom's mass, or None where it is the published law's: density x volume.
 
     Args:
@@ -26,12 +27,13 @@ def mass_rule(geom: Geom, figures: GeomFigures, part: Part, hands: str, growth: 
         part: The body part it belongs to.
         hands: `mitten` or `five_finger`.
         growth: What the law made of the body.
+        sources: Keys of the measurements that its size comes from.
     """
     kg_per_m3 = density(figures, hands)
-    usual = f"{kg_per_m3:.6g} kg/m3 x its volume by the published law"
+    usual = f"{kg_per_m3:.6g} kg/m3 x volume of MIMo's solid with these measurements"
     if part.region == "trunk":
         text = f"{usual} x {growth.trunk_left:.6g}: the trunk gives what head, neck and feet gain (D)"
-        return Rule(text, (f"geom.{geom.name}.size", HEAD_KEY, AGE_KEY))
+        return Rule(text, (*sources, HEAD_KEY, AGE_KEY))
     if part.name == "head":
         share = NECK_SHARE if geom.name == "neck" else 1 - NECK_SHARE
         text = f"{share:g} x {growth.head_gain:.6g} x the head's mass by the published law, {HEAD_SHARES}"
@@ -39,6 +41,4 @@ def mass_rule(geom: Geom, figures: GeomFigures, part: Part, hands: str, growth: 
     if part.lies:
         text = f"{kg_per_m3:.6g} kg/m3 x volume; the density of {REFERENCE}, and higher than there"
         return Rule(text, (f"geom.{geom.name}.size",))
-    if not math.isclose(geom.mass_kg, kg_per_m3 * volume(geom.type, geom.size_m)):
-        return Rule(f"{usual}, whose legs are longer and feet lower", (f"geom.{geom.name}.size",))
     return None

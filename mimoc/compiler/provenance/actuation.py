@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from mimoc.actuation.setup import ActuationSetup, Origin
-from mimoc.body import Anatomy, BodyTree, Motor
-from mimoc.body.figures import MotorFigures
+from mimoc.body import Anatomy, BodyTree, Motor, MotorFigures
 from mimoc.body.maturing.mature import maturing_groups
 from mimoc.body.maturing.rules import force_range_rule, gear_rule
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry

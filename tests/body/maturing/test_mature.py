@@ -5,7 +5,6 @@ from itertools import pairwise
 import pytest
 
 from mimoc.body import assemble, grow
-from mimoc.body.maturing.head import head_gain
 from mimoc.body.maturing.joints import NEWBORN_REST_DEG
 from mimoc.fits import measure
 
@@ -35,7 +34,8 @@ def of_neck(name: str) -> bool:
 
 def test_at_18_months_motors_and_joints_are_mimos_except_that_the_neck_bears_a_heavier_head(bodies, anatomy):
     maturing, published = bodies[18]
-    gain = head_gain(18, anatomy.hands)
+    assert maturing.growth is not None
+    gain = maturing.growth.head_gain
     for ours, mimos in zip(maturing.motors, published.motors, strict=True):
         factor = gain if of_neck(ours.name) else 1
         assert ours.gear_nm == (mimos.gear_nm * gain if factor != 1 else mimos.gear_nm), ours.name
@@ -152,8 +152,9 @@ def test_passive_joints_grow_with_age_except_those_that_lose_their_tone(bodies):
                 assert before[name].stiffness_nm_per_rad < after[name].stiffness_nm_per_rad, (name, older)
 
 
-def test_heads_are_heavier_by_a_nearly_constant_factor(anatomy):
-    assert [head_gain(age, anatomy.hands) for age in AGES_MONTHS] == pytest.approx([1.45] * len(AGES_MONTHS), rel=0.02)
+def test_heads_are_heavier_by_a_nearly_constant_factor(bodies):
+    gains = [maturing.growth.head_gain for maturing, _ in bodies.values()]
+    assert gains == pytest.approx([1.45] * len(gains), rel=0.02)
 
 
 def test_a_taller_child_is_stronger_by_its_length_besides_its_volume(anatomy):
