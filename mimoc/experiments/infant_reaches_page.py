@@ -158,8 +158,8 @@ def _gain_with_age(own: Sequence[Group]) -> str:
     error = gains.std() / np.sqrt(len(gains))
     return (
         f"From {own[0].age_months:g} to {own[-1].age_months:g} months, for the same targets, the spectral arc length "
-        f"rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise of the age "
-        "account for a small part of what real infants gain in these months."
+        f"rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise of the "
+        "age account for a small part of what real infants gain in these months."
     )
 
 
