@@ -13,7 +13,7 @@ import mujoco
 from mimoc.milestones.infant import FloatArray
 
 INTERVAL_S = 0.005
-"""How often a prediction is made and a new command sent."""
+"""How often a prediction is made and a new command sent; at 20 ms the same infants fall a few months longer."""
 
 
 class Predictor:
