@@ -63,6 +63,7 @@ LAYERS = {
         "", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh PIL coacd fast_simplification platformdirs scipy"
     ),
     "compiler": layer("compiler compiler.*", BUILDING, "mujoco"),
+    "milestones": layer("milestones milestones.*", f"{BUILDING} compiler", "mujoco"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
     "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
@@ -73,17 +74,17 @@ LAYERS = {
     "recording": layer("recording recording.*", f"{RUNNING} rollout", "gymnasium av PIL mujoco"),
     "training": layer(
         "training training.* experiments experiments.* importers importers.*",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies",
         "gymnasium mujoco stable_baselines3 torch",
     ),
     "mimoc": layer(
         "__init__ environments registration",
-        f"{BUILDING} compiler {RUNNING} rollout recording training",
+        f"{BUILDING} compiler milestones {RUNNING} rollout recording training",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies recording training mimoc",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training mimoc",
         "typer rich",
     ),
 }

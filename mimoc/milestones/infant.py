@@ -1,0 +1,171 @@
+"""A compiled infant on a flat floor, and what a trial has to know of it."""
+
+import copy
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.bundle.model import in_subtrees
+from mimoc.compiler.validation.compiled import ROOT, compile_infant, solid_extents
+from mimoc.milestones.conditions import Conditions
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
+from mimoc.units import deg_to_rad
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+SIDES = ("left", "right")
+FIXED_ARMATURE = 1e6
+"""Armature of degrees of freedom that an apparatus holds, in [kg] and [kg m²]: a million times an infant's own."""
+GRAVITY_M_S2 = 9.81
+SMALL_GAP_M = 1e-4
+"""Penetration of the floor at the start, so that the first physics step already carries the infant."""
+
+
+@dataclass(frozen=True)
+class Infant:
+    """A model, and the hinges that its motors drive."""
+
+    model: mujoco.MjModel
+    joints: IntArray
+    """Index of each driven hinge, shape (n,), each once."""
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> "Infant":
+        """Return the infant of a model."""
+        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp))
+
+    @cached_property
+    def angles(self) -> IntArray:
+        """Where the angles of the driven hinges stand in `qpos`, shape (n,)."""
+        return self.model.jnt_qposadr[self.joints].astype(np.intp)
+
+    @cached_property
+    def dofs(self) -> IntArray:
+        """Where their speeds stand in `qvel`, shape (n,)."""
+        return self.model.jnt_dofadr[self.joints].astype(np.intp)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the driven hinges, without `robot:`."""
+        return tuple(self.model.joint(joint).name.removeprefix("robot:") for joint in self.joints)
+
+    @cached_property
+    def weight_n(self) -> float:
+        """Weight of the whole infant."""
+        return float(self.model.body_subtreemass[self.model.body(ROOT).id]) * GRAVITY_M_S2
+
+    @cached_property
+    def floor(self) -> int:
+        """Index of the floor's geom."""
+        return self.model.geom("floor").id
+
+    @cached_property
+    def solids(self) -> IntArray:
+        """Indices of the geoms that touch things."""
+        touching = (self.model.geom_contype | self.model.geom_conaffinity) > 0
+        own = self.model.body_rootid[self.model.geom_bodyid] == self.model.body(ROOT).id
+        return np.flatnonzero(own & touching).astype(np.intp)
+
+    @cached_property
+    def pushed(self) -> int:
+        """Index of the body that pushes act on."""
+        return self.model.body("chest" if self.has("chest") else "upper_body").id
+
+    def has(self, *bodies: str) -> bool:
+        """Return whether the infant has all of some body parts."""
+        return all(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name) >= 0 for name in bodies)
+
+    def parts_without(self, roots: Collection[str]) -> frozenset[int]:
+        """Return the bodies that are not among *roots* nor below them: those that must not touch the floor."""
+        ids = [self.model.body(name).id for name in roots if self.has(name)]
+        return frozenset(np.flatnonzero(~in_subtrees(self.model, ids)).tolist()) - {0}
+
+    def touching(self, data: mujoco.MjData, bodies: frozenset[int]) -> str:
+        """Return the name of one of some bodies that touches the floor, or nothing."""
+        geoms = data.contact.geom
+        others = geoms[(geoms == self.floor).any(axis=1)]
+        for geom in others[others != self.floor]:
+            body = int(self.model.geom_bodyid[geom])
+            if body in bodies:
+                return self.model.body(body).name
+        return ""
+
+    def fixed(self, dofs: Collection[int]) -> "Infant":
+        """Return an infant some of whose degrees of freedom are held by an apparatus."""
+        held = copy.copy(self.model)
+        held.dof_armature[list(dofs)] = FIXED_ARMATURE
+        return replace(self, model=held)
+
+    def root_dofs(self) -> range:
+        """Return the degrees of freedom of the hip in the world: three of translation, then three of rotation."""
+        return range(6)
+
+    def trunk_dofs(self) -> list[int]:
+        """Return the degrees of freedom of hip and trunk, without the head's."""
+        return [*self.root_dofs(), *self.dofs_of("lower_body", "upper_body", "chest")]
+
+    def dofs_of(self, *bodies: str) -> list[int]:
+        """Return the degrees of freedom of some bodies relative to their parents."""
+        ids = [self.model.body(name).id for name in bodies if self.has(name)]
+        return np.flatnonzero(np.isin(self.model.dof_bodyid, ids)).tolist()
+
+    def range_deg(self, joint: str) -> tuple[float, float]:
+        """Return the range of a hinge."""
+        low, high = np.degrees(self.model.joint(f"robot:{joint}").range)
+        return float(low), float(high)
+
+    def place(
+        self, data: mujoco.MjData, pitch_deg: float, angles_deg: Mapping[str, float], above_m: float = 0.0
+    ) -> None:
+        """Set a posture at rest, its lowest point on the floor or above it.
+
+        Args:
+            data: State to set.
+            pitch_deg: Rotation of the hip about y: 90 is face down, -90 face up.
+            angles_deg: Angles by joint, without `robot:`, clipped to the ranges; `{side}` stands for both sides. Joints
+                that this infant lacks are left out.
+            above_m: Height of the lowest point above the floor.
+        """
+        mujoco.mj_resetData(self.model, data)
+        for pattern, angle_deg in angles_deg.items():
+            for name in dict.fromkeys("robot:" + pattern.format(side=side) for side in SIDES):
+                joint = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)
+                if joint >= 0:
+                    low, high = self.model.jnt_range[joint]
+                    data.qpos[self.model.jnt_qposadr[joint]] = min(max(deg_to_rad(angle_deg), low), high)
+        half = deg_to_rad(pitch_deg) / 2
+        data.qpos[:7] = (0.0, 0.0, 0.0, np.cos(half), 0.0, np.sin(half), 0.0)
+        mujoco.mj_kinematics(self.model, data)
+        data.qpos[2] = above_m - self.lowest_m(data) - SMALL_GAP_M
+        mujoco.mj_forward(self.model, data)
+
+    def lowest_m(self, data: mujoco.MjData, part: str | None = None) -> float:
+        """Return the height of the lowest point of a body part, or of the whole infant."""
+        geoms = self.solids
+        if part:
+            geoms = geoms[self.model.geom_bodyid[geoms] == self.model.body(part).id]
+        up = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, 2]
+        return float(np.min(data.geom_xpos[geoms, 2] - solid_extents(self.model, geoms).along(up)))
+
+
+def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> Infant:
+    """Return the infant of a spec at some age, alone on a flat floor, all of its muscles at its command.
+
+    Raises:
+        SpecError: If the spec asks for what this version cannot build.
+    """
+    own = spec.actuation
+    pairs = {side: pair for pair, sides in PAIRED_GROUPS.items() for side in sides}
+    strength = {
+        group: conditions.strength * own.strength.get(group, own.strength.get(pairs.get(group, group), 1.0))
+        for group in STRENGTH_GROUPS
+        if group not in PAIRED_GROUPS
+    }
+    actuation = own.model_copy(update={"strength": strength, "regions": None, "locked": ()})
+    return Infant.of(compile_infant(spec.model_copy(update={"age_months": age_months, "actuation": actuation})))

@@ -1,0 +1,75 @@
+"""From wanted torques at the joints to the controls of motors, servos or muscles, through their activation filters."""
+
+import mujoco
+import numpy as np
+
+from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.mujoco_layout import TIME_CONSTANT, AffineBias
+
+LEAST_NM = 1e-9
+"""Torque at full activation below which an actuator counts as powerless."""
+
+
+class Motors:
+    """Inverts MuJoCo's actuators, the torque of which is linear in their activation.
+
+    A filtered actuator gets the control whose filter arrives at the wanted activation after one physics step, or comes
+    as near as the range of its control allows. Of two antagonistic muscles one pulls and the other rests.
+    """
+
+    def __init__(self, infant: Infant):
+        """Find the actuators of each driven hinge of an infant."""
+        model = infant.model
+        self._model = model
+        self._slot = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
+        self._count = len(infant.joints)
+        self._gear = model.actuator_gear[:, 0].copy()
+        self._low, self._high = model.actuator_ctrlrange.T
+        self._muscles = bool((model.actuator_gaintype == mujoco.mjtGain.mjGAIN_MUSCLE).any())
+        self._gain = model.actuator_gainprm[:, 0]
+        self._bias = AffineBias(*(model.actuator_biasprm[:, column] for column in range(len(AffineBias._fields))))
+        filtered = np.flatnonzero(model.actuator_dyntype != mujoco.mjtDyn.mjDYN_NONE)
+        self._filtered, self._states = filtered, model.actuator_actadr[filtered]
+        times_s = model.actuator_dynprm[filtered, TIME_CONSTANT]
+        self._arriving = 1.0 - np.exp(-model.opt.timestep / times_s)
+
+    def controls(self, scratch: mujoco.MjData, activations: FloatArray, torques_nm: FloatArray) -> FloatArray:
+        """Return the controls, shape (nu,), that give torques at the driven hinges, as far as strength allows.
+
+        Args:
+            scratch: State of the same model, its positions and speeds computed; its activations are overwritten.
+            activations: `act` of the infant now.
+            torques_nm: Torque at each driven hinge, shape (n,).
+        """
+        wanted = torques_nm[self._slot]
+        full, at_rest = self._of_muscles(scratch) if self._muscles else self._of_motors(scratch)
+        able = np.abs(full) > LEAST_NM
+        level = np.divide(self._clipped(wanted) - at_rest, full, out=np.zeros_like(full), where=able)
+        level = np.clip(level, self._low, self._high)
+        if self._filtered.size:
+            now = activations[self._states]
+            level[self._filtered] = now + (level[self._filtered] - now) / self._arriving
+        return np.clip(level, self._low, self._high)
+
+    def _clipped(self, torques_nm: FloatArray) -> FloatArray:
+        """Return torques within the limits of motors, so that no activation winds up beyond them."""
+        if self._muscles:
+            return torques_nm
+        ends = self._model.actuator_forcerange * self._gear[:, None]
+        return np.clip(torques_nm, ends[:, 0], ends[:, 1])
+
+    def _of_motors(self, scratch: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+        """Return each motor's or servo's torque per activation, and what it gives at zero activation."""
+        bias = self._bias
+        at_rest = bias.at_zero + bias.by_length * scratch.actuator_length + bias.by_velocity * scratch.actuator_velocity
+        return self._gain * self._gear, at_rest * self._gear
+
+    def _of_muscles(self, scratch: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+        """Return the torque of each muscle's activation, and what all muscles of its hinge give at rest."""
+        torques = []
+        for level in (1.0, 0.0):
+            scratch.act[:] = level
+            mujoco.mj_fwdActuation(self._model, scratch)
+            torques.append(scratch.actuator_force * self._gear)
+        at_rest = np.bincount(self._slot, weights=torques[1], minlength=self._count)
+        return torques[0] - torques[1], at_rest[self._slot]

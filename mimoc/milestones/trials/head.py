@@ -1,0 +1,90 @@
+"""Lifting the head: lying on the belly, being pulled to sit, lying on the back."""
+
+from collections.abc import Iterator, Mapping
+
+import mujoco
+import numpy as np
+
+from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.milestones.trial import Attempt, Trial, steady
+from mimoc.milestones.upright import elevation_deg
+from mimoc.units import deg_to_rad
+
+PRONE_S, PRONE_HELD_S = 5.0, 3.0
+PRONE_RAISED_DEG = 45.0
+"""How far the face has to be turned up from straight down: "head up 45 degrees" of Denver II."""
+RAISED_S = 3.0
+MOST_LAG_DEG = 20.0
+"""How far the head may stay behind the trunk while it is raised."""
+SUPINE_S, SUPINE_HELD_S = 3.0, 1.0
+SUPINE_RAISED_DEG = 45.0
+"""How far the face has to be turned forward from straight up."""
+ELBOWS_DEG = {"at the sides": 0.0, "bent": -90.0}
+
+
+def _prone(infant: Infant) -> Iterator[Attempt]:
+    head = infant.model.body("head").id
+
+    def check(data: mujoco.MjData) -> str:
+        return "" if elevation_deg(data, head) >= PRONE_RAISED_DEG - 90.0 else "head too low"
+
+    for arms, elbow_deg in ELBOWS_DEG.items():
+        data = mujoco.MjData(infant.model)
+        infant.place(data, 90.0, {"{side}_foot1": -50.0, "{side}_elbow": elbow_deg, "head_tilt": -10.0})
+        yield Attempt(
+            infant,
+            data.qpos.copy(),
+            steady(_turned(infant, data, {"head_tilt": -65.0})),
+            PRONE_S,
+            check,
+            checked_from_s=PRONE_S - PRONE_HELD_S,
+            strategy=f"arms {arms}",
+        )
+
+
+def _raised(infant: Infant) -> Iterator[Attempt]:
+    held = infant.fixed(infant.trunk_dofs())
+    tilt = int(infant.model.joint("robot:head_tilt").qposadr[0])
+    data = mujoco.MjData(infant.model)
+    infant.place(data, -90.0, {"{side}_hip1": -40.0, "{side}_knee": -40.0})
+    lying = data.qpos.copy()
+
+    def raise_trunk(data: mujoco.MjData, time_s: float) -> None:
+        """Turn the trunk about the hip, from lying to upright, at an even rate."""
+        rate_rad_s = deg_to_rad(90.0) / RAISED_S
+        half = (deg_to_rad(-90.0) + rate_rad_s * time_s) / 2
+        data.qpos[:7] = (*lying[:3], np.cos(half), 0.0, np.sin(half), 0.0)
+        data.qvel[:6] = (0.0, 0.0, 0.0, 0.0, rate_rad_s, 0.0)
+
+    def check(data: mujoco.MjData) -> str:
+        lag_deg = -float(np.degrees(data.qpos[tilt]))
+        return f"head lags by {lag_deg:.0f}°" if lag_deg > MOST_LAG_DEG else ""
+
+    yield Attempt(
+        held, lying, steady(_turned(infant, data, {"head_tilt": 10.0})), RAISED_S, check, apparatus=raise_trunk
+    )
+
+
+def _supine(infant: Infant) -> Iterator[Attempt]:
+    head = infant.model.body("head").id
+    data = mujoco.MjData(infant.model)
+    infant.place(data, -90.0, {"{side}_hip1": -50.0, "{side}_knee": -70.0})
+
+    def check(data: mujoco.MjData) -> str:
+        return "" if elevation_deg(data, head) <= 90.0 - SUPINE_RAISED_DEG else "head too low"
+
+    target = steady(_turned(infant, data, {"head_tilt": 60.0}))
+    yield Attempt(infant, data.qpos.copy(), target, SUPINE_S, check, checked_from_s=SUPINE_S - SUPINE_HELD_S)
+
+
+def _turned(infant: Infant, data: mujoco.MjData, angles_deg: Mapping[str, float]) -> FloatArray:
+    """Return the angles of the driven hinges in a state, but for some, shape (n,)."""
+    target = data.qpos[infant.angles].copy()
+    for name, angle_deg in angles_deg.items():
+        target[infant.joint_names.index(name)] = deg_to_rad(angle_deg)
+    return target
+
+
+PRONE_HEAD = Trial("prone_head", "lying on its belly, lifts the head to 45° for 3 s", _prone)
+HEAD_LAG = Trial("no_head_lag", "raised to sitting in 3 s, the head lags by less than 20°", _raised)
+SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° for 1 s", _supine)
