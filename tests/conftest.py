@@ -23,6 +23,7 @@ from mimoc.compiler.validation import compile_infant
 pytest_plugins = [
     "support.commands",
     "support.cpu_times",
+    "support.drawing",
     "support.driven",
     "support.registering",
     "support.running",

@@ -15,7 +15,7 @@ from mimoc.body.maturing.parts import matured
 from mimoc.body.proportions import proportions
 from mimoc.body.scaling import check_limbs, check_trunk, scale_part
 from mimoc.body.segments import body_dimensions
-from mimoc.fits import Measurements, measure
+from mimoc.fits import Measurements
 
 SIDES = ("", "right", "left")
 
@@ -103,19 +103,11 @@ def heavier_parts(measurements: Measurements, anatomy: Anatomy) -> Heavier:
         GeometryError: If head and feet would be too heavy.
     """
     child = measurements.unreplaced
-    gain, height = _by_age(child.age_months, anatomy)
+    gain, height = head_gain(child.age_months, anatomy.hands), foot_height(child.age_months, anatomy.hands)
     _, published_m3 = _shapes(child.published, anatomy, {}, "", MIMOS)
     _, volumes_m3 = _shapes(child, matured(anatomy), {}, "", Kind(foot_height=height))
     left = trunk_left(matured(anatomy), masses(anatomy, published_m3), volumes_m3, gain)
     return Heavier(gain, height, left)
-
-
-@lru_cache(maxsize=64)
-def _by_age(age_months: float, anatomy: Anatomy) -> tuple[float, float]:
-    """Return head_gain and foot_height of an age."""
-    average = measure(age_months)
-    published_kg = masses(anatomy, _shapes(average.published, anatomy, {}, "", MIMOS)[1])
-    return head_gain(age_months, anatomy, published_kg), foot_height(average, anatomy.hands)
 
 
 def matured_solids(

@@ -255,7 +255,7 @@ def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) ->
     return MotorNoise(noise.motor, ms_to_s(noise.low_pass_ms), ms_to_s(timing.timestep_ms), actuation, streams)
 
 
-def _merged(delayed: Sequence[DelayedSamples]) -> Sample:
+def _merged(delayed: Sequence[Samples]) -> Sample:
     """Return what has arrived of all parts of a sense as one sample."""
     if len(delayed) == 1:
         return delayed[0].arrived

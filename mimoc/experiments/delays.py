@@ -1,6 +1,6 @@
-"""Effects of sensory delays on learning to reach and on smoothness (López et al. 2025, figure 4)."""
+"""Effects of delays on reaching: on learning (López et al. 2025, figure 4), and on the movements of infants."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -9,6 +9,8 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.experiments.delays_page import sections
+from mimoc.experiments.infant_reaches import DELAYS, reach_at_ages, write_reaches
+from mimoc.experiments.infant_reaches_page import infant_sections
 from mimoc.experiments.learner import Learner, detour, smoothness
 from mimoc.experiments.notebook import Notebook
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
@@ -30,6 +32,12 @@ SHOWN = 4
 """Number of balls whose hand paths are plotted, for the infants of the first seed."""
 FIRST_BALL = 1000
 """Seed of the first ball, which is not the seed of any training run."""
+MONTHS: Sequence[float] = (4, 6, 9)
+"""Ages of the infants whose reaches are compared with those of real ones."""
+REACHES, QUICK_REACHES = 30, 4
+"""Number of reaches of each, with each delay."""
+REACH_S = 3.0
+"""Simulated time after which a reach is given up."""
 BINS = 25
 """Number of bins of a plotted learning curve."""
 
@@ -37,41 +45,49 @@ BINS = 25
 def run(notebook: Notebook) -> Path:
     """Train infants with each delay (or resume interrupted runs), compare them, and return the path of the report."""
     steps, seeds = (QUICK_STEPS, QUICK_SEEDS) if notebook.quick else (STEPS, SEEDS)
-    learners = list(_learners(notebook, steps, seeds))
+    infants = len(MONTHS) * len(DELAYS)
+    total = infants + steps * len(seeds) * len(DELAYS_MS)
+    groups = reach_at_ages(
+        MONTHS,
+        QUICK_REACHES if notebook.quick else REACHES,
+        REACH_S,
+        lambda done: notebook.progress(done, total),
+    )
+    write_reaches(notebook, groups)
+    learners = list(_learners(notebook, steps, seeds, lambda done: notebook.progress(infants + done, total)))
     _write_tables(notebook, learners)
     panels = [_learning_panel(learners), _path_panel(learners), _smoothness_panel(learners)]
     notebook.write_picture("delays.png", png(draw_panels(panels)))
+    numbers = {"age": AGE_MONTHS, "motor": MOTOR_MS, "steps": steps, "seeds": len(seeds)}
+    learning = sections(_by_delay(learners), **numbers, episodes=EPISODES, shown=SHOWN)
     return notebook.write_page(
         "Delays",
-        sections(
-            _by_delay(learners),
-            age=AGE_MONTHS,
-            motor=MOTOR_MS,
-            steps=steps,
-            seeds=len(seeds),
-            episodes=EPISODES,
-            shown=SHOWN,
-        ),
+        (*learning, *infant_sections(groups, REACH_S)),
         seeds=f"Seeds: {', '.join(map(str, seeds))} for training, {FIRST_BALL} and up for the balls.",
         libraries=["gymnasium", "stable-baselines3", "torch", "matplotlib"],
     )
 
 
-def _learners(notebook: Notebook, steps: int, seeds: Sequence[int]) -> Iterator[Learner]:
-    """Yield each trained infant; each training run has a folder of its own, in which it can be resumed."""
+def _learners(
+    notebook: Notebook, steps: int, seeds: Sequence[int], progress: Callable[[int], None]
+) -> Iterator[Learner]:
+    """Yield each trained infant; each training run has a folder of its own, in which it can be resumed.
+
+    Progress is called with the number of steps done.
+    """
     wanted = [(delay_ms, seed) for seed in seeds for delay_ms in DELAYS_MS]
     for number, (delay_ms, seed) in enumerate(wanted):
         bundle = reaching(delay_ms)
         folder = notebook.folder / f"delay_{delay_ms:g}ms_seed_{seed}"
 
         def report(done: int, total: int, before: int = number * steps) -> None:
-            notebook.progress(before + min(done, steps), len(wanted) * steps)
+            progress(before + min(done, steps))
 
         training = train(bundle, folder, steps=steps, seed=seed, progress=report)
         with closing(InfantEnv(bundle)) as env:
             follow = _effector(bundle)
             reaches = evaluate(env, load_policy(training.policy), EPISODES, seed=FIRST_BALL, follow=follow)
-        notebook.progress((number + 1) * steps, len(wanted) * steps)
+        progress((number + 1) * steps)
         yield Learner(delay_ms, seed, training, reaches)
 
 
@@ -81,6 +97,7 @@ def reaching(delay_ms: float) -> Bundle:
         "mimoc": 1,
         "name": "reaching",
         "age_months": AGE_MONTHS,
+        "development": "published",
         "senses": {"proprioception": {"include": ["velocity"]}},
         "delays": {"sensory_ms": float(delay_ms), "motor_ms": MOTOR_MS},
         "task": {"kind": "reach"},

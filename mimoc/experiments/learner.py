@@ -6,7 +6,7 @@ from statistics import fmean
 
 import numpy as np
 
-from mimoc.experiments.smoothness import log_dimensionless_jerk, spectral_arc_length
+from mimoc.experiments.smoothness import log_dimensionless_jerk, path_ratio, spectral_arc_length
 from mimoc.training import Episode, Training
 from mimoc.units import ms_to_s
 
@@ -67,8 +67,7 @@ def smoothness(episode: Episode) -> tuple[float, float]:
 def detour(episode: Episode) -> float:
     """Return the ratio of the hand's path length to the straight distance from start to end."""
     assert episode.path_m is not None
-    length_m = np.linalg.norm(np.diff(episode.path_m, axis=0), axis=1).sum()
-    return float(length_m / np.linalg.norm(episode.path_m[-1] - episode.path_m[0]))
+    return path_ratio(episode.path_m)
 
 
 def _median(values: Sequence[float]) -> float:

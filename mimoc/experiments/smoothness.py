@@ -13,6 +13,35 @@ PADDING = 4
 """Parameters of the spectral arc length: cut-off frequency, threshold of the magnitude, and number of powers of two by
 which the speed is zero-padded (Balasubramanian et al. 2015)."""
 
+UNIT_M_S = 0.05
+"""Change of speed that counts as an acceleration or a deceleration: chosen here, to leave out ripples that a video of
+infants, whose hands move at .2 to .4 m/s, would not show."""
+
+
+def movement_units(path_m: FloatArray, step_s: float, least_m_s: float = UNIT_M_S) -> int:
+    """Return the number of movement units: an acceleration, and the deceleration that follows (von Hofsten 1979).
+
+    A deceleration at the end, at which a target is hit, is not needed to complete the last unit.
+
+    Args:
+        path_m: Positions at regular intervals, shape (n, 3).
+        step_s: Interval between positions.
+        least_m_s: Change of speed below which neither is counted.
+    """
+    count, is_rising, turned = 0, False, 0.0
+    for speed in (np.linalg.norm(np.diff(path_m, axis=0), axis=1) / step_s).tolist():
+        turned = max(turned, speed) if is_rising else min(turned, speed)
+        if abs(speed - turned) >= least_m_s:
+            is_rising, turned = not is_rising, speed
+            count += is_rising
+    return count
+
+
+def path_ratio(path_m: FloatArray) -> float:
+    """Return the length of a path by the straight distance from its start to its end."""
+    length_m = np.linalg.norm(np.diff(path_m, axis=0), axis=1).sum()
+    return float(length_m / np.linalg.norm(path_m[-1] - path_m[0]))
+
 
 def log_dimensionless_jerk(path_m: FloatArray, step_s: float) -> float:
     """Return the log dimensionless jerk of a movement, which is larger for smoother movements; NaN without motion.

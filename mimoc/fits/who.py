@@ -53,11 +53,16 @@ class GrowthStandard:
         """
         day = months_to_days(age_months)
         sexes = SEXES if reference == "mean" else (reference,)
-        power, median, variation = (
-            float(np.mean([np.interp(day, self.tables[sex][:, 0], self.tables[sex][:, column]) for sex in sexes]))
-            for column in (1, 2, 3)
-        )
-        return _Distribution(power, median, variation)
+        return _Distribution(*np.mean([_interpolated(day, self.tables[sex]) for sex in sexes], axis=0).tolist())
+
+
+def _interpolated(day: float, table: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the row of a table at a day, without the day: as `numpy.interp` would, but all columns at once."""
+    after = int(table[:, 0].searchsorted(day, side="right"))
+    if after in (0, len(table)):
+        return table[max(after - 1, 0), 1:]
+    (first_day, first), (last_day, last) = ((row[0], row[1:]) for row in table[after - 1 : after + 1])
+    return first + (last - first) / (last_day - first_day) * (day - first_day)
 
 
 def percentile(z: float) -> float:

@@ -15,7 +15,8 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.errors import TrainingError
-from mimoc.render.plots.learning import curves_png, draw_curves
+from mimoc.render.plots.figure import require_matplotlib
+from mimoc.render.plots.learning import curves_png
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import make_agent, start_interval
@@ -105,7 +106,7 @@ def train(
     bundle = pipeline.compiled(source)
     open_env = partial(_open_one, bundle, task, senses or {})
     check_learnable(bundle)
-    draw_curves({})  # Fails now, not after hours of training, if matplotlib is missing.
+    require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     report = progress or (lambda done, total: None)
     with open_run_folder(out, settings, bundle, force=force) as folder:
         before = _read_progress(folder)

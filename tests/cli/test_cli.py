@@ -50,8 +50,8 @@ def test_validate_prints_every_month_and_a_verdict(invoke, here):
     assert "ok: within one SD" in done.out
 
 
-def test_validate_gives_numbers_to_other_programs(invoke, here):
-    done = invoke("validate", SPEC, "--json", "--plot", "growth.png")
+def test_validate_gives_numbers_to_other_programs(invoke, here, one_age):
+    done = invoke("validate", one_age, "--json", "--plot", "growth.png")
     report = json.loads(done.out)
     assert (done.code, done.err, report["within_one_sd"]) == (0, "", True)
     assert {"length_cm", "weight_kg", "head_circumference_cm"} <= report["worst"].keys()
@@ -171,7 +171,7 @@ BAD_INPUT = {
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
     "an unknown standard": ("validate --against cdc", "'cdc' is not a growth standard; choose from who"),
     "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
-    "a plot into a missing folder": ("validate --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
+    "a plot into a missing folder": ("validate one.yaml --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
     "no bundle": ("run nowhere", "nowhere: there is no such folder"),
     "a folder that is no bundle": ("check folder", "folder: this is not a bundle"),
     "a file for a bundle": (
@@ -228,24 +228,27 @@ def everything_in(folder):
 
 
 @pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built):
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, built, one_age):
     (here / "bad.yaml").write_text("mimoc: 1\nname: x\nage_months: 99\n")
     (here / "handless.yaml").write_text(
         "mimoc: 1\nname: x\nage_months: 9\nbody: {remove: [right_hand]}\ntask: {kind: reach}\n"
     )
+    (here / "one.yaml").write_text(one_age.read_text())
     (here / "baby.yml").write_text("touch: maybe\n")
     (here / "calm.yml").write_text("touch: true\n")
     (here / "calm.yaml").write_text("mimoc: 1\nname: x\nage_months: 9\nscene: {kind: crib}\n")
     (here / "folder").mkdir()
     (here / "folder" / "thesis.tex").touch()
     (here / "folder.png").mkdir()
-    for name in ("out", "damaged", "lacking"):
-        shutil.copytree(built, here / name)
-    with (here / "damaged" / "infant.xml").open("a") as file:
-        file.write("\n")
-    (here / "lacking" / "scene.xml").unlink()
-    before = everything_in(here)
     command, message = BAD_INPUT[case]
+    for name in {"out", "damaged", "lacking"} & set(command.split()):
+        shutil.copytree(built, here / name)
+    if "damaged" in command:
+        with (here / "damaged" / "infant.xml").open("a") as file:
+            file.write("\n")
+    if "lacking" in command:
+        (here / "lacking" / "scene.xml").unlink()
+    before = everything_in(here)
     done = invoke(*shlex.split(command))
     assert done.code == 2
     assert message in " ".join(done.err.replace("│", " ").split())

@@ -2,6 +2,7 @@
 
 import os
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,9 @@ from support.commands import Outcome
 
 import mimoc
 from mimoc import cli
+from mimoc.experiments import growth
+from mimoc.training import hyperparameters
+from mimoc.training.hyperparameters import HYPERPARAMETERS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
@@ -31,7 +35,12 @@ def test_the_help_of_each_command_has_an_example(invoke, command, option):
 
 
 @pytest.mark.slow
-def test_the_examples_work_as_they_are_printed(invoke, here):
+def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
+    """Those that train and that experiment do less of it than elsewhere."""
+    ppo = HYPERPARAMETERS["ppo"]
+    brief = {"n_steps": replace(ppo["n_steps"], default=32), "n_epochs": replace(ppo["n_epochs"], default=1)}
+    monkeypatch.setattr(hyperparameters, "HYPERPARAMETERS", {"ppo": ppo | brief})
+    monkeypatch.setattr(growth, "QUICK_MONTHS", (6,))
     (here / "configs").symlink_to(CONFIGS)
     for command in COMMANDS.values():
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))

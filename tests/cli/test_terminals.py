@@ -8,7 +8,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from support.commands import finished, process
+from support.commands import finished, finished_together, process
 
 import mimoc
 
@@ -52,10 +52,16 @@ def drained(terminal: int) -> bytes:
 
 @pytest.mark.parametrize(
     "arguments",
-    ["validate --json", "validate", "explain {built} body.left_foot.mass", "run {built} --steps 3", "check {built}"],
+    [
+        "validate {one_age} --json",
+        "validate {one_age}",
+        "explain {built} body.left_foot.mass",
+        "run {built} --steps 3",
+        "check {built}",
+    ],
 )
-def test_a_broken_pipe_is_no_error(arguments, built):
-    with process(*shlex.split(arguments.format(built=built))) as running:
+def test_a_broken_pipe_is_no_error(arguments, built, one_age):
+    with process(*shlex.split(arguments.format(built=built, one_age=one_age))) as running:
         running.stdout.close()
         errors = running.stderr.read()
     assert errors == ""
@@ -68,19 +74,26 @@ def test_a_broken_pipe_is_no_error(arguments, built):
     ids=["ascii", "C locale"],
 )
 def test_a_terminal_without_unicode_is_no_error(environment, built, here):
-    for arguments in (["build", SPEC, "-o", "säugling"], ["run", built, "--steps", 3], ["build", "--help"]):
-        done = finished(*arguments, **environment)
+    *well, refused = finished_together(
+        ["build", SPEC, "-o", "säugling"],
+        ["run", built, "--steps", 3],
+        ["build", "--help"],
+        ["check", "söugling"],
+        **environment,
+    )
+    for done in well:
         assert (done.code, done.err) == (0, "")
         assert done.out
-    refused = finished("check", "söugling", **environment)
     assert refused.code == 2
     assert len(refused.err.splitlines()) == 1
     assert mimoc.read_bundle("säugling")
 
 
-@pytest.mark.parametrize("command", ["validate", "run {built} --steps 3", "check {built}", "explain {built} spec.name"])
-def test_a_pipe_gets_plain_text(invoke, command, built):
-    done = invoke(*shlex.split(command.format(built=built)))
+@pytest.mark.parametrize(
+    "command", ["validate {one_age}", "run {built} --steps 3", "check {built}", "explain {built} spec.name"]
+)
+def test_a_pipe_gets_plain_text(invoke, command, built, one_age):
+    done = invoke(*shlex.split(command.format(built=built, one_age=one_age)))
     assert done.out
     assert ESCAPE not in done.out + done.err
 

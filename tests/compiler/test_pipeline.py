@@ -12,6 +12,7 @@ import pytest
 import yaml
 from lxml import etree
 from PIL import Image
+from support.running import shipped
 
 import mimoc
 from mimoc.compiler import building
@@ -48,7 +49,7 @@ def config(request) -> Path:
 
 @pytest.fixture(scope="module")
 def built(config) -> mimoc.Bundle:
-    return mimoc.build(mimoc.load_spec(config))
+    return shipped(config)
 
 
 def test_the_files_are_those_of_a_bundle(built):

@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.experiments.smoothness import log_dimensionless_jerk, spectral_arc_length
+from mimoc.experiments.smoothness import (
+    UNIT_M_S,
+    log_dimensionless_jerk,
+    movement_units,
+    path_ratio,
+    spectral_arc_length,
+)
 
 MEASURES = (log_dimensionless_jerk, spectral_arc_length)
 
@@ -50,3 +56,35 @@ def test_a_tremor_is_less_smooth(measure, tremor_m, tremors_hz):
 def test_what_does_not_move_has_no_smoothness(measure):
     assert np.isnan(measure(np.ones((50, 3)), 0.01))
     assert np.isnan(measure(minimum_jerk()[:3], 0.01))
+
+
+def in_a_row(paths: list[np.ndarray]) -> np.ndarray:
+    """Return movements one after another, each from where the one before ended."""
+    ends = np.cumsum([np.zeros(3), *(path[-1] for path in paths)], axis=0)
+    return np.concatenate([path[1:] + end for path, end in zip(paths, ends, strict=False)])
+
+
+@given(st.lists(st.floats(0.05, 0.3), min_size=1, max_size=6))
+def test_every_movement_that_starts_and_stops_is_a_unit(distances_m):
+    path = in_a_row([minimum_jerk(distance_m, steps=40) for distance_m in distances_m])
+    assert movement_units(path, 0.01) == len(distances_m)
+
+
+def test_a_movement_that_is_cut_off_at_its_target_is_still_a_unit():
+    assert movement_units(minimum_jerk(steps=40)[:25], 0.01) == 1
+
+
+@given(st.floats(0.0, 0.9 * UNIT_M_S), st.floats(1, 6))
+def test_ripples_of_less_than_the_least_change_of_speed_are_not_counted(height_m_s, cycles):
+    speeds = 0.3 + height_m_s / 2 * np.sin(2 * np.pi * cycles * np.linspace(0, 1, 200))
+    path = np.cumsum(speeds * 0.01)[:, None] * np.array([1.0, 0.0, 0.0])
+    assert movement_units(path, 0.01) == 1
+
+
+@given(st.floats(0, np.pi))
+def test_the_path_ratio_of_an_arc_is_its_length_by_its_chord(half_rad):
+    angles = np.linspace(-half_rad, half_rad, 500) if half_rad < 3 else np.linspace(-3, 3, 500)
+    arc = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    half = angles[-1]
+    if half > 0.01:
+        assert path_ratio(arc) == pytest.approx(half / np.sin(half), rel=1e-3)

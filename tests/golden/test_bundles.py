@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from lxml import etree
+from support.running import shipped
 from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
 
 import mimoc
@@ -51,7 +52,7 @@ def approved(snapshot):
 
 @pytest.fixture(scope="module", params=CONFIGS, ids=lambda path: path.stem)
 def bundle(request) -> mimoc.Bundle:
-    return mimoc.build(mimoc.load_spec(request.param))
+    return shipped(request.param)
 
 
 def canonical(xml: bytes) -> str:

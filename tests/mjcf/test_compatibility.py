@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.spaces import Box
+from support.running import shipped
 from typer.testing import CliRunner
 
 import mimoc
@@ -62,7 +63,7 @@ def looked_up(hands: str) -> dict[str, list[str]]:
 def pair(request) -> tuple[mimoc.InfantSpec, mimoc.Bundle, mimoc.Bundle]:
     """Return a config, its bundle, and its bundle for MIMo."""
     wanted = mimoc.load_spec(request.param)
-    return wanted, mimoc.build(wanted), mimoc.build(wanted, "mimo")
+    return wanted, shipped(request.param), mimoc.build(wanted, "mimo")
 
 
 # What every bundle has.

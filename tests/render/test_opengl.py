@@ -120,12 +120,12 @@ def test_no_other_library_is_tried_than_the_one_that_is_wished(tried, monkeypatc
 
 
 DRAW = """
-import os
+import os, sys
 {first}
 import mimoc
 {then}
-spec = mimoc.InfantSpec(mimoc=1, name="infant", age_months=9)
-env = mimoc.InfantEnv(mimoc.build(spec), render_mode="rgb_array", width=32, height=24)
+env = mimoc.InfantEnv(sys.argv[1], render_mode="rgb_array", width=32, height=24)
+env.model.vis.quality.shadowsize = 0
 env.reset()
 print(env.render().shape)
 {last}
@@ -133,20 +133,30 @@ print(env.render().shape)
 
 
 @pytest.mark.parametrize(
-    ("first", "then"),
+    ("first", "then", "last"),
     [
-        ("", ""),
-        ("import mujoco", ""),
-        ("", "os.environ.pop('MUJOCO_GL', None)"),
-        ("import mujoco, OpenGL", ""),
-        ("import weakref; weakref.finalize(os, print).detach()", ""),
+        ("", "", ""),
+        ("", "", "env.close()"),
+        ("import mujoco", "", ""),
+        ("", "os.environ.pop('MUJOCO_GL', None)", ""),
+        ("import mujoco, OpenGL", "", ""),
+        ("import weakref; weakref.finalize(os, print).detach()", "", ""),
+        ("import weakref; weakref.finalize(os, print).detach()", "", "env.close()"),
     ],
-    ids=["mimoc first", "MuJoCo first", "no wish after the import", "PyOpenGL first", "another finalizer first"],
+    ids=[
+        "mimoc first",
+        "mimoc first, closed",
+        "MuJoCo first",
+        "no wish after the import",
+        "PyOpenGL first",
+        "another finalizer first",
+        "another finalizer first, closed",
+    ],
 )
-@pytest.mark.parametrize("last", ["env.close()", ""], ids=["closed", "left open"])
-def test_it_draws_whatever_was_imported_before_and_ends_quietly(first, then, last):
+def test_it_draws_whatever_was_imported_before_and_ends_quietly(first, then, last, folder):
+    """Also if the environment is left open, which is then closed at the exit."""
     code = DRAW.format(first=first, then=then, last=last)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "(24, 32, 3)\n", "")
 
 

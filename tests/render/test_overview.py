@@ -1,9 +1,11 @@
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from mimoc.compiler import building, loading
+from mimoc.render import body_camera
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import CLEARANCE_M, planes_of, shows
 from mimoc.render.overview import overview
@@ -43,6 +45,7 @@ def test_no_room_is_seen_through_a_wall(seed, playroom, monkeypatch):
         seen.append((camera.shot(data), camera.spheres(data), planes_of(data.model, data), camera.aspect))
 
     monkeypatch.setattr(BodyCamera, "render", look)
+    monkeypatch.setattr(body_camera, "Renderer", lambda *_: SimpleNamespace(close=lambda: None))
     overview(playroom(seed, check=False), 32, 24)
     ((shot, spheres, walls, aspect),) = seen
     assert walls.clearance_m(shot.position_m) >= CLEARANCE_M

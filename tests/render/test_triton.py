@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import types
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,10 +13,9 @@ import pytest
 from mimoc.render import opengl
 from mimoc.render.triton import keep_apart
 
-EYES = {"vision": {"width_px": 16, "height_px": 16}}
-SEE = f"""
-import mimoc
-env = mimoc.make(mimoc.InfantSpec(mimoc=1, name="infant", age_months=9, senses={EYES}))
+SEE = """
+import sys, mimoc
+env = mimoc.make(sys.argv[1])
 env.reset(seed=0)
 """
 LEARN = """
@@ -27,10 +27,16 @@ learner.step()
 """
 
 
-def python(code: str, *path: Path) -> subprocess.CompletedProcess:
-    """Run a program in a Python of its own, with some folders before all others to import from."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, path))}
-    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+@pytest.fixture
+def python(folder_with_eyes) -> Callable[..., subprocess.CompletedProcess]:
+    """Return what runs a program, with an infant that sees and some folders before all others to import from."""
+
+    def run(code: str, *path: Path) -> subprocess.CompletedProcess:
+        command = [sys.executable, "-c", code, folder_with_eyes]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, path))}
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+    return run
 
 
 @pytest.fixture
@@ -44,7 +50,7 @@ def triton(tmp_path) -> Path:
 
 @pytest.mark.parametrize("steps", [(SEE, LEARN), (LEARN, SEE)], ids=["eyes first", "torch first"])
 @pytest.mark.slow
-def test_a_process_can_see_and_learn_and_ends_quietly(steps):
+def test_a_process_can_see_and_learn_and_ends_quietly(steps, python):
     """It died when the first optimizer was made, or told at its end that EGL was gone."""
     done = python("".join(steps) + "env.step(env.action_space.sample())\nlearner.step()")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -92,13 +98,13 @@ def test_it_is_loaded_before_opengl_is(monkeypatch):
 
 
 @pytest.mark.parametrize("content", [b"", b"no library", None], ids=["empty", "broken", "missing"])
-def test_a_triton_that_cannot_be_loaded_is_no_hindrance_to_drawing(triton, tmp_path, content):
+def test_a_triton_that_cannot_be_loaded_is_no_hindrance_to_drawing(python, triton, tmp_path, content):
     if content is not None:
         triton.write_bytes(content)
     done = python(SEE, tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-def test_something_else_called_triton_is_no_hindrance_either():
+def test_something_else_called_triton_is_no_hindrance_either(python):
     done = python("import sys, types; sys.modules['triton'] = types.ModuleType('triton')" + SEE)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

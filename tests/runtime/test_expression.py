@@ -20,6 +20,7 @@ def open_env(expression: str | None = None, size: int = 240) -> mimoc.InfantEnv:
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "body": body, "scene": {"kind": "flat", "pose": "sitting"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     env = mimoc.InfantEnv(bundle, render_mode="rgb_array", width=size, height=size)
+    env.model.vis.quality.shadowsize = 0  # Shadows take time to draw.
     env.reset(seed=0)
     return env
 

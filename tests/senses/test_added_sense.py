@@ -14,7 +14,7 @@ from mimoc.body import BodyTree
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.explain import explain
 from mimoc.errors import SpecError
-from mimoc.kinds import AgeTable, SenseKind
+from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.mjcf.infant import Sensor, Site
 from mimoc.mjcf.placed import Placed
 from mimoc.schema.base import Model
@@ -69,6 +69,19 @@ def bind(entry: HeightEntry, model: mujoco.MjModel, bundle: Bundle) -> Height:
     return Height(model.site(entry.site).id, entry.max_m)
 
 
+class Blur:
+    """As much too high or too low as drawn."""
+
+    state = None
+
+    def __init__(self, deviation_m: float, sense: Height, low_pass_s: float):
+        assert (sense.name, low_pass_s) == ("height", 0.06)
+        self._deviation_m = deviation_m
+
+    def __call__(self, sample: Sample, elapsed_s: float, generator: np.random.Generator) -> Sample:
+        return sample + self._deviation_m * generator.choice((-1, 1))
+
+
 KIND = SenseKind(
     name="height",
     spec=HeightSpec,
@@ -76,6 +89,7 @@ KIND = SenseKind(
     build=build,
     run=bind,
     physiological_delay=AgeTable((0.0, 24.0), ms=(60.0, 20.0), legs_ms=(80.0, 40.0)),
+    noise=NoiseOption("m", "Error of the height, either way.", most=1.0, run=Blur),
 )
 
 
@@ -116,6 +130,19 @@ def test_a_preset_knows_its_delay_at_an_age():
     bundle = mimoc.build(spec(delays={"preset": "physiological"}))
     assert (bundle.manifest.delays.height.ms, bundle.manifest.delays.height.legs_ms) == (40, 60)
     assert heights(mimoc.InfantEnv(bundle), 12)[4:] == heights(mimoc.InfantEnv(mimoc.build(spec())), 12)[:-4]
+
+
+def test_it_has_the_noise_of_its_record_and_the_jitter_of_all():
+    silent = heights(mimoc.InfantEnv(mimoc.build(spec())), 12)
+    noisy = mimoc.build(spec(noise={"height_m": 0.125}))
+    assert noisy.manifest.noise.height_m == 0.125
+    assert explain(noisy, "noise.height_m").lines[0].endswith("0.125 m")
+    errors = np.subtract(heights(mimoc.InfantEnv(noisy), 12), silent)
+    assert set(np.round(errors, 6)) == {-0.125, 0.125}
+    late = heights(mimoc.InfantEnv(mimoc.build(spec(delays={"height_ms": 20}, noise={"delay_jitter_ms": 20}))), 40)
+    assert late != heights(mimoc.InfantEnv(mimoc.build(spec(delays={"height_ms": 20}))), 40)
+    with pytest.raises(SpecError, match=r"noise\.height_m: 2 is too large; give 0 to 1 m"):
+        spec().with_(noise={"height_m": 2})
 
 
 def test_its_numbers_are_explained():

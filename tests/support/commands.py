@@ -56,3 +56,31 @@ def finished(*arguments: object, **environment: str) -> Outcome:
     running = process(*arguments, env=os.environ | environment)
     out, err = running.communicate()
     return Outcome(running.returncode, out, err)
+
+
+ONE_AFTER_THE_OTHER = """
+import itertools, sys
+from mimoc import cli
+
+for is_end, arguments in itertools.groupby(sys.argv[1:], ";".__eq__):
+    if is_end:
+        continue
+    sys.argv = ["mimoc", *arguments]
+    try:
+        cli.main()
+        code = 0
+    except SystemExit as exit_:
+        code = exit_.code or 0
+    print(f"\\f{code}", end="\\f", flush=True)
+    print("\\f", end="", file=sys.stderr, flush=True)
+"""
+"""Runs the commands that semicolons end; form feeds end what each of them says."""
+
+
+def finished_together(*commands: list[object], **environment: str) -> list[Outcome]:
+    """Return what some commands did, one after the other in one process, which takes less time than one for each."""
+    told = [str(argument) for command in commands for argument in (*command, ";")]
+    command = [sys.executable, "-c", ONE_AFTER_THE_OTHER, *told]
+    done = subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, check=True)
+    outs, errs = done.stdout.split("\f")[:-1], done.stderr.split("\f")[:-1]
+    return [Outcome(int(code), out, err) for out, code, err in zip(outs[::2], outs[1::2], errs, strict=True)]

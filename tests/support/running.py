@@ -1,6 +1,8 @@
-"""Infants that run: those of `configs/`, and those of a spec given as keywords."""
+"""Infants that run, each built once: those of `configs/`, and those of a spec given as keywords."""
 
+import json
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +16,28 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
-    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+    return _built(json.dumps({**spec, **keys}, default=repr))
+
+
+@cache
+def _built(spec: str) -> mimoc.Bundle:
+    return mimoc.build(mimoc.InfantSpec.model_validate(json.loads(spec)))
+
+
+@cache
+def shipped(config: Path) -> mimoc.Bundle:
+    return mimoc.build(mimoc.load_spec(config))
 
 
 @pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)
 def config(request) -> mimoc.Bundle:
     """Return the bundle of each config that mimoc ships."""
-    return mimoc.build(mimoc.load_spec(request.param))
+    return shipped(request.param)
 
 
 @pytest.fixture(scope="session")
 def built() -> Callable[..., mimoc.Bundle]:
-    """Return what builds the spec given as keywords."""
+    """Return what builds the spec given as keywords, or gives what it built before, which cannot be changed."""
     return build
 
 

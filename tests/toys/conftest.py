@@ -12,7 +12,12 @@ def without_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def quickly(without_coacd: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def quickly(without_coacd: None, reading_here: None) -> None:
+    """Have toys made as fast as can be."""
+
+
+@pytest.fixture
+def reading_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Read files here, not in a process of its own, as most of the time goes into starting it."""
 
     def read(task: str, content: bytes, *arguments: object, limit_s: int) -> worker.Arrays:

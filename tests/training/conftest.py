@@ -2,7 +2,7 @@
 
 import io
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,8 @@ import pytest
 import torch
 
 import mimoc
+from mimoc.render.plots.learning import curves_png
+from mimoc.training import trainer
 
 TINY = {
     "ppo": {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1},
@@ -28,6 +30,21 @@ def build(**keys: Any) -> mimoc.Bundle:
         "task": {"kind": "reach", "steps": 30},
     }
     return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _curves_of_one_length_are_drawn_once() -> Iterator[None]:
+    """Draw a learning curve only if there was none as long before: it takes longer than a short training."""
+    pictures: dict[tuple[int, ...], bytes] = {}
+
+    def draw(curves: dict[str, Any]) -> bytes:
+        lengths = tuple(len(curve["steps"]) for each in curves.values() for curve in each)
+        pictures[lengths] = pictures.get(lengths) or curves_png(curves)
+        return pictures[lengths]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(trainer, "curves_png", draw)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -1,14 +1,14 @@
 """Height of the feet by age, from their mass."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 
 from mimoc.body.assembly import assemble
 from mimoc.body.density import density
 from mimoc.body.figures import GeomFigures
 from mimoc.body.proportions import proportions
 from mimoc.body.segments import FEET
-from mimoc.fits import Measurements
+from mimoc.fits import measure
 from mimoc.geometry.primitives import volume
 
 NEWBORN_KG, KG_PER_MONTH = 0.062, 0.0075
@@ -25,17 +25,19 @@ def foot_mass_kg(age_months: float) -> float:
     return NEWBORN_KG + KG_PER_MONTH * age_months
 
 
-def foot_height(average: Measurements, hands: str) -> float:
+@lru_cache(maxsize=64)
+def foot_height(age_months: float, hands: str) -> float:
     """Return the height of the feet of an age relative to MIMo's, at which the average child's have their mass.
 
     Length, breadth and density are those of the published body. The mass is so nearly in proportion to the height that
     the secant method needs a few steps.
 
     Args:
-        average: Measurements of the average child of that age.
+        age_months: Age of the infant.
         hands: `mitten` or `five_finger`; the toes differ.
     """
-    p, wanted_kg = proportions(average, average), foot_mass_kg(average.age_months)
+    average, wanted_kg = measure(age_months), foot_mass_kg(age_months)
+    p = proportions(average, average)
 
     def excess_kg(height: float) -> float:
         foot = replace(p.foot, half_height_m=height * p.foot.half_height_m)

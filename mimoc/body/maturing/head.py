@@ -1,9 +1,13 @@
 """Mass of head and neck by age."""
 
 import math
-from collections.abc import Mapping
+from functools import lru_cache
 
-from mimoc.body.assembly import Anatomy
+from mimoc.body.assembly import assemble
+from mimoc.body.density import masses, volumes
+from mimoc.body.proportions import proportions
+from mimoc.body.segments import body_dimensions
+from mimoc.fits import measure
 
 ADULT_SHARE, NEWBORN_EXCESS, DECAY_MONTHS = 0.20, 0.10, 18.0
 """Share of the body's mass in head and neck: .300 at birth, .272 at 6 months, .251 at 12, .237 at 18 (D), between the Q
@@ -16,13 +20,11 @@ def head_share(age_months: float) -> float:
     return ADULT_SHARE + NEWBORN_EXCESS * math.exp(-age_months / DECAY_MONTHS)
 
 
-def head_gain(age_months: float, anatomy: Anatomy, published_kg: Mapping[str, float]) -> float:
-    """Return by how much head and neck are heavier than by the published law.
-
-    Args:
-        age_months: Age of the infant.
-        anatomy: Its parts.
-        published_kg: Masses of the average child of that age by the published law, by name of the geom with `{side}`.
-    """
+@lru_cache(maxsize=64)
+def head_gain(age_months: float, hands: str) -> float:
+    """Return by how much head and neck are heavier than in the published body of the same age."""
+    average, anatomy = measure(age_months).published, assemble(hands, False)
+    shapes = body_dimensions(proportions(average, average, published=True), hands)
+    published_kg = masses(anatomy, volumes(anatomy, shapes))
     body_kg = sum(published_kg[geom.name] for _, part in anatomy.parts for geom in part.geoms)
     return head_share(age_months) * body_kg / published_kg["head"]

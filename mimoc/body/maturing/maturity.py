@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
 
@@ -20,6 +21,7 @@ class Decay:
         return newborn_share(age_months, self.tau_months, self.power)
 
 
+@lru_cache(maxsize=256)
 def newborn_share(age_months: float, tau_months: float, power: float) -> float:
     """Return what is left of a newborn's property at an age: 1 at birth, 0 from 18 months on.
 

@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from mimoc.errors import MissingExtraError, OutputError
-from mimoc.render.plots import draw_growth, plot_growth
+from mimoc.render.plots import draw_growth, growth, plot_growth
 from mimoc.render.plots.growth import SIZE_PX, TITLES
 
 SERIES = {
@@ -15,6 +15,18 @@ SERIES = {
     "head_circumference_cm": [(0, 34.2), (12, 45.5), (24, 47.7)],
     "arm_circumference_cm": [(3, 13.0), (12, 14.3), (24, 15.0)],
 }
+
+
+@pytest.fixture(scope="module")
+def figure():
+    """Return the figure of the series, which is only to be looked at."""
+    return draw_growth(SERIES)
+
+
+@pytest.fixture
+def drawn(figure, monkeypatch) -> None:
+    """Have that figure written, which need not be drawn again."""
+    monkeypatch.setattr(growth, "draw_growth", lambda series: figure)
 
 
 def labelled(axes) -> dict[str, object]:
@@ -35,6 +47,7 @@ def test_the_same_series_gives_the_same_bytes(tmp_path):
     assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
 
 
+@pytest.mark.usefixtures("drawn")
 def test_an_older_picture_is_replaced(tmp_path):
     (tmp_path / "growth.png").write_bytes(b"old")
     plot_growth(SERIES, tmp_path / "growth.png")
@@ -42,19 +55,19 @@ def test_an_older_picture_is_replaced(tmp_path):
         assert picture.size == SIZE_PX
 
 
-def test_every_indicator_has_a_panel_with_its_unit():
-    axes = draw_growth(SERIES).axes
+def test_every_indicator_has_a_panel_with_its_unit(figure):
+    axes = figure.axes
     assert [panel.get_ylabel() for panel in axes] == list(TITLES.values())
     assert all(title.endswith(("[cm]", "[kg]")) for title in TITLES.values())
 
 
-def test_the_infant_is_drawn_as_it_was_measured():
-    for panel, points in zip(draw_growth(SERIES).axes, SERIES.values(), strict=True):
+def test_the_infant_is_drawn_as_it_was_measured(figure):
+    for panel, points in zip(figure.axes, SERIES.values(), strict=True):
         assert [tuple(point) for point in labelled(panel)["mimoc"].get_xydata()] == points
 
 
-def test_the_legend_says_what_was_inferred():
-    (legend,) = draw_growth(SERIES).legends
+def test_the_legend_says_what_was_inferred(figure):
+    (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [
         "WHO, 5th to 95th percentile",
         "WHO, mean",
@@ -64,17 +77,17 @@ def test_the_legend_says_what_was_inferred():
     ]
 
 
-def test_only_the_birth_row_is_marked_as_inferred():
-    for panel in draw_growth(SERIES).axes:
+def test_only_the_birth_row_is_marked_as_inferred(figure):
+    for panel in figure.axes:
         curves = labelled(panel)
         if "AnthroKids" in curves:
             assert list(curves["AnthroKids, inferred"].get_xdata()) == [0]
             assert list(curves["AnthroKids"].get_xdata()) == [1.5, 4.5, 7.5, 10.5, 14, 18, 22]
 
 
-def test_who_band_spans_90_percent_of_boys_and_girls():
+def test_who_band_spans_90_percent_of_boys_and_girls(figure):
     """At birth, 46.4 to 52.6 cm about 49.5 (WHO's tables: boys 46.8 to 53.0, girls 46.1 to 52.2)."""
-    curves = labelled(draw_growth(SERIES).axes[0])
+    curves = labelled(figure.axes[0])
     at_birth = [y for x, y in curves["WHO, 5th to 95th percentile"].get_paths()[0].vertices if x == 0]
     assert (min(at_birth), max(at_birth)) == (pytest.approx(46.45, abs=0.1), pytest.approx(52.6, abs=0.1))
     assert curves["WHO, mean"].get_ydata()[0] == pytest.approx(49.52, abs=0.01)
@@ -103,6 +116,7 @@ def test_a_name_of_another_format_is_refused(name, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("drawn")
 @pytest.mark.parametrize("place", ["missing/growth.png", "file.txt/growth.png", "folder.png", f"{'long' * 100}.png"])
 def test_a_place_that_cannot_be_written_is_an_error_that_leaves_nothing(place, tmp_path):
     (tmp_path / "file.txt").write_text("mine")
@@ -113,6 +127,7 @@ def test_a_place_that_cannot_be_written_is_an_error_that_leaves_nothing(place, t
     assert (tmp_path / "file.txt").read_text() == "mine"
 
 
+@pytest.mark.usefixtures("drawn")
 def test_an_older_picture_outlives_a_failure(tmp_path, monkeypatch):
     def fail(source: Path, target: Path) -> None:
         raise OSError(28, "No space left on device")

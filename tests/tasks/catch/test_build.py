@@ -1,5 +1,7 @@
 """The infant that is to catch: how it sits, what it offers, and where the ball is."""
 
+from functools import cache
+
 import mujoco
 import numpy as np
 import pytest
@@ -19,12 +21,17 @@ def staged(age_months: float = 18, hands: str = "mitten", hand: str = "right", *
     return builder(mimoc.InfantSpec.model_validate({**spec, "task": {"kind": "catch", "hand": hand}}))
 
 
-def started(made: Builder) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    model = compile_model(made(0).files)
+@cache
+def average(age_months: float, hands: str, hand: str) -> tuple[Builder, mujoco.MjModel]:
+    made = staged(age_months, hands, hand)
+    return made, compile_model(made(0).files)
+
+
+def started(model: mujoco.MjModel) -> mujoco.MjData:
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("catch").id)
     mujoco.mj_forward(model, data)
-    return model, data
+    return data
 
 
 @pytest.fixture(params=["right", "left"])
@@ -44,7 +51,8 @@ def palm(made: Builder, data: mujoco.MjData) -> np.ndarray:
 
 @pytest.mark.parametrize("age_months", AGES)
 def test_the_palm_is_up_and_the_forearm_level(age_months, hands, hand):
-    _, data = started(staged(age_months, hands, hand))
+    _, model = average(age_months, hands, hand)
+    data = started(model)
     up = data.body(f"{hand}_hand").xmat.reshape(3, 3)[2]
     assert np.degrees(np.arccos(PALMAR[hand] * up[1])) < 10
     assert abs(np.degrees(np.arcsin(data.body(f"{hand}_lower_arm").xmat.reshape(3, 3)[2, 2]))) < 10
@@ -54,7 +62,8 @@ def test_the_palm_is_up_and_the_forearm_level(age_months, hands, hand):
 
 @pytest.mark.parametrize("age_months", AGES)
 def test_the_infant_rests_on_the_floor_and_touches_nothing_else(age_months, hands, hand):
-    model, data = started(staged(age_months, hands, hand))
+    _, model = average(age_months, hands, hand)
+    data = started(model)
     assert data.contact.dist.min() > -2e-4
     assert {model.geom(geom).name for geom in data.contact.geom[:, 0]} == {"floor"}
     assert np.abs(data.efc_pos).max() < 2e-4
@@ -63,8 +72,8 @@ def test_the_infant_rests_on_the_floor_and_touches_nothing_else(age_months, hand
 @pytest.mark.parametrize("age_months", AGES)
 def test_the_point_of_the_palm_is_on_its_surface(age_months, hands, hand):
     """A ray from above meets the hand there."""
-    made = staged(age_months, hands, hand)
-    model, data = started(made)
+    made, model = average(age_months, hands, hand)
+    data = started(model)
     point, geom = palm(made, data), np.zeros(1, np.int32)
     data.qpos[model.joint("target_joint").qposadr[0]] += 1.0
     mujoco.mj_forward(model, data)
@@ -76,8 +85,8 @@ def test_the_point_of_the_palm_is_on_its_surface(age_months, hands, hand):
 
 @pytest.mark.parametrize("age_months", AGES)
 def test_the_ball_hangs_over_the_palm(age_months, hands, hand):
-    made = staged(age_months, hands, hand)
-    _, data = started(made)
+    made, model = average(age_months, hands, hand)
+    data = started(model)
     goal = made.manifest.task
     over = data.body("target").xpos - palm(made, data)
     assert over == pytest.approx((0, 0, sum(goal.drop_m) / 2 + RADIUS_M), abs=1e-6)
@@ -86,7 +95,7 @@ def test_the_ball_hangs_over_the_palm(age_months, hands, hand):
 
 def test_heights_follow_the_hand():
     """As far as MIMo's 18-month-old's hand is long, and twice that; in proportion to the hand at every age."""
-    goals = [staged(age_months).manifest.task for age_months in AGES]
+    goals = [average(age_months, "mitten", "right")[0].manifest.task for age_months in AGES]
     assert goals[3].drop_m == pytest.approx((0.094, 0.188), abs=0.005)
     lows, highs, lost = np.array([(*goal.drop_m, goal.lost_m) for goal in goals]).T
     assert (np.diff(lows) > 0).all()
@@ -114,7 +123,7 @@ def test_the_hand_is_all_of_its_parts(hand):
 @pytest.mark.parametrize("kind", ["crib", "room"])
 def test_the_ball_goes_where_the_infant_is(kind):
     made = staged(9, scene={"kind": kind, "seed": 3})
-    _, data = started(made)
+    data = started(compile_model(made(0).files))
     assert (data.body("target").xpos - palm(made, data))[:2] == pytest.approx((0, 0), abs=1e-6)
 
 

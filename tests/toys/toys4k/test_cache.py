@@ -201,11 +201,12 @@ def test_the_folder_is_that_of_the_system_or_of_the_environment(tmp_path, monkey
 FILL = """
 import sys
 from pathlib import Path
-from mimoc.toys.toys4k import cache, convex
+from mimoc.toys.toys4k import cache, convex, processing, worker
 from mimoc.toys.toys4k.cache import MeshCache
 from mimoc.toys.toys4k.meshes import load_toy
 from mimoc.toys.toys4k.dataset import find_toys
 convex.has_coacd = cache.has_coacd = lambda: False
+processing.run_worker = lambda task, content, *told, limit_s: worker.TASKS[task](content, *map(str, told))
 found = find_toys(Path(sys.argv[1]))
 for _ in range(2):
     for name in found.objects:

@@ -311,6 +311,7 @@ def test_what_is_where_in_a_scene_counts(load):
     assert len(load(mesh_kinds.glb_of(scene, CORNERS), "glb").parts[0].mesh.faces) == 4
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_coacd_keeps_hollows_open(load):
     toy = load(USABLE["torus"]())
     assert_usable(toy)
@@ -320,11 +321,13 @@ def test_coacd_keeps_hollows_open(load):
     assert lean_deg_after(toy, 0.5) < 6
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("kind", ["nested_shells", "non_manifold", "table"])
 def test_coacd_takes_what_is_not_one_closed_shell(kind, load):
     assert_usable(load(USABLE[kind]()))
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_coacd_gives_the_same_parts_again(load):
     first, second = (load(mesh_kinds.arrays_of(mesh_kinds.creation.torus(1, 0.4, 16, 8))).solids for _ in range(2))
     for one, other in zip(first, second, strict=True):
@@ -333,6 +336,7 @@ def test_coacd_gives_the_same_parts_again(load):
         assert np.array_equal(one.mesh.vertices, other.mesh.vertices)
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     "body", ["while True: pass", "import os; os.abort()", "raise SystemExit(0)", "print('hello')", "import nowhere"]
 )

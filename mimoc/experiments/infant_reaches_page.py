@@ -1,0 +1,163 @@
+"""The section of the report on delays that is about reaches of infants."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from mimoc.experiments.infant_reaches import DELAYS, JITTER_MS, MEASURES, NOISE, OWN, Group, by_delay
+from mimoc.experiments.notebook import markdown_table
+from mimoc.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M
+from mimoc.experiments.smoothness import UNIT_M_S
+from mimoc.noise.presets import motor_share
+
+LEAST_S = 0.4
+"""What reaches of infants last at least."""
+
+ABOUT = """\
+## Reaches of infants
+
+The average child under `development: maturing`, with torque actuation, sits with its hip held and its trunk and neck
+locked, and reaches with its right arm for {count} random places in front of its shoulder, at {share:g} of the length
+of its arm, as toys are shown to infants. It does so at {ages} months, with delays of four lengths: none; those of its
+age (`physiological`, of proprioception {own} ms); and 100 and 200 ms of the senses, with those of the age for
+commands.
+
+Nothing is learned, and nothing is set by age to give the result. What makes these reaches slow and jerky is:
+
+- the body of the age: its size, strength and damping, and actuators that follow commands with 60 ms;
+- the delays, which the controller does not predict: inverse dynamics (`ReachController`) on a model of the body whose
+joints are at the angles and velocities that proprioception reports, as if they were those of now, and whose
+actuators follow at once;
+- noise of the commands ({motor} of the command at these ages), of proprioception ({deg:g} degree) and jitter of
+the delays of up to {jitter:g} ms;
+- a choice of speed, the same for all ages and delays: the gains that this controller has for an infant that sits
+freely (`low`: {strength:g}/s² up to a distance of {cap_cm:g} cm, and {viscosity:g}/s), with which the hand moves at
+{most:g} m/s at most.
+
+Noise of proprioception and jitter are guesses; strength, filters and motor noise are derived (see
+[the law](../../../README.md)), not measured in infants.
+
+![Speed in one reach by delay, movement units and straightness by age](infants.png)
+
+A reach begins when the hand moves at {unit_cm:g} cm/s, and has arrived when the centre of its palm is within
+{touched_cm:g} cm of the place; it is given up after {most_s:g} s. A movement unit is an acceleration and the
+deceleration after it (von Hofsten 1979), here of {unit_cm:g} cm/s or more each. The table has medians over all
+reaches, those that were given up included; `infants.csv` has each reach. Left: the reach of median duration at
+{youngest:g} months.
+
+{table}"""
+
+REAL = """\
+## Comparison with real infants
+
+{table}
+
+{verdict}
+
+What is missing for closer agreement: prediction, which real infants learn over these months, vision of the hand, whose
+delay is longer than proprioception's, the trunk, and grasping."""
+
+FIGURES = (
+    ("von Hofsten 1979, 1991", "3 to 7 movement units at the onset of reaching, 1 or 2 at 7 to 8 months", "read"),
+    ("Fetters & Todd 1987", "movement units of about 0.2 s at 5 to 9 months", "read"),
+    ("Konczak & Dichgans 1997", "75 % of reaches have a single peak of speed only at 24 months", "read"),
+    ("Berthier & Keen 2006", "speed falls slowly with age, jerk falls fast", "read"),
+    ("Thelen et al. 1996", "infants who move fast reach less straight", "read"),
+    ("several", "0.6 to 1.5 s; mean speed 0.15 to 0.4 m/s, peak 0.3 to 0.8 m/s", "from memory"),
+)
+"""What is known of reaches of infants: the source, what it says, and whether it was read or is known from memory."""
+SMOOTHER = {"movement_units": -1, "path_ratio": -1, "spectral_arc_length": 1, "log_dimensionless_jerk": 1}
+"""Measures of smoothness, and whether smoother movements have more (1) or less (-1) of them."""
+
+
+def infant_sections(groups: Sequence[Group], most_s: float) -> tuple[str, str]:
+    """Return the sections of the report: method with measurements, and comparison.
+
+    Args:
+        groups: The reaches by age and delay, the youngest first, in the order of `DELAYS`.
+        most_s: Simulated time after which a reach was given up.
+    """
+    ages = list(dict.fromkeys(group.age_months for group in groups))
+    about = ABOUT.format(
+        count=len(groups[0].reaches),
+        ages=_listed([f"{age:g}" for age in ages]),
+        own=_range([group.sensory_ms for group in by_delay(groups)[OWN]]),
+        motor=_range([round(motor_share(age), 2) for age in ages]),
+        deg=NOISE["proprioception_deg"],
+        jitter=JITTER_MS,
+        strength=GAINS.hands.strength,
+        cap_cm=100 * GAINS.hands.cap,
+        viscosity=GAINS.hands.viscosity_per_s,
+        most=GAINS.hands.strength * GAINS.hands.cap / GAINS.hands.viscosity_per_s,
+        unit_cm=100 * UNIT_M_S,
+        share=REACH_SHARE,
+        touched_cm=100 * TOUCHED_M,
+        most_s=most_s,
+        youngest=ages[0],
+        table=_measured(groups),
+    )
+    figures = markdown_table(("source", "reaches of real infants", "certainty"), FIGURES)
+    return about, REAL.format(table=figures, verdict=_verdict(groups))
+
+
+def _measured(groups: Sequence[Group]) -> str:
+    headings = (
+        *("age [months]", "delay", "arrived", "duration [s]", "mean speed [m/s]", "peak speed [m/s]"),
+        *("movement units", "path length / distance", "spectral arc length", "log dimensionless jerk"),
+    )
+    rows = [
+        (
+            f"{group.age_months:g}",
+            group.delay,
+            f"{group.arrived:.0%}",
+            *(f"{group.median(measure):.3g}" for measure in MEASURES.values()),
+        )
+        for group in groups
+    ]
+    return markdown_table(headings, rows)
+
+
+def _verdict(groups: Sequence[Group]) -> str:
+    """Return as text what holds of the measurements."""
+    lines = [_durations(by_delay(groups)[OWN]), *(_smoothness(name, groups) for name in SMOOTHER)]
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _durations(own: Sequence[Group]) -> str:
+    """Return what holds of the durations with the delays of each age."""
+    medians_s = [group.median(MEASURES["duration_s"]) for group in own]
+    units = [group.median(MEASURES["movement_units"]) for group in own]
+    shortest_s = min(reach.duration_s for group in own for reach in group.reaches)
+    return (
+        f"With the delays of their age, reaches last {_range([round(each, 2) for each in medians_s])} s (medians; the "
+        f"shortest of all {shortest_s:.2f} s), with {_range(units)} movement units; at least {LEAST_S:g} s at every "
+        f"age: {_yes(min(medians_s) >= LEAST_S)}."
+    )
+
+
+def _smoothness(name: str, groups: Sequence[Group]) -> str:
+    """Return how a measure of smoothness changes with delay, and with age at the delays of each age."""
+    smooth = {(group.age_months, group.delay): SMOOTHER[name] * group.median(MEASURES[name]) for group in groups}
+    ages = sorted({age_months for age_months, _ in smooth})
+    pairs = [(smooth[age, less], smooth[age, more]) for age in ages for less, more in pairwise(DELAYS)]
+    falls = sum(more <= less for less, more in pairs)
+    by_age = ", ".join(f"{SMOOTHER[name] * smooth[age, OWN]:.3g}" for age in ages)
+    rises = _yes(smooth[ages[-1], OWN] > smooth[ages[0], OWN])
+    return (
+        f"By {name.replace('_', ' ')}, movements are less smooth with the longer delay in {falls} of {len(pairs)} "
+        f"pairs of successive delays; with the delays of their age, the oldest infant's are smoother than the "
+        f"youngest's ({by_age}): {rises}."
+    )
+
+
+def _listed(words: Sequence[str]) -> str:
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def _range(values: Sequence[float]) -> str:
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _yes(is_so: bool) -> str:
+    return "yes" if is_so else "no"
