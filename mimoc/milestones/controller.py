@@ -18,8 +18,8 @@ from mimoc.compiler.validation.compiled import ROOT
 from mimoc.milestones.infant import GRAVITY_M_S2, FloatArray, Infant, IntArray
 from mimoc.milestones.motors import Motors
 
-FREQUENCY_RAD_S = 20.0
-"""Natural frequency w: .3 s to come to rest, as fast as the infant's own strength lets it in most postures."""
+FREQUENCY_RAD_S = 14.0
+"""Natural frequency w, the same for all: just below 1 / 60 ms, where the filters of activation would make it shake."""
 PAIRED = ("left_", "right_")
 
 

@@ -11,8 +11,10 @@ from mimoc.milestones.trial import Attempt, Trial, steady
 HELD_S = 10.0
 SUPPORTS = ("left_hand", "right_hand", "left_upper_leg", "right_upper_leg")
 """Parts that may touch the floor, with all that hangs on them; thighs, because they end in the knees."""
-ELBOWS_DEG = (-5.0, -20.0)
-THIGHS_DEG = (0.0, 15.0)
+ELBOWS_DEG = (-30.0, -40.0)
+"""Elbows of the postures that are tried: bent, so that muscles carry the infant. Stretched, its weight would lock them
+against the ends of their range, and arms would need hardly any strength."""
+THIGHS_DEG = (0.0, 20.0)
 """Forward slants of the thighs that are tried."""
 ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
 BISECTIONS = 12

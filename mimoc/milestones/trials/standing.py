@@ -12,9 +12,9 @@ from mimoc.milestones.upright import tilt_deg
 STANDING_S = 10.0
 MOST_TILT_DEG = 45.0
 FEET = ("left_foot", "right_foot")
-KNEES_DEG = (0.0, -40.0)
+KNEES_DEG = (0.0, -20.0, -40.0)
 """Knees of the postures that are tried, straight and bent; what a young joint cannot stretch stays bent."""
-LEANS = (0.0, 0.1, 0.2, 0.3)
+LEANS = (0.2, 0.3, 0.4)
 """Where the centre of mass stands over the feet in the postures that are tried: 0 over the ankle, 1 over the toes."""
 
 
