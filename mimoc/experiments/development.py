@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -14,7 +15,7 @@ from mimoc.experiments.resting import LEANS, Rest, rest
 from mimoc.experiments.sitting_pictures import Sitter, caption, try_to_sit
 from mimoc.experiments.strength_over_load import GROUPS, Strength, strengths
 from mimoc.looks.drawing import encode_palette_png
-from mimoc.milestones import MILESTONES, TRIALS, WINDOWS
+from mimoc.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.milestones.search import Found
 from mimoc.render.picture_grid import tile_pictures
 from mimoc.render.plots.age_rows import AgeRow, draw_age_rows
@@ -23,13 +24,11 @@ from mimoc.render.plots.figure import png
 
 T = TypeVar("T")
 
-AGES: Sequence[float] = (*(half / 2 for half in range(29)), 16, 18, 21, 24)
+AGES: Sequence[float] = (*(half / 2 for half in range(29)), 18, 24)
 """Ages at which milestones are tried: every half month to 14 months, when all of them are reached."""
 QUICK_AGES: Sequence[float] = (0, 6, 18)
 NAMES, QUICK_NAMES = tuple(TRIALS), ("prone_head", "no_head_lag")
 VARIED_NAMES = tuple(trial.name for trial in MILESTONES)
-SPAN_MONTHS = 4.0
-"""How far from the age that is usual here a varied age is searched for."""
 MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
 QUICK_MONTHS: Sequence[float] = (0, 6, 18)
 SITTING_MONTHS, QUICK_SITTING_MONTHS = (0, 3, 6, 9, 12, 18, 24), (0, 18)
@@ -49,7 +48,7 @@ REST_HEADINGS = (
     "head_leaning_back_deg",
     *(f"slump_from_{lean:g}_deg" for lean in LEANS),
 )
-SENSITIVITY_HEADINGS = ("milestone", "condition", "from_months", "to_months", "age_months")
+SENSITIVITY_HEADINGS = ("milestone", "condition", "age_months")
 
 
 def run(notebook: Notebook) -> Path:
@@ -74,11 +73,11 @@ def run(notebook: Notebook) -> Path:
         processes = 1 if quick else os.cpu_count() or 1
         return run_searches(cases, notebook.folder, processes, lambda: count(None))
 
-    found = searched([Case(law, name, tuple(ages)) for law in LAWS for name in names])
+    found = searched([Case(law, name, tuple(ages), Conditions()) for law in LAWS for name in names])
     _write_milestones(notebook, found)
     sensitivity = _sensitivity({case: result for case, result in found.items() if case.trial in varied}, searched)
     _write_sensitivity(notebook, sensitivity)
-    page = development_page.write(notebook, Findings(found, strong, resting, sensitivity), SPAN_MONTHS)
+    page = development_page.write(notebook, Findings(found, strong, resting, sensitivity))
     forget_searches(notebook.folder)
     return page
 
@@ -99,19 +98,15 @@ def _counter(progress: Progress, total: int) -> Callable[[T], T]:
 def _sensitivity(
     usual: Mapping[Case, Found], searched: Callable[[Sequence[Case]], Mapping[Case, Found]]
 ) -> list[Varied]:
-    """Return the ages of milestones under other conditions, searched for around the usual ages of `maturing`."""
+    """Return the ages of milestones under other conditions, searched for from the usual ages of `maturing` on."""
     cases = {
-        (case.trial, name): Case(case.development, case.trial, _around(case.ages, found.youngest_months), conditions)
+        (case.trial, name): replace(case, conditions=conditions, near_months=found.youngest_months)
         for case, found in usual.items()
         if case.development == "maturing" and found.youngest_months is not None
         for name, conditions in VARIATIONS.items()
     }
     found = searched(list(cases.values()))
-    return [Varied(trial, name, case.ages, found[case].youngest_months) for (trial, name), case in cases.items()]
-
-
-def _around(ages: Sequence[float], middle_months: float) -> tuple[float, ...]:
-    return tuple(age for age in ages if abs(age - middle_months) <= SPAN_MONTHS)
+    return [Varied(trial, name, found[case].youngest_months) for (trial, name), case in cases.items()]
 
 
 def _write_strength(notebook: Notebook, found: Sequence[Strength]) -> None:
@@ -182,7 +177,7 @@ def _attempts(found: Mapping[Case, Found]) -> Iterator[tuple[Cell, ...]]:
 
 
 def _write_sensitivity(notebook: Notebook, found: Sequence[Varied]) -> None:
-    rows = ((each.trial, each.condition, each.ages[0], each.ages[-1], each.youngest_months) for each in found)
+    rows = ((each.trial, each.condition, each.youngest_months) for each in found)
     notebook.write_table("sensitivity.csv", SENSITIVITY_HEADINGS, rows)
     shown = [
         AgeRow(name, {each.condition: each.youngest_months for each in found if each.trial == name})

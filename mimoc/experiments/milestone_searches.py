@@ -26,8 +26,10 @@ class Case:
     development: Development
     trial: str
     ages: tuple[float, ...]
-    """The ages that may be tried, in months."""
-    conditions: Conditions = Conditions()  # noqa: RUF009
+    """The ages that may be tried, in months, the youngest first."""
+    conditions: Conditions
+    near_months: float | None = None
+    """One of the ages, from which on others are tried step by step; None means from the oldest down."""
 
 
 def run_searches(
@@ -86,7 +88,35 @@ def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[Case, Fou
 
 def _search(case: Case) -> Found:
     spec = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development)
-    return search(spec, case.conditions, [case.trial], case.ages)[case.trial]
+
+    def find(ages: Sequence[float]) -> Found:
+        return search(spec, case.conditions, [case.trial], ages)[case.trial]
+
+    if case.near_months is None:
+        return find(case.ages)
+    return walk(case.ages, case.near_months, lambda age: find([age]).outcomes[age])
+
+
+def walk(ages: Sequence[float], near_months: float, run: Callable[[float], Outcome]) -> Found:
+    """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does.
+
+    Args:
+        ages: Ages to try, the youngest first.
+        near_months: The one to begin with.
+        run: Returns the outcome at an age.
+    """
+    at = ages.index(near_months)
+    outcomes = {near_months: run(near_months)}
+    if outcomes[near_months].success:
+        others, wanted = reversed(ages[:at]), False
+    else:
+        others, wanted = iter(ages[at + 1 :]), True
+    for age in others:
+        outcomes[age] = run(age)
+        if outcomes[age].success is wanted:
+            break
+    succeeded = [age for age, outcome in outcomes.items() if outcome.success]
+    return Found(min(succeeded, default=None), dict(sorted(outcomes.items())))
 
 
 def _file(folder: Path, case: Case) -> Path:
