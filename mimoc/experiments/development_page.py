@@ -144,9 +144,7 @@ def write(notebook: Notebook, findings: Findings) -> Path:
 def _milestones(found: Mapping[Case, Found]) -> str:
     rows = []
     for name in dict.fromkeys(case.trial for case in found):
-        ages = [
-            _months(result.youngest_months) for law in LAWS for case, result in found.items() if _is(case, law, name)
-        ]
+        ages = [_months(_youngest(found, law, name)) for law in LAWS]
         window = WINDOWS.get(name)
         real = f"{window.youngest_months:g} to {window.oldest_months:g} ({window.span})" if window else "not known"
         rows.append((TRIALS[name].title, *ages, real, window.source if window else ""))
