@@ -12,7 +12,8 @@ EXAMPLE = "Example:  mimoc experiment growth -o out/growth --quick"
 
 def experiment(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms.")
+        str,
+        typer.Argument(metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms, development."),
     ],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, figures and report.")],
     quick: Annotated[

@@ -15,6 +15,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "delays": "mimoc.experiments.delays",
     "inverse": "mimoc.experiments.inverse",
     "rooms": "mimoc.experiments.rooms",
+    "development": "mimoc.experiments.development",
 }
 """Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
 

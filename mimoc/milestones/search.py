@@ -87,7 +87,7 @@ def search(
     """
     if processes == 1:
         return _searches(names, ages, progress, lambda name, age: _try_at(spec, conditions, name, age))
-    with _pool(processes) as pool:
+    with worker_pool(processes) as pool:
         try:
             return _parallel(pool, spec, conditions, names, ages, progress)
         except BaseException:
@@ -95,7 +95,7 @@ def search(
             raise
 
 
-def _pool(processes: int) -> ProcessPoolExecutor:
+def worker_pool(processes: int) -> ProcessPoolExecutor:
     """Return processes that leave Ctrl-C to their parent."""
     return ProcessPoolExecutor(processes, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_IGN))
 

@@ -98,7 +98,8 @@ def _legend(axes: "Axes") -> tuple[list[Any], list[str]]:
     return [first[label] for label in ordered], ordered
 
 
-def _colours(count: int) -> Sequence[tuple[float, ...]]:
+def colours_of(count: int) -> Sequence[tuple[float, ...]]:
+    """Return colours of curves or marks, the darkest first."""
     from matplotlib import colormaps
 
     return [tuple(colour) for colour in colormaps[COLOURS](np.linspace(DARKEST, LIGHTEST, count))]
@@ -106,7 +107,7 @@ def _colours(count: int) -> Sequence[tuple[float, ...]]:
 
 def _draw_panel(axes: "Axes", panel: Panel) -> None:
     labels = _labels(panel)
-    colours = dict(zip(labels, _colours(len(labels)), strict=True))
+    colours = dict(zip(labels, colours_of(len(labels)), strict=True))
     for curve in panel.curves:
         _draw_curve(axes, curve, colours[curve.label])
     if panel.level is not None:
