@@ -69,17 +69,17 @@ def test_an_infant_without_the_part_does_not_succeed():
 
 @pytest.mark.parametrize("model", ["torque", "position", "muscle"])
 def test_wanted_torques_arrive_at_the_joints_in_every_actuation_model(model):
-    """As long as they are small; through filters, they arrive by the next step."""
+    """An elbow keeps its angle while the infant falls freely."""
     body = compile_at(CHILD.with_(actuation={"model": model}), 12.0, USUAL)
     data = mujoco.MjData(body.model)
-    body.place(data, 0.0, {}, above_m=0.5)
+    body.place(data, 0.0, {"{side}_elbow": -40.0}, above_m=1.0)
     control = Controller(body, servo(body, data), body.model.opt.timestep)
     target = data.qpos[body.angles].copy()
-    for _ in range(100):
+    for _ in range(60):
         data.ctrl[:] = control(data, target)
         mujoco.mj_step(body.model, data)
     elbow = body.joint_names.index("left_elbow")
-    assert abs(data.qpos[body.angles[elbow]] - target[elbow]) < np.radians(3)
+    assert abs(data.qpos[body.angles[elbow]] - target[elbow]) < np.radians(5)
 
 
 def test_every_milestone_has_a_window_of_real_infants():
@@ -117,8 +117,8 @@ def test_an_unsupported_head_falls(age_months):
 
 
 @pytest.mark.parametrize("age_months", [3.0, 6.0, 12.0, 18.0])
-def test_a_slack_sitter_falls_forward(age_months):
+def test_a_slack_sitter_who_leans_forward_slumps_forward(age_months):
     angles_deg = {"{side}_hip1": -95.0, "{side}_hip2": -25.0, "{side}_knee": -25.0, "hip_bend1": 8.0, "hip_bend2": 8.0}
-    body, data = slack(age_months, 10.0, angles_deg, 2.0)
+    body, data = slack(age_months, 15.0, angles_deg, 3.0)
     assert tilt_deg(data, body.pushed) > 20
     assert data.xmat[body.pushed, 2] > 0, "the trunk's upward axis points forward"

@@ -1,5 +1,7 @@
 """The search for the age from which on a trial succeeds."""
 
+from itertools import pairwise
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -32,7 +34,7 @@ def test_all_older_ages_that_were_tried_succeeded_and_none_is_left_out_for_more_
     if youngest is not None:
         older = sorted(age for age in tried if age >= youngest)
         assert not failing & set(older)
-        assert all(after - before <= 1.0 for before, after in zip(older, older[1:], strict=False))
+        assert all(after - before <= 1.0 for before, after in pairwise(older))
 
 
 def test_the_grid_has_every_half_month_of_two_years():

@@ -23,7 +23,7 @@ BISECTIONS = 12
 
 
 def _prone(infant: Infant) -> Iterator[Attempt]:
-    """Yield attempts to keep a head up that somebody else lifted, first with arms at the sides, then on the forearms."""
+    """Yield attempts to keep a head up that somebody else lifted: with arms at the sides, then on the forearms."""
     head = infant.model.body("head").id
 
     def check(data: mujoco.MjData) -> str:
