@@ -2,8 +2,9 @@
 
 Torque = compensation + K (target - angle) - D speed, clipped by the infant's own strength, with K = I w² and D = 2 I w;
 w is one natural frequency for all joints, ages and trials, and I is the inertia that the joint has to move: the larger
-of what hangs on it and what it hangs on, of which each limb of a pair bears half. The compensation cancels the joint's own
-spring and the weight of what hangs on it. The damper is evaluated implicitly (Tan, Liu & Turk 2011, stable
+of what hangs on it and what it hangs on, of which each limb of a pair bears half.
+The compensation cancels the joint's own spring and the weight of what hangs on it. The damper is evaluated implicitly
+(Tan, Liu & Turk 2011, stable
 proportional-derivative control), so that stiff joints of light parts do not shake with physics steps of 5 ms.
 """
 
