@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mimoc.environments import make
     from mimoc.errors import MimocError
     from mimoc.experiments import run_experiment
+    from mimoc.milestones import validate_milestones
     from mimoc.plugins import register
     from mimoc.recording import record
     from mimoc.runtime import InfantEnv, torque_limits
@@ -45,6 +46,7 @@ _HOMES = {
     "run_experiment": "mimoc.experiments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
+    "validate_milestones": "mimoc.milestones",
     "write_bundle": "mimoc.bundle.io",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
@@ -74,6 +76,7 @@ __all__ = [
     "run_experiment",
     "torque_limits",
     "train",
+    "validate_milestones",
     "write_bundle",
 ]
 

@@ -63,7 +63,7 @@ LAYERS = {
         "", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh PIL coacd fast_simplification platformdirs scipy"
     ),
     "compiler": layer("compiler compiler.*", BUILDING, "mujoco"),
-    "milestones": layer("milestones milestones.*", f"{BUILDING} compiler", "mujoco"),
+    "milestones": layer("milestones milestones.*", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
     "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),

@@ -28,10 +28,14 @@ def validate(
         Path | None,
         typer.Option("--plot", metavar="FILE", help="Plot the comparison: .png, .svg, .pdf, .jpg or .webp."),
     ] = None,
+    delays: Annotated[
+        bool, typer.Option("--delays", help="Milestones with the infant's own delays of senses and commands.")
+    ] = False,
 ) -> None:
     """Compare the infant with children at 0 to 24 months; exit code 1 if it deviates too much.
 
     `who`: length, weight and circumferences by WHO's growth standards, within one SD of their mean.
+    `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
     `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means.
     """
     from mimoc.cli import console
@@ -39,11 +43,13 @@ def validate(
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))
+    if delays and against != "milestones":
+        raise typer.BadParameter("only milestones depend on delays; use it with --against milestones")
     if plot:
         check_plot_name(plot)
     infant = load_spec(spec) if spec else None
     with console.progress("growing") as show:
-        findings = VALIDATIONS[against](infant, show)
+        findings = VALIDATIONS[against](infant, show, **({"delays": True} if delays else {}))
     if plot:
         findings.plot(plot)
     print(json.dumps(findings.data, indent=1)) if as_json else findings.show()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -52,8 +53,21 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
     return Findings(report.within_tolerance, report.to_data(), shown, plot)
 
 
-VALIDATIONS: Mapping[str, Callable[[InfantSpec | None, Progress], Findings]] = {
+def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
+    from mimoc.cli.milestone_table import print_milestones
+    from mimoc.milestones import Conditions, validate_milestones
+    from mimoc.render.plots.milestones import plot_milestones
+
+    processes = os.cpu_count() or 1
+    report = validate_milestones(infant, Conditions(delays=delays), processes=processes, progress=progress)
+    return Findings(
+        report.passed, report.to_data(), partial(print_milestones, report), partial(plot_milestones, report.bars)
+    )
+
+
+VALIDATIONS: Mapping[str, Callable[..., Findings]] = {
     "who": _against_who,
     "anthrokids": _against_anthrokids,
+    "milestones": _against_milestones,
 }
 """How an infant, or the average child if none is given, is compared, by the name that a user gives."""

@@ -1,9 +1,10 @@
 """The controller of all trials: a saturating spring and damper at every joint, around a posture.
 
-Torque = compensation + K (target - angle) - D speed, clipped by the infant's own strength. K = I w² and D = 2 I w, where
-w is one natural frequency for all joints, ages and trials, and I is the inertia that the joint has to move: the larger of
-what hangs on it and what it hangs on, of which each limb of a pair bears half. The compensation cancels the joint's own
-spring and the weight of what hangs on it. The damper is evaluated implicitly (Tan, Liu & Turk 2011, stable
+Torque = compensation + K (target - angle) - D speed, clipped by the infant's own strength, with K = I w² and D = 2 I w;
+w is one natural frequency for all joints, ages and trials, and I is the inertia that the joint has to move: the larger
+of what hangs on it and what it hangs on, of which each limb of a pair bears half.
+The compensation cancels the joint's own spring and the weight of what hangs on it. The damper is evaluated implicitly
+(Tan, Liu & Turk 2011, stable
 proportional-derivative control), so that stiff joints of light parts do not shake with physics steps of 5 ms.
 """
 
@@ -47,17 +48,24 @@ def servo(infant: Infant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
 class Controller:
     """Computes controls that keep the joints at target angles."""
 
-    def __init__(self, infant: Infant, gains: Servo):
-        """Prepare a twin of the model, whose inertia has the damping of one physics step in it."""
+    def __init__(self, infant: Infant, gains: Servo, interval_s: float):
+        """Prepare a twin of the model, whose inertia has the damping of one interval in it.
+
+        Args:
+            infant: The infant.
+            gains: Stiffness and damping of its joints.
+            interval_s: How long controls are kept: a physics step or several.
+        """
         self._infant, self._gains = infant, gains
         self._twin = copy.copy(infant.model)
-        self._step_damping = gains.damping_nms * infant.model.opt.timestep
+        self._interval_s = interval_s
+        self._step_damping = gains.damping_nms * interval_s
         self._twin.dof_armature[infant.dofs] += self._step_damping
         off = mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT
         self._twin.opt.disableflags |= int(off)
         self._scratch = mujoco.MjData(self._twin)
         self._acceleration = np.zeros((1, infant.model.nv))
-        self._motors = Motors(infant)
+        self._motors = Motors(infant, interval_s)
         self._loads = _loads(infant)
 
     def __call__(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
@@ -75,7 +83,7 @@ class Controller:
         mujoco.mj_fwdPosition(self._twin, scratch)
         mujoco.mj_fwdVelocity(self._twin, scratch)
         angles, speeds = data.qpos[infant.angles], data.qvel[infant.dofs]
-        ahead = angles + infant.model.opt.timestep * speeds
+        ahead = angles + self._interval_s * speeds
         wanted = gains.stiffness_nm * (target_rad - ahead) - gains.damping_nms * speeds + self._compensation(scratch)
         force = scratch.qfrc_passive + data.qfrc_constraint - scratch.qfrc_bias
         force[infant.dofs] += wanted

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.compiled import ROOT, compile_infant, solid_extents
 from mimoc.milestones.conditions import Conditions
+from mimoc.milestones.delays import longest_delays_s
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
 from mimoc.units import deg_to_rad
@@ -34,11 +35,13 @@ class Infant:
     model: mujoco.MjModel
     joints: IntArray
     """Index of each driven hinge, shape (n,), each once."""
+    delays_s: tuple[float, float] = (0.0, 0.0)
+    """Its delays of senses and of commands."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel) -> "Infant":
+    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "Infant":
         """Return the infant of a model."""
-        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp))
+        return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp), delays_s)
 
     @cached_property
     def angles(self) -> IntArray:
@@ -168,4 +171,5 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> I
         if group not in PAIRED_GROUPS
     }
     actuation = own.model_copy(update={"strength": strength, "regions": None, "locked": ()})
-    return Infant.of(compile_infant(spec.model_copy(update={"age_months": age_months, "actuation": actuation})))
+    grown = spec.model_copy(update={"age_months": age_months, "actuation": actuation})
+    return Infant.of(compile_infant(grown), longest_delays_s(grown))

@@ -13,12 +13,12 @@ LEAST_NM = 1e-9
 class Motors:
     """Inverts MuJoCo's actuators, the torque of which is linear in their activation.
 
-    A filtered actuator gets the control whose filter arrives at the wanted activation after one physics step, or comes
-    as near as the range of its control allows. Of two antagonistic muscles one pulls and the other rests.
+    A filtered actuator gets the control whose filter arrives at the wanted activation after one interval, or comes as
+    near as the range of its control allows. Of two antagonistic muscles one pulls and the other rests.
     """
 
-    def __init__(self, infant: Infant):
-        """Find the actuators of each driven hinge of an infant."""
+    def __init__(self, infant: Infant, interval_s: float):
+        """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval."""
         model = infant.model
         self._model = model
         self._slot = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
@@ -31,7 +31,7 @@ class Motors:
         filtered = np.flatnonzero(model.actuator_dyntype != mujoco.mjtDyn.mjDYN_NONE)
         self._filtered, self._states = filtered, model.actuator_actadr[filtered]
         times_s = model.actuator_dynprm[filtered, TIME_CONSTANT]
-        self._arriving = 1.0 - np.exp(-model.opt.timestep / times_s)
+        self._arriving = 1.0 - np.exp(-interval_s / times_s)
 
     def controls(self, scratch: mujoco.MjData, activations: FloatArray, torques_nm: FloatArray) -> FloatArray:
         """Return the controls, shape (nu,), that give torques at the driven hinges, as far as strength allows.

@@ -9,6 +9,7 @@ from mimoc.milestones.search import Found, Progress, age_grid, search
 from mimoc.milestones.trial import Trial
 from mimoc.milestones.trials import FURTHER, TRIALS
 from mimoc.milestones.windows import WINDOWS, Window
+from mimoc.render.plots.milestones import Bar
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 
@@ -66,6 +67,20 @@ class MilestoneReport:
     def passed(self) -> bool:
         """Whether every milestone that is judged is inside its window."""
         return all(each.verdict in ("inside", "no verdict") for each in self.milestones)
+
+    @property
+    def bars(self) -> list[Bar]:
+        """The milestones as they are plotted."""
+        return [
+            Bar(
+                each.trial.title,
+                (each.window.youngest_months, each.window.median_months, each.window.oldest_months)
+                if each.window
+                else None,
+                each.found.youngest_months,
+            )
+            for each in self.milestones
+        ]
 
     def to_data(self) -> dict[str, Any]:
         """Return the report as plain data, numbers rounded as in files."""

@@ -9,6 +9,7 @@ import numpy as np
 from mimoc.milestones.conditions import Conditions
 from mimoc.milestones.controller import Controller, servo
 from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.milestones.predictor import INTERVAL_S, Predictor
 
 CHECKED_EVERY_S = 0.05
 """How often the condition of a trial is checked."""
@@ -101,26 +102,48 @@ def try_out(trial: Trial, infant: Infant, conditions: Conditions, watch: Watch |
 
 def simulate(attempt: Attempt, conditions: Conditions, watch: Watch | None = None) -> Outcome:
     """Return the outcome of an attempt."""
-    infant = attempt.infant
-    model, data = infant.model, mujoco.MjData(infant.model)
+    model, data = attempt.infant.model, mujoco.MjData(attempt.infant.model)
     data.qpos[:] = attempt.start
     mujoco.mj_forward(model, data)
-    control = Controller(infant, servo(infant, data, conditions.servo))
-    step_s, chest = model.opt.timestep, infant.pushed
+    controls = _controls(attempt, conditions, data)
+    step_s, chest = model.opt.timestep, attempt.infant.pushed
     checked_every = max(round(CHECKED_EVERY_S / step_s), 1)
     for step in range(round(attempt.seconds / step_s)):
         time_s = step * step_s
         if attempt.apparatus:
             attempt.apparatus(data, time_s)
         data.xfrc_applied[chest, :3] = _push_n(attempt, conditions, time_s)
-        data.ctrl[:] = control(data, attempt.target(data, time_s))
+        data.ctrl[:] = controls(step)
         mujoco.mj_step(model, data)
         if watch:
             watch(model, data)
-        if step % checked_every == 0 and time_s >= attempt.checked_from_s:
-            if reason := attempt.check(data):
-                return Outcome(False, time_s, reason, attempt.strategy)
+        checked = step % checked_every == 0 and time_s >= attempt.checked_from_s
+        if checked and (reason := attempt.check(data)):
+            return Outcome(False, time_s, reason, attempt.strategy)
     return Outcome(True, attempt.seconds, "", attempt.strategy)
+
+
+def _controls(attempt: Attempt, conditions: Conditions, data: mujoco.MjData) -> Callable[[int], FloatArray]:
+    """Return the function from a physics step to the controls that arrive in it, shape (nu,)."""
+    infant = attempt.infant
+    gains, step_s = servo(infant, data, conditions.servo), infant.model.opt.timestep
+    if not conditions.delays:
+        control = Controller(infant, gains, step_s)
+        return lambda step: control(data, attempt.target(data, step * step_s))
+    every = max(round(INTERVAL_S / step_s), 1)
+    control = Controller(infant, gains, every * step_s)
+    sent = control(data, attempt.target(data, 0.0))
+    predictor = Predictor(infant.model, infant.delays_s, sent)
+
+    def delayed(step: int) -> FloatArray:
+        nonlocal sent
+        predictor.sense(data)
+        if step % every == 0:
+            ahead = predictor.predict()
+            sent = control(ahead, attempt.target(ahead, step * step_s))
+        return predictor.send(sent)
+
+    return delayed
 
 
 def _push_n(attempt: Attempt, conditions: Conditions, time_s: float) -> FloatArray:

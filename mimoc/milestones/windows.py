@@ -45,7 +45,7 @@ WINDOWS: Mapping[str, Window] = {
         13.5,
         6.5,
         f"{PERCENTILES} of crawling; median of keeping still",
-        f"{WHO}: hands-and-knees crawling (read); Alberta Infant Motor Scale (Piper & Darrah 1994): still at 6-7 months",
+        f"{WHO}: hands-and-knees crawling (read); Alberta Infant Motor Scale (Piper & Darrah 1994): still at 6-7",
         "from memory",
     ),
     "stand": Window(6.9, 16.9, 10.8, PERCENTILES, f"{WHO}: standing alone", "read"),

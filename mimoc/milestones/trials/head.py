@@ -19,23 +19,47 @@ MOST_LAG_DEG = 20.0
 SUPINE_S, SUPINE_HELD_S = 3.0, 1.0
 SUPINE_RAISED_DEG = 45.0
 """How far the face has to be turned forward from straight up."""
-PRONE_ARMS = {
-    "arms at the sides": {},
-    "on the forearms": {"{side}_shoulder_ad_ab": 75.0, "{side}_shoulder_rotation": -80.0, "{side}_elbow": -75.0},
-}
+BISECTIONS = 12
 
 
 def _prone(infant: Infant) -> Iterator[Attempt]:
-    """Yield attempts to keep a head up that was lifted by somebody else: what lifts it can also hold it."""
+    """Yield attempts to keep a head up that somebody else lifted: with arms at the sides, then on the forearms."""
     head = infant.model.body("head").id
 
     def check(data: mujoco.MjData) -> str:
         return "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
 
-    for arms, angles_deg in PRONE_ARMS.items():
-        data = mujoco.MjData(infant.model)
-        infant.place(data, 90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0, **angles_deg})
+    flat = mujoco.MjData(infant.model)
+    infant.place(flat, 90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0})
+    postures = {"arms at the sides": flat}
+    if infant.has("left_lower_arm", "left_upper_leg"):
+        postures["on the forearms"] = _on_forearms(infant)
+    for arms, data in postures.items():
         yield Attempt(infant, data.qpos.copy(), steady(data.qpos[infant.angles]), PRONE_S, check, strategy=arms)
+
+
+def _on_forearms(infant: Infant) -> mujoco.MjData:
+    """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
+    data = mujoco.MjData(infant.model)
+    low, high = 30.0, 95.0
+    for _ in range(BISECTIONS):
+        pitch_deg = (low + high) / 2
+        infant.place(data, pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG})
+        if infant.lowest_m(data, "left_lower_arm") > infant.lowest_m(data, "left_upper_leg"):
+            low = pitch_deg
+        else:
+            high = pitch_deg
+    return data
+
+
+FOREARMS_DEG = {
+    "{side}_knee": -10.0,
+    "{side}_foot1": -50.0,
+    "{side}_shoulder_horizontal": 80.0,
+    "{side}_shoulder_ad_ab": 60.0,
+    "{side}_elbow": -120.0,
+    "head_tilt": -60.0,
+}
 
 
 def _raised(infant: Infant) -> Iterator[Attempt]:
