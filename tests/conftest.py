@@ -77,6 +77,8 @@ class Infant:
             return float(size @ (x, y, z))
         if kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
             return float(size[0] * np.hypot(x, y) + size[1] * z)
+        if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            return float(np.linalg.norm(size * (x, y, z)))
         return float(size[0] + size[1] * z)
 
 

@@ -22,11 +22,13 @@ WRIST = ("elbow_hand_length", "hand_length", "hand_breadth", "upper_arm_circumfe
 
 TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference", "hip_breadth")
 """What the spacing of the trunk's parts follows: what head and pelvis leave of the crown-rump length."""
-LEG_LENGTH = (
-    *("crown_sole_length", *TRUNK_HEIGHT, "foot_length", "foot_breadth", "rump_knee_length", "knee_sole_length"),
+THIGH_LENGTH = (
+    *("crown_sole_length", *TRUNK_HEIGHT, "rump_knee_length", "knee_sole_length"),
     *("mid_thigh_circumference", "calf_circumference"),
 )
-"""What the lengths of thigh and shank follow; a foot's length and breadth make its height."""
+"""What the length of the thigh follows."""
+LEG_LENGTH = (*THIGH_LENGTH, "foot_length", "foot_breadth")
+"""What the length of the shank follows; a foot's length and breadth make its height."""
 LEG_SHARE = (
     "leg length (crown_sole_length less trunk and foot), shared such that rump_knee_length and knee_sole_length, with "
     "the flesh behind the hip, before the knee and above it, are in proportion"

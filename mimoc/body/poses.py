@@ -53,7 +53,7 @@ POSES: Mapping[str, Pose] = {
         0,
         {
             "{side}_hip1": -95,
-            "{side}_hip2": -25,
+            "{side}_hip2": -33,
             "{side}_knee": -25,
             "{side}_shoulder_ad_ab": 30,
             "{side}_elbow": -45,

@@ -22,9 +22,9 @@ REFERENCE_M: Mapping[str, float] = {
 }
 """The reference child, about 18 months old (AnthroKids, 16-19 completed months)."""
 
-UPPER_ARM_FLESH, FOREARM_FLESH = 0.35, 0.25
-"""Largest shares of shoulder-elbow length and of elbow-wrist length that are flesh beyond the joints: a little more
-than in the average child of any age. Stout children's arms are longer between joints than thickness would leave (D)."""
+UPPER_ARM_FLESH, FOREARM_FLESH, THIGH_FLESH, SHANK_FLESH = 0.35, 0.25, 0.385, 0.175
+"""Largest shares of shoulder-elbow, elbow-wrist, rump-knee and knee-sole length that are flesh beyond the joints: a
+little more than in the average child of any age. Stout children's limbs are longer than their thickness leaves (D)."""
 
 KNEE_FORWARD = 0.6
 """How far the knee joint is in front of the thigh's axis, as a share of what the thigh is thicker than the calf (D)."""
@@ -177,8 +177,9 @@ def _leg(m: Mapping[str, float], base: Mapping[str, float], trunk: Trunk, foot: 
     """
     leg_m = _leg_length(m, trunk, foot)
     thigh_radius_m, calf_radius_m = (_radius(base[f"{part}_circumference"]) for part in ("mid_thigh", "calf"))
-    behind_m = trunk.buttocks_m + calf_radius_m
-    above_m = thigh_radius_m - KNEE_FORWARD * max(0.0, thigh_radius_m - calf_radius_m) + foot.half_height_m
+    behind_m = min(trunk.buttocks_m + calf_radius_m, THIGH_FLESH * base["rump_knee_length"])
+    above_m = thigh_radius_m - KNEE_FORWARD * max(0.0, thigh_radius_m - calf_radius_m)
+    above_m = min(above_m, SHANK_FLESH * base["knee_sole_length"]) + foot.half_height_m
     unit = (leg_m + behind_m + above_m) / (base["rump_knee_length"] + base["knee_sole_length"])
     thigh_m, shank_m = unit * m["rump_knee_length"] - behind_m, unit * m["knee_sole_length"] - above_m
     if min(thigh_m, shank_m) <= 0:

@@ -33,7 +33,7 @@ def published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: 
     belly_scale = _share(m, "chest_circumference")
     shoulder_y_m = m["shoulder_breadth"] / 2
     axial = axial_spacing(m["crown_rump_length"], head_radius_m, pelvis_radius_m)
-    belly_radius_m = belly_radius(0.052 * belly_scale, axial, pelvis_radius_m, 0.013 * belly_scale)
+    belly_radius_m = belly_radius(0.052 * belly_scale, 0.129 * axial - pelvis_radius_m, 0.013 * belly_scale)
     return Trunk(
         axial=axial,
         pelvis=(pelvis_radius_m, m["hip_breadth"] / 2),

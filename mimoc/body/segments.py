@@ -51,7 +51,7 @@ def _trunk_dimensions(p: Proportions) -> Dimensions:
         shapes={
             "lb": _across(t.pelvis, PELVIS_X_M * depth, PELVIS_Z_M * z),
             "cb": _across(t.waist, 0.008 * depth, -0.008 * z),
-            "ub1": _across(t.belly, 0.007 * depth, -0.032 * z),
+            "ub1": _across(t.belly, 0.007 * depth, -0.024 * z),
             "ub2": _across(t.ribs, CHEST_X_M * depth, 0.030 * z),
             "neck": Shape((0.028 * neck, 0.02 * z), (-0.004 * neck, 0.0, 0.125 * z)),
             "ub3": _across(t.girdle, _behind_chest(t, GIRDLE_BACK), 0.0),

@@ -10,7 +10,7 @@ from mimoc.body.dimensions import Dimensions
 from mimoc.body.maturing.feet import foot_height
 from mimoc.body.maturing.head import head_gain
 from mimoc.body.maturing.head_shape import head_dimensions
-from mimoc.body.maturing.masses import matured_masses, trunk_left
+from mimoc.body.maturing.masses import matured_masses, share_out
 from mimoc.body.maturing.parts import matured
 from mimoc.body.proportions import proportions
 from mimoc.body.scaling import check_limbs, check_trunk, scale_part
@@ -100,13 +100,13 @@ def heavier_parts(measurements: Measurements, anatomy: Anatomy) -> Heavier:
     """Return what the law `maturing` changes in the masses of a child, before its spec changes any single part.
 
     Raises:
-        GeometryError: If head and feet would be too heavy.
+        GeometryError: If no body has these measurements.
     """
     child = measurements.unreplaced
     gain, height = head_gain(child.age_months, anatomy.hands), foot_height(child.age_months, anatomy.hands)
     _, published_m3 = _shapes(child.published, anatomy, {}, "", MIMOS)
     _, volumes_m3 = _shapes(child, matured(anatomy), {}, "", Kind(foot_height=height))
-    left = trunk_left(matured(anatomy), masses(anatomy, published_m3), volumes_m3, gain)
+    gain, left = share_out(matured(anatomy), masses(anatomy, published_m3), volumes_m3, gain)
     return Heavier(gain, height, left)
 
 

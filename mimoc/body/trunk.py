@@ -42,8 +42,13 @@ GIRDLE_BACK = SHOULDER_BACK / 2
 SHOULDER_ABOVE_CHEST_M = 0.063
 """Height of the shoulder joints above the middle of the chest in the reference body."""
 
-DEEPEST_PELVIS = 0.22
-"""Largest radius of the pelvis over the height between head and rump; that of the average child is .17."""
+DEEPEST_PELVIS, DEEPEST_CHEST = 0.21, 0.26
+"""Largest radii over the height between head and rump; those of the average child are at most .18 and .19."""
+USUAL_PELVIS = 0.18
+"""Radius of the pelvis over the same height up to which the hip joints move back with it (D)."""
+BELLY_ROOM_M = 0.1315
+"""Sum of the radii of pelvis and belly in the reference body such that they do not touch when the trunk bends as in
+sitting; their middles are .138 apart."""
 NO_ROOM = "crown_rump_length leaves no room for a trunk below this head"
 
 RUMP = 0.70
@@ -92,11 +97,12 @@ def measured_trunk(
     Raises:
         GeometryError: If a measurement does not fit the others.
     """
-    pelvis = _fitted(
-        section("hip", m, base, ("hip_circumference", "hip_breadth"), HIP), m["crown_rump_length"] - 2 * head_radius_m
-    )
+    room_m = m["crown_rump_length"] - 2 * head_radius_m
+    pelvis = section("hip", m, base, ("hip_circumference", "hip_breadth"), HIP)
+    pelvis = _no_deeper(pelvis, DEEPEST_PELVIS * room_m)
     waist = section("waist", m, base, ("waist_circumference", "hip_breadth"), WAIST, WAIST_BREADTH)
     ribs = section("chest", m, base, ("chest_circumference", "chest_breadth"), CHEST)
+    ribs = _no_deeper(ribs, DEEPEST_CHEST * room_m)
     axial = axial_spacing(m["crown_rump_length"], head_radius_m, pelvis[0])
     shoulder_y_m = JOINT_SPACING / 2 * m["shoulder_breadth"]
     wanted_m = shoulder_y_m + arm_radius_m - DELTOID_BREADTH / 2 * m["shoulder_breadth"]
@@ -105,27 +111,27 @@ def measured_trunk(
         axial=axial,
         pelvis=pelvis,
         waist=waist,
-        belly=(belly_radius(ribs[0], axial, pelvis[0], ribs[0] / 4), ribs[1]),
+        belly=(belly_radius(ribs[0], BELLY_ROOM_M * axial - pelvis[0], ribs[0] / 4), ribs[1]),
         ribs=ribs,
         girdle=_girdle(ribs[0], shoulder_y_m - inwards_m, arm_radius_m),
         shoulder_y_m=shoulder_y_m,
         arm_inwards_m=inwards_m,
         hip_y_m=HIP_SPACING / 2 * m["hip_breadth"],
         rump_m=RUMP * pelvis[0],
-        buttocks_m=BUTTOCKS * pelvis[0],
+        buttocks_m=pelvis[0] - (1 - BUTTOCKS) * min(pelvis[0], USUAL_PELVIS * room_m),
     )
 
 
-def _fitted(pelvis: Section, room_m: float) -> Section:
-    """Return the pelvis of a stout child no deeper than what the height between head and rump has room for.
+def _no_deeper(wanted: Section, radius_m: float) -> Section:
+    """Return a section with at most this radius, narrower by half of what it is less deep.
 
     Raises:
-        GeometryError: If there is none.
+        GeometryError: If it would be less than half as deep.
     """
-    if room_m <= 0:
+    if radius_m <= wanted[0] / 2:
         raise GeometryError(NO_ROOM)
-    radius_m, half_width_m = pelvis
-    return min(radius_m, DEEPEST_PELVIS * room_m), half_width_m
+    factor = min(1.0, radius_m / wanted[0])
+    return wanted[0] * factor, wanted[1] * math.sqrt(factor)
 
 
 def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Section:
@@ -205,13 +211,13 @@ def axial_spacing(crown_rump_m: float, head_radius_m: float, pelvis_radius_m: fl
     return (crown_rump_m - 2 * head_radius_m - pelvis_radius_m) / (0.302 - 0.005)
 
 
-def belly_radius(wanted_m: float, axial: float, pelvis_radius_m: float, least_m: float) -> float:
-    """Return the radius of the belly, which the distance from belly to pelvis, .130 axial, limits in a stout child.
+def belly_radius(wanted_m: float, room_m: float, least_m: float) -> float:
+    """Return the radius of the belly, which the room above the pelvis limits.
 
     Raises:
         GeometryError: If it is not more than *least_m*.
     """
-    radius_m = min(wanted_m, 0.129 * axial - pelvis_radius_m)
+    radius_m = min(wanted_m, room_m)
     if radius_m <= least_m:
         raise GeometryError(NO_ROOM)
     return radius_m

@@ -49,9 +49,9 @@ class Balance:
         return [Posture(joints=legs), Align(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
 
     def loose_feet(self, data: mujoco.MjData) -> list[str]:
-        """Return the feet of a sitting infant, which must not count as supports: they would creep until legs cross.
+        """Return the feet of a sitting infant, which may slide; counted as sticking, they creep until legs cross.
 
-        The feet of a standing infant, whose hip is high above them, support it.
+        The feet of a standing infant, whose hip is high above them, stick.
         """
         feet = [leg.end for leg in self._manifest.anatomy.legs if leg.end]
         root_m = data.body(self._manifest.root_body).xpos

@@ -56,8 +56,7 @@ class InverseDynamics:
             objectives: `Reach`, `Align`, `LookAt`, or the `Posture` of some joints, the most important first; those in
                 a list or tuple share one priority. A `Posture` of all joints must be last, and is added if missing.
             joints: Joints that are controlled; all others stay at rest. None means all commanded joints.
-            loose: Bodies that do not count as supports though they touch the ground, such as the feet of a sitting
-                infant.
+            loose: Bodies that may slide on the ground, such as the feet of a sitting infant.
 
         Raises:
             ControlError: If the infant has servos, or an objective comes after the posture of all joints.

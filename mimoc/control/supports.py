@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
@@ -23,8 +24,9 @@ class Supports:
     """Finds the rows of MuJoCo's constraints that hold the infant.
 
     These are all welds and locks, the couplings of the joints of the spine, limits of other tendons, such as those of
-    the neck, and sticking contacts with static geoms. Contacts of limbs that objectives control are excluded, because
-    they would prevent the demanded motion; so are dry friction, which yields, and joint limits, which are one-sided.
+    the neck, and sticking contacts with static geoms; of the contacts of loose bodies only the normals. Contacts of
+    limbs that objectives control are excluded, because they would prevent the demanded motion; so are dry friction,
+    which yields, and joint limits, which are one-sided.
     """
 
     def __init__(self, model: mujoco.MjModel, manifest: Manifest, effectors: Iterable[int], loose: Iterable[int] = ()):
@@ -34,15 +36,18 @@ class Supports:
             model: The infant and its world.
             manifest: Manifest of the infant, which names its trunk and its limbs.
             effectors: The bodies that objectives control.
-            loose: Bodies that, with their descendants, do not count as supports though they touch the ground.
+            loose: Bodies that, with their descendants, may slide on the ground that they touch.
         """
         self._model, self._couplings = model, _couplings(model)
         bearing = model.body_rootid == model.body(manifest.root_body).id
         trunk = trunk_of(manifest.anatomy, model)
         busy = {limb_of(effector, trunk, model) for effector in effectors} - {0}
-        bearing &= ~in_subtrees(model, [*busy, *loose])
+        bearing &= ~in_subtrees(model, list(busy))
+        sliding = in_subtrees(model, list(loose))
         still = model.body_weldid == 0
-        self._bearing = np.append(bearing[model.geom_bodyid], False)  # The last entry is for constraints without geoms.
+        # The last entries are for constraints without geoms.
+        self._bearing = np.append((bearing & ~sliding)[model.geom_bodyid], False)
+        self._sliding = np.append((bearing & sliding)[model.geom_bodyid], False)
         self._still = np.append(still[model.geom_bodyid], False)
 
     def rows(self, data: mujoco.MjData) -> IntArray:
@@ -53,7 +58,8 @@ class Supports:
         contacts = np.flatnonzero((kinds >= _FIRST_CONTACT) & (data.efc_state == _STICKING))
         if len(contacts):
             geoms = data.contact.geom[data.efc_id[contacts]]
-            holding[contacts] = (self._bearing[geoms] & self._still[geoms[:, ::-1]]).any(axis=1)
+            holding[contacts] = self._on_static(self._bearing, geoms)
+        holding[self._normals(data)] = True
         return np.flatnonzero(holding)
 
     def jacobian(self, data: mujoco.MjData) -> FloatArray:
@@ -69,6 +75,20 @@ class Supports:
             lengths, starts = data.efc_J_rownnz[rows], data.efc_J_rowadr[rows]
             mujoco.mju_sparse2dense(dense[count:], data.efc_J, lengths, starts, data.efc_J_colind)
         return dense
+
+    def _normals(self, data: mujoco.MjData) -> IntArray:
+        """Return the constraints with which loose bodies press on static geoms, shape (k,).
+
+        With the elliptic friction cones of bundles the first constraint of a contact is its normal.
+        """
+        first = data.contact.efc_address
+        pressing = (first >= 0) & self._on_static(self._sliding, data.contact.geom)
+        pressing[pressing] = data.efc_force[first[pressing]] > 0.0
+        return first[pressing]
+
+    def _on_static(self, ours: npt.NDArray[np.bool_], geoms: IntArray) -> npt.NDArray[np.bool_]:
+        """Return which contacts of geoms, shape (m, 2), are between one of ours and a static one, shape (m,)."""
+        return np.logical_or.reduce(ours[geoms] & self._still[geoms[:, ::-1]], axis=1)
 
 
 def _couplings(model: mujoco.MjModel) -> FloatArray:

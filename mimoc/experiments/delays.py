@@ -34,7 +34,7 @@ FIRST_BALL = 1000
 """Seed of the first ball, which is not the seed of any training run."""
 MONTHS: Sequence[float] = (4, 6, 9)
 """Ages of the infants whose reaches are compared with those of real ones."""
-REACHES, QUICK_REACHES = 30, 4
+REACHES, QUICK_REACHES = 20, 4
 """Number of reaches of each, with each delay."""
 REACH_S = 3.0
 """Simulated time after which a reach is given up."""
@@ -92,7 +92,7 @@ def _learners(
 
 
 def reaching(delay_ms: float) -> Bundle:
-    """Return the bundle of an infant with the task `reach` and the given delay of all its senses."""
+    """Return the paper's infant with the task `reach` and the given delay of all its senses."""
     spec = {
         "mimoc": 1,
         "name": "reaching",

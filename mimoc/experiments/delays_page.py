@@ -14,7 +14,8 @@ Groups = Mapping[float, Sequence[Learner]]
 ABOUT = """\
 The average child of {age} months is held upright and learns with PPO to touch a ball with its right hand (the task
 `reach`), with sensory delays of {delays} and a motor delay of {motor:g} ms. Each infant is trained for {steps:,}
-control steps of 10 ms, with each of {seeds} seeds, and then reaches for the same {episodes} balls.
+control steps of 10 ms, with each of {seeds} seeds, and then reaches for the same {episodes} balls. The infants are
+those of the paper (`development: published`), whose motors follow commands at once.
 
 ![Time to reach during training, hand paths, and smoothness by delay](delays.png)
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from mimoc.body.poses import Pose, resting_state
 from mimoc.compiler import building
+from mimoc.compiler.building import Builder
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.units import ms_to_s
@@ -82,17 +83,14 @@ class Effort:
 
 
 def efforts(age_months: float, model: Model = "torque", strength_age_months: float | None = None) -> Iterator[Effort]:
-    """Yield the trajectory of each behaviour of the average child, all from the same resting state.
+    """Yield the trajectory of each behaviour of the average child by the paper's law, all from the same resting state.
 
     Args:
         age_months: Age of the body.
         model: Actuation model.
         strength_age_months: Age that determines the strength, if it differs from that of the body.
     """
-    actuation = {"model": model, "strength_age_months": strength_age_months}
-    control = {"step_ms": STEP_MS, "timestep_ms": STEP_MS}
-    spec = {"mimoc": 1, "name": "lying", "age_months": age_months, "actuation": actuation, "control": control}
-    builder = building.builder(InfantSpec.model_validate(spec))
+    builder = lying(age_months, model, strength_age_months)
     with closing(InfantEnv(builder(0, check=False))) as env:
         env.reset()
         env.data.qpos[:] = resting_state(builder.tree, FLAT)
@@ -103,6 +101,19 @@ def efforts(age_months: float, model: Model = "torque", strength_age_months: flo
         for behaviour in BEHAVIOURS:
             env.set_state(rest)
             yield _effort(env, behaviour, age_months if strength_age_months is None else strength_age_months)
+
+
+def lying(age_months: float, model: Model = "torque", strength_age_months: float | None = None) -> Builder:
+    """Return the builder of the infant; for its arguments see `efforts`."""
+    spec = {
+        "mimoc": 1,
+        "name": "lying",
+        "age_months": age_months,
+        "development": "published",
+        "actuation": {"model": model, "strength_age_months": strength_age_months},
+        "control": {"step_ms": STEP_MS, "timestep_ms": STEP_MS},
+    }
+    return building.builder(InfantSpec.model_validate(spec))
 
 
 def _effort(env: InfantEnv, behaviour: Behaviour, strength_age_months: float) -> Effort:

@@ -31,8 +31,9 @@ class Findings:
 
 
 ABOUT = """\
-The average child lies on its back on a flat floor with all joints at zero, and settles for {settling_s:g} s without
-commands. Then a single actuator gets its largest command, `act:head_tilt` +1 or `act:right_hip_flex` -1, for {steps}
+The average child by the paper's law (`development: published`, where strength follows volume and all else stays as at
+18 months) lies on its back on a flat floor with all joints at zero, and settles for {settling_s:g} s without commands.
+Then a single actuator gets its largest command, `act:head_tilt` +1 or `act:right_hip_flex` -1, for {steps}
 control steps of {step_ms:g} ms, while all others stay at rest. We measure the angle of its joint from the joint's zero
 position, positive as the body part rises: `robot:head_tilt`, and `robot:right_hip1` with inverted sign. At the start
 no joint moves by more than 4 degrees per second; what motion there is, is creep under MuJoCo's soft friction.

@@ -60,6 +60,8 @@ def fit_log_curve(ages_months: Sequence[float], values: Sequence[float]) -> LogC
 def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weights: Sequence[float]) -> LogCurve:
     """Return the least-squares curve with a steady part through *values* that does not fall up to `LAST_MONTH`.
 
+    Where growth never slows down, that is the curve by the law of the paper, nearly a straight line.
+
     Args:
         ages_months: Shape (n,), n >= 5, none below zero.
         values: Shape (n,), in any unit.
@@ -72,6 +74,8 @@ def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weigh
         return np.where((a >= 0) & (a / (LAST_MONTH + shifts) + d >= 0), left, np.inf)
 
     b = _best_shift(residual, B_MAX_COUNT_MONTHS)
+    if not np.isfinite(residual(np.array([b]))[0]):
+        return fit_log_curve(ages_months, values)
     (a,), (d,), _ = _count_coefficients(np.array([b]), ages, y, w)
     c = np.average(y - a * np.log(ages + b) - d * ages, weights=w)
     return LogCurve(a=float(a), b_months=b, c=float(c), d=float(d))

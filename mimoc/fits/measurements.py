@@ -81,7 +81,7 @@ class Measurements(Mapping[str, float]):
         return {name: own(name) for name in self.base}
 
     def scaled(self, factors: Mapping[str, float], why: str, given_by: tuple[str, ...]) -> "Measurements":
-        """Return the measurements of a child whose named ones differ by a factor.
+        """Return the measurements of a child whose named ones differ by a factor, by either growth law.
 
         Args:
             factors: By name.

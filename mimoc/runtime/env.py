@@ -16,7 +16,8 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
-from mimoc.delays.schedule import Schedule, Timing
+from mimoc.delays.schedule import Schedule
+from mimoc.delays.timing import Timing
 from mimoc.errors import UnknownNameError
 from mimoc.model_fields import ModelFields
 from mimoc.noise.streams import NoiseStreams

@@ -40,7 +40,7 @@ def test_published_motors_have_no_activation():
 @pytest.mark.parametrize("model", ["torque", "muscle"])
 def test_every_pose_starts_without_activation(model, pose):
     env = mimoc.InfantEnv(mimoc.build(spec_of(model)))
-    env.step(env.action_space.high)
+    env.step(env.actuation.high)
     assert env.data.act.all()
     env.reset(options={"pose": pose})
     assert not env.data.act.any()

@@ -11,9 +11,10 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
-from mimoc.body import anatomy, assembly, density, growth, segments
+from mimoc.body import anatomy, assembly, density, growth, segments, solids
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
+from mimoc.body.maturing import feet, head, parts
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
@@ -56,7 +57,10 @@ WING = Part(
 )
 SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {}, "touch": {}}
 SENSES["vision"] = {"width_px": 16, "height_px": 16}
-CACHES = (assembly.assemble, density.reference_volumes, growth.grow_reference, skin_points._patches)
+CACHES = (
+    *(assembly.assemble, density.reference_volumes, growth.grow_reference, skin_points._patches),
+    *(head.head_gain, feet.foot_height, feet._feet, parts.matured, solids._unscaled),
+)
 
 
 def shapes(p) -> Dimensions:

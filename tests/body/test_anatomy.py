@@ -76,7 +76,7 @@ def test_geoms_are_mimos(model, published):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_the_average_child_of_18_months_weighs_what_mimo_does_geom_by_geom(hands, reference):
     """But for hands of five fingers, which are of MIMo's density, and half its size."""
-    geoms = grow(measure(18), assemble(hands, False)).geoms
+    geoms = grow(measure(18), assemble(hands, False), development="published").geoms
     rows = {row["name"]: row for row in reference("geoms", hands)}
     assert geoms.keys() == rows.keys()
     for name, geom in geoms.items():
@@ -89,15 +89,16 @@ def test_the_average_child_of_18_months_weighs_what_mimo_does_geom_by_geom(hands
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 @pytest.mark.parametrize("age_months", [0, 1.5, 4.5, 9, 14, 24])
-def test_every_geom_has_the_same_density_at_every_age(age_months, hands):
-    """And that of flesh and bones: none is of cork or lead."""
-    reference = grow(measure(18), assemble(hands, True)).geoms
-    for name, geom in grow(measure(age_months), assemble(hands, True)).geoms.items():
-        density, at_18 = (each.mass_kg / volume(each.type, each.size_m) for each in (geom, reference[name]))
-        assert density == pytest.approx(at_18, rel=1e-9), name
-        assert 650 < density < 1200 or name == "neck", name
+def test_no_part_is_of_cork_or_lead(age_months, hands):
+    """Most have the density of flesh and bones; overlapping parts of the trunk, by which it can bend, differ more."""
+    for development in ("published", "maturing"):
+        for name, geom in grow(measure(age_months), assemble(hands, True), development=development).geoms.items():
+            density = geom.mass_kg / volume(geom.type, geom.size_m)
+            lowest, highest = (450, 1350) if name in TRUNK else (640, 1210)
+            assert lowest < density < highest or geom.mass_kg == 0, name
 
 
+TRUNK = {"lb", "cb", "ub1", "ub2", "ub3"}
 FILLERS = {"neck"}
 """The neck fills a gap and collides with nothing; MIMo's own collided with what its bit masks were left at."""
 EYES = {frozenset((f"{side}_eye", "chest")) for side in ("left", "right")}

@@ -4,7 +4,6 @@ import pytest
 
 from mimoc.body import assemble, grow
 from mimoc.fits import measure
-from mimoc.geometry.primitives import volume
 
 COUNTS = {("mitten", False): 44, ("mitten", True): 46, ("five_finger", False): 88, ("five_finger", True): 90}
 
@@ -27,16 +26,16 @@ def test_no_joint_has_two_motors(hands_and_chest):
 
 
 def test_a_gear_grows_with_its_mover_and_with_nothing_else(anatomy):
-    """One part after another made thicker."""
+    """One part after another made thicker: between the square and the cube of it, less for parts that lie across."""
     before = grow(measure(18), anatomy)
     for body in before.bodies:
         after = grow(measure(18), anatomy, {body.name: (1.0, 1.1)})
         for motor, thicker in zip(before.motors, after.motors, strict=True):
-            small, large = (
-                volume(tree.geoms[motor.mover].type, tree.geoms[motor.mover].size_m) for tree in (before, after)
-            )
-            assert thicker.gear_nm == pytest.approx(motor.gear_nm * large / small, rel=1e-12), (body.name, motor.name)
-            assert (small != large) == (motor.mover in {geom.name for geom in body.geoms})
+            growth = thicker.gear_nm / motor.gear_nm
+            if motor.mover in {geom.name for geom in body.geoms}:
+                assert 1.1**1.5 < growth < 1.1**3, (body.name, motor.name)
+            else:
+                assert growth == 1, (body.name, motor.name)
 
 
 def test_force_ranges_do_not_grow(anatomy):

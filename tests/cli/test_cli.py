@@ -169,7 +169,10 @@ BAD_INPUT = {
     "a folder to write to that is something else": (f"build {SPEC} -o folder", "folder: this folder is not a bundle"),
     "a place under a file": (f"build {SPEC} -o bad.yaml/new", "bad.yaml/new: cannot be written"),
     "a place nobody can write to": (f"build {SPEC} -o /proc/new", "/proc/new: cannot be written"),
-    "an unknown standard": ("validate --against cdc", "'cdc' is not a growth standard; choose from who"),
+    "an unknown standard": (
+        "validate --against cdc",
+        "'cdc' is not a comparison; choose from anthrokids, milestones, who",
+    ),
     "an infant of which nothing is known": ("validate nowhere.yaml", "nowhere.yaml:1:1: the file does not exist"),
     "a plot into a missing folder": ("validate one.yaml --plot nowhere/x.png", "nowhere/x.png: cannot be written"),
     "no bundle": ("run nowhere", "nowhere: there is no such folder"),

@@ -10,6 +10,7 @@ from support.commands import Outcome
 
 import mimoc
 from mimoc import cli
+from mimoc.compiler import validation
 from mimoc.experiments import growth
 from mimoc.training import hyperparameters
 from mimoc.training.hyperparameters import HYPERPARAMETERS
@@ -36,10 +37,11 @@ def test_the_help_of_each_command_has_an_example(invoke, command, option):
 
 @pytest.mark.slow
 def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
-    """Those that train and that experiment do less of it than elsewhere."""
+    """Those that train, validate and experiment do less of it than elsewhere."""
     ppo = HYPERPARAMETERS["ppo"]
     brief = {"n_steps": replace(ppo["n_steps"], default=32), "n_epochs": replace(ppo["n_epochs"], default=1)}
     monkeypatch.setattr(hyperparameters, "HYPERPARAMETERS", {"ppo": ppo | brief})
+    monkeypatch.setattr(validation, "MONTHS", (0, 12))
     monkeypatch.setattr(growth, "QUICK_MONTHS", (6,))
     (here / "configs").symlink_to(CONFIGS)
     for command in COMMANDS.values():

@@ -18,6 +18,7 @@ EVERYTHING = (
     + """\
 body:
   measurements: {head_breadth_cm: 11, left_thumb_diameter_cm: 1, foot_length_cm: 11}
+development: published
 """
 )
 """One of each, so that one refusal shows them all."""
@@ -79,9 +80,9 @@ def refusal_of(spec: InfantSpec) -> SpecError:
     return refusal.value
 
 
-def with_value(key: str, value) -> InfantSpec:
-    """Return the smallest spec with one key, dotted, set to a value."""
-    data: dict = {"mimoc": 1, "name": "x", "age_months": 9}
+def with_value(key: str, value, **others) -> InfantSpec:
+    """Return the smallest spec with one key, dotted, set to a value, and others at the top."""
+    data: dict = {"mimoc": 1, "name": "x", "age_months": 9, **others}
     *sections, last = key.split(".")
     section = data
     for name in sections:
@@ -103,7 +104,9 @@ def test_every_problem_is_at_its_key():
 
 
 def test_a_spec_from_python_is_refused_with_its_name(snapshot):
-    assert str(refusal_of(with_value("body.measurements", {"head_breadth_cm": 11}))) == snapshot
+    assert (
+        str(refusal_of(with_value("body.measurements", {"head_breadth_cm": 11}, development="published"))) == snapshot
+    )
 
 
 @pytest.mark.parametrize(
@@ -111,10 +114,11 @@ def test_a_spec_from_python_is_refused_with_its_name(snapshot):
     [("mitten", "middle_finger", "maximum_fist"), ("five_finger", "maximum_fist", "middle_finger")],
 )
 def test_a_measurement_that_makes_no_difference_is_refused(hands, inert, followed):
-    """Each kind of hands has its own; and heads are round."""
+    """Each kind of hands has its own; and by the published law, heads are round."""
     keys = {"middle_finger": "middle_finger_diameter_cm", "maximum_fist": "maximum_fist_breadth_cm"}
     body = {"hands": hands, "measurements": {keys[inert]: 1.0, "head_breadth_cm": 11.0, keys[followed]: 1.0}}
-    spec = InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, "body": body})
+    infant = {"mimoc": 1, "name": "x", "age_months": 9, "development": "published", "body": body}
+    spec = InfantSpec.model_validate(infant)
     refused = {problem.key for problem in refusal_of(spec).problems}
     assert refused == {f"body.measurements.{key}" for key in (keys[inert], "head_breadth_cm")}
 

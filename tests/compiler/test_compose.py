@@ -60,7 +60,8 @@ def test_features_grow_with_the_head(infants):
     for infant in infants:
         for feature in HEAD_FEATURES:
             size = infant.model.geom(feature.name).size[: len(feature.size)]
-            assert size == pytest.approx(np.array(feature.size) * infant.model.geom("head").size[0], rel=1e-7)
+            radius_m = measure(infant.age_months)["head_circumference"] / (2 * np.pi)
+            assert size == pytest.approx(np.array(feature.size) * radius_m, rel=1e-7)
 
 
 def test_the_world_holds_the_infant_by_a_free_joint(infant_at):

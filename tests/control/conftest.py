@@ -33,11 +33,13 @@ def held_infant(built) -> Callable[..., mimoc.InfantEnv]:
     """Return what gives the environment of a held infant, which all tests share; reset it first."""
     found: dict[tuple[Any, ...], mimoc.InfantEnv] = {}
 
-    def give(age_months: float = 18, hands: str = "mitten", model: str = "torque") -> mimoc.InfantEnv:
-        key = age_months, hands, model
+    def give(
+        age_months: float = 18, hands: str = "mitten", model: str = "torque", development: str = "maturing"
+    ) -> mimoc.InfantEnv:
+        key = age_months, hands, model, development
         if key not in found:
-            body, scene = {"hands": hands}, {"kind": "flat", "pose": "sitting"}
-            bundle = built(age_months=age_months, body=body, actuation={"model": model}, scene=scene)
+            keys = {"body": {"hands": hands}, "actuation": {"model": model}, "development": development}
+            bundle = built(age_months=age_months, scene={"kind": "flat", "pose": "sitting"}, **keys)
             found[key] = mimoc.InfantEnv(held(bundle))
         return found[key]
 
@@ -46,8 +48,11 @@ def held_infant(built) -> Callable[..., mimoc.InfantEnv]:
 
 @pytest.fixture
 def floating(open_env) -> mimoc.InfantEnv:
-    """Return an infant of 18 months without gravity, and without anything that touches, rubs, limits or couples."""
-    env = open_env(age_months=18, scene={"kind": "empty"})
+    """Return an infant of 18 months without gravity, and without anything that touches, rubs, limits or couples.
+
+    Its motors act at once (`published`), so that what they are commanded is what happens.
+    """
+    env = open_env(age_months=18, development="published", scene={"kind": "empty"})
     env.reset(seed=0)
     env.model.opt.gravity[:] = 0.0
     env.model.dof_frictionloss[:] = 0.0

@@ -56,10 +56,19 @@ def test_servos_cannot_reach_by_torques(open_env):
         Run(open_env(actuation={"model": "position"}), "reach", seed=0)
 
 
-@pytest.mark.parametrize(("age_months", "hands"), [(6, "five_finger"), (9, "mitten"), (24, "mitten")])
-def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, age_months, hands):
+@pytest.mark.parametrize(
+    ("development", "age_months", "hands", "model"),
+    [
+        ("maturing", 9, "mitten", "torque"),
+        ("maturing", 9, "five_finger", "muscle"),
+        ("maturing", 24, "mitten", "torque"),
+        ("published", 6, "five_finger", "torque"),
+    ],
+)
+def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, development, age_months, hands, model):
     """In 4 s its chest stays upright, its head bows by less than a third, and its hands come within 2 cm."""
-    env = open_env(age_months=age_months, body={"hands": hands}, scene=SITTING)
+    keys = {"development": development, "actuation": {"model": model}, "body": {"hands": hands}}
+    env = open_env(age_months=age_months, scene=SITTING, **keys)
     run = Run(env, "reach", seed=0)
     head_m = float(env.data.geom("head").xpos[2])
     for _ in range(400):
@@ -71,9 +80,12 @@ def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, age_m
     assert told.metrics["hand_error_m"] < 0.02
 
 
-def test_a_fall_is_told(open_env):
-    """An infant that has hardly any strength cannot keep its seat."""
-    run = Run(open_env(scene=SITTING, actuation={"strength": {"trunk": 0.02, "neck": 0.02}}), "reach", seed=0)
+@pytest.mark.parametrize(
+    "keys", [{"age_months": 3}, {"actuation": {"strength": {"trunk": 0.02, "neck": 0.02}}}], ids=["young", "weak"]
+)
+def test_a_fall_is_told(open_env, keys):
+    """An infant of three months, or one of nine with hardly any strength, cannot keep its seat."""
+    run = Run(open_env(scene=SITTING, **keys), "reach", seed=0)
     for _ in range(200):
         run.step()
     assert 0.0 < run.summary().metrics["fell_after_s"] < 2.0

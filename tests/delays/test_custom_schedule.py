@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.delays.schedule import Schedule, Timing
+from mimoc.delays.schedule import Schedule
 from mimoc.delays.spec import DelayEntry
+from mimoc.delays.timing import Timing
 from mimoc.senses.sense import Vector
 
 SLIDER = """

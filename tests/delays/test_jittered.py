@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimoc.delays.schedule import Schedule, Timing
+from mimoc.delays.schedule import Schedule
 from mimoc.delays.spec import DelayEntry
+from mimoc.delays.timing import Timing
 from mimoc.noise.spec import NoiseEntry
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import Vector

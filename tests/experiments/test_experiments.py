@@ -9,8 +9,12 @@ import pytest
 from PIL import Image
 
 import mimoc
+from mimoc.bundle.model import load_model
 from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
 from mimoc.experiments import EXPERIMENTS, run_experiment
+from mimoc.experiments.delays import reaching
+from mimoc.experiments.effort import lying
+from mimoc.experiments.inverse import sitting
 
 SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})
 SMALL = {
@@ -45,6 +49,16 @@ def made(request, tmp_path_factory):
         run_experiment(name, folders[0], quick=True, progress=lambda *done: told.append(done))
         run_experiment(name, folders[1], quick=True)
     return name, folders, told
+
+
+@pytest.mark.parametrize(
+    "infant", [lambda: lying(6)(0), lambda: reaching(50), sitting], ids=["effort", "delays", "inverse"]
+)
+def test_what_the_paper_shows_of_strength_and_control_is_shown_by_its_law(infant):
+    """Whose motors have no activation."""
+    bundle = infant()
+    assert "development: published" in bundle.files["resolved.yaml"].decode().splitlines()
+    assert load_model(bundle).na == 0
 
 
 def test_it_writes_tables_pictures_and_one_page(made):

@@ -1,10 +1,12 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.fits import LogCurve, fit_log_curve
-from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS
+from mimoc.fits import LogCurve, fit_count_curve, fit_log_curve
+from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS, LAST_MONTH
 
 AGES_MONTHS = (0.0, 1.5, 4.5, 7.5, 10.5, 14.0, 18.0, 22.0, 33.0)
 
@@ -67,3 +69,28 @@ def test_equal_values_give_a_flat_curve():
 def test_straight_growth_is_fitted_by_a_large_shift():
     found = fit_log_curve(AGES_MONTHS, [10 + 0.5 * age for age in AGES_MONTHS])
     assert found(12) == pytest.approx(16, abs=0.02)
+
+
+EVEN = [1.0] * len(AGES_MONTHS)
+
+
+@given(a=st.floats(1, 20), b_months=st.floats(0.3, 10), c=st.floats(-20, 60), d=st.floats(0, 1))
+def test_an_exact_curve_with_a_steady_part_is_recovered(a, b_months, c, d):
+    true = LogCurve(a, b_months, c, d)
+    found = fit_count_curve(AGES_MONTHS, [true(age) for age in AGES_MONTHS], EVEN)
+    assert [found(age) for age in range(25)] == pytest.approx([true(age) for age in range(25)], abs=1e-3)
+
+
+@given(a=st.floats(0.5, 20), b_months=st.floats(0.3, 50), noise=st.lists(st.floats(-0.3, 0.3), min_size=9, max_size=9))
+def test_no_curve_with_a_steady_part_falls_before_two_years(a, b_months, noise):
+    true = LogCurve(a, b_months, 10.0)
+    values = [true(age) + error for age, error in zip(AGES_MONTHS, noise, strict=True)]
+    found = fit_count_curve(AGES_MONTHS, values, EVEN)
+    heights = [found(quarter / 4) for quarter in range(4 * int(LAST_MONTH) + 1)]
+    assert all(after >= before - 1e-9 for before, after in pairwise(heights))
+
+
+def test_a_point_of_little_weight_moves_the_curve_little():
+    values = [10 + 2 * np.log(age + 1) for age in AGES_MONTHS[:-1]] + [40.0]
+    light, heavy = (fit_count_curve(AGES_MONTHS, values, [*EVEN[:-1], weight]) for weight in (1e-6, 1.0))
+    assert abs(light(18) - values[6]) < 0.01 < abs(heavy(18) - values[6])

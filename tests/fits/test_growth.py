@@ -20,7 +20,7 @@ ages_months = st.floats(0, 24)
 @pytest.mark.parametrize("name", sorted(load_tables().published.keys() - FINGERS))
 def test_published_group_ages_reproduce_the_published_fits(name):
     """MIMo v2's own curves, within 1e-3 cm from birth to two years."""
-    curve, _ = fit_growth(load_tables(), "published")[name]
+    curve, _ = fit_growth(load_tables(), "published", "paper")[name]
     published = load_tables().published[name]
     for age_months in QUARTER_MONTHS:
         assert curve(age_months) == pytest.approx(published(age_months), abs=1e-3)
@@ -31,7 +31,7 @@ def test_sixteen_measurements_have_published_fits_and_group_means():
 
 
 def test_published_placement_infers_nothing():
-    for _, points in fit_growth(load_tables(), "published").values():
+    for _, points in fit_growth(load_tables(), "published", "paper").values():
         assert min(point.age_months for point in points) == 1
         assert not any(BIRTH in point.origin for point in points)
 
@@ -111,6 +111,26 @@ def test_curves_stay_near_their_points():
     for name, (curve, points) in fit_growth(load_tables()).items():
         for point in points:
             assert math.isclose(curve(point.age_months), point.value_cm, rel_tol=0.06), (name, point)
+
+
+def test_the_papers_law_has_no_steady_part_and_bodies_have():
+    for law, has in (("paper", False), ("count", True)):
+        assert all(bool(curve.d) == has for curve, _ in fit_growth(load_tables(), law=law).values())
+    child = measure(4)
+    assert child.table["foot_length"].curve.d != 0
+    assert child.published.table["foot_length"].curve.d == 0
+    assert child.published.published is child.published
+
+
+def test_with_a_steady_part_every_group_but_one_is_within_four_percent():
+    """The hips of six to eight months are broader than those of nine to eleven."""
+    outside = [
+        (name, point.age_months)
+        for name, (curve, points) in fit_growth(load_tables()).items()
+        for point in points
+        if 0 < point.age_months < 24 and abs(curve(point.age_months) / point.value_cm - 1) > 0.04
+    ]
+    assert outside == [("hip_circumference", 7.5)]
 
 
 def test_two_groups_are_too_few():

@@ -7,6 +7,7 @@ import pytest
 import mimoc
 from mimoc.body import assemble, grow
 from mimoc.fits import measure
+from mimoc.geometry.primitives import depths
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX, keypoint_sites
 
 BODY_25 = [
@@ -34,6 +35,8 @@ def outside_m(infant, body: str, point: np.ndarray) -> float:
 
 
 def _distance(kind: int, size: np.ndarray, local: np.ndarray) -> float:
+    if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+        return -float(depths("ellipsoid", size, local[None])[0])
     if kind == mujoco.mjtGeom.mjGEOM_BOX:
         beyond = np.abs(local) - size
     elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
@@ -58,7 +61,7 @@ def test_every_keypoint_is_a_site_of_the_compiled_body(infants):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_at_18_months_they_are_where_mimo_has_them(hands):
     """On head, hip and foot, in m; sk and so on are 1 there (growth.md, section 5)."""
-    placed = keypoint_sites(grow(measure(18), assemble(hands, False)))
+    placed = keypoint_sites(grow(measure(18), assemble(hands, False), development="published"))
     found = {site.name.removeprefix(PREFIX): (body, site.pos_m) for body, sites in placed.items() for site in sites}
     for name, pos_m in {
         "Nose": (0.0685, 0, 0.0435),

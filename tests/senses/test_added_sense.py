@@ -134,11 +134,11 @@ def test_a_preset_knows_its_delay_at_an_age():
 
 def test_it_has_the_noise_of_its_record_and_the_jitter_of_all():
     silent = heights(mimoc.InfantEnv(mimoc.build(spec())), 12)
-    noisy = mimoc.build(spec(noise={"height_m": 0.125}))
-    assert noisy.manifest.noise.height_m == 0.125
-    assert explain(noisy, "noise.height_m").lines[0].endswith("0.125 m")
+    noisy = mimoc.build(spec(noise={"height_m": 0.0625}))
+    assert noisy.manifest.noise.height_m == 0.0625
+    assert explain(noisy, "noise.height_m").lines[0].endswith("0.0625 m")
     errors = np.subtract(heights(mimoc.InfantEnv(noisy), 12), silent)
-    assert set(np.round(errors, 6)) == {-0.125, 0.125}
+    assert set(np.round(errors, 6)) == {-0.0625, 0.0625}
     late = heights(mimoc.InfantEnv(mimoc.build(spec(delays={"height_ms": 20}, noise={"delay_jitter_ms": 20}))), 40)
     assert late != heights(mimoc.InfantEnv(mimoc.build(spec(delays={"height_ms": 20}))), 40)
     with pytest.raises(SpecError, match=r"noise\.height_m: 2 is too large; give 0 to 1 m"):

@@ -1,6 +1,5 @@
 """Infants that run, each built once: those of `configs/`, and those of a spec given as keywords."""
 
-import json
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -16,12 +15,20 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
-    return _built(json.dumps({**spec, **keys}, default=repr))
+    return built_once({**spec, **keys})
 
 
-@cache
-def _built(spec: str) -> mimoc.Bundle:
-    return mimoc.build(mimoc.InfantSpec.model_validate(json.loads(spec)))
+def built_once(spec: mimoc.InfantSpec | dict[str, Any]) -> mimoc.Bundle:
+    """Return the bundle of a spec; bundles cannot be changed."""
+    wanted = mimoc.InfantSpec.model_validate(spec)
+    told = wanted.model_dump_json(exclude_unset=True)
+    if told not in _bundles:
+        _bundles[told] = mimoc.build(wanted)
+    return _bundles[told]
+
+
+_bundles: dict[str, mimoc.Bundle] = {}
+"""By what their specs say."""
 
 
 @cache

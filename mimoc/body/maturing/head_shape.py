@@ -13,30 +13,32 @@ vertex to the chin (M)."""
 CENTRE_X = 0.01 / REFERENCE_HEAD_RADIUS_M
 """Of the head before the neck joint, in head radii (MIMo)."""
 EYE: Vec3 = (0.8975, -0.4300, -0.0980)
-"""Place of the right eye on a sphere, for half axes of one (D): at 18 months, the eyes are 4.6 cm apart; a tenth of the
-head's width above MIMo's 4.9 cm on a round head, 14 % broader than this one."""
+"""Place of the right eye, for half axes of one (D): the eyes are 3.5 cm apart at birth and 4.7 cm at 18 months; MIMo's
+are 3.6 and 4.9 cm apart, on heads that are 16 % broader."""
 EYE_DEPTH = 0.107
-"""Depth of the middle of an eyeball below the face, in head radii (D): MIMo's .114 less what the face is flatter."""
-NECK_RADIUS, TILT_HEIGHT = 0.028 / REFERENCE_HEAD_RADIUS_M, 0.0123 / REFERENCE_HEAD_RADIUS_M
-"""Of the neck, and of the joint that the head nods about, in head radii (MIMo)."""
+"""Depth of the middle of an eyeball below the face, in head radii (D): a little less than MIMo's .114, as the face is
+turned further outwards here."""
+NECK_RADIUS = 0.028 / REFERENCE_HEAD_RADIUS_M
+"""In head radii (MIMo)."""
+NECK_FROM, NECK_TO = -0.015, 0.030
+"""Ends of the neck's axis above the origin of the head, in m at the reference body's spacing of trunk parts (D): its
+lower end is in the shoulders, also of tall children with small heads, and its upper end in the head."""
 
 
 def head_dimensions(p: Proportions) -> Dimensions:
-    """Return head, neck and eyes: the crown is where a round head's would be, the chin below the joints of the neck.
-
-    The lower end of the neck is a ball around the joint that the head nods about, so it is in the same place on the
-    chest whichever way the head is turned.
-    """
+    """Return head, neck and eyes: the crown is where a round head's would be, the chin below the joints of the neck."""
     radius_m = p.head_radius_m
     length_m, breadth_m = p.head_half_axes_m
     half_axes_m = (length_m, breadth_m, HEIGHT * radius_m)
     centre_m = (CENTRE_X * radius_m, 0.0, 2 * radius_m - half_axes_m[2])
-    neck_half_m = 0.02 * p.trunk.axial
+    neck_from_m, neck_to_m = NECK_FROM * p.trunk.axial, NECK_TO * p.trunk.axial
     return Dimensions(
         origins={"{side}_eye": _below(half_axes_m, centre_m, EYE, EYE_DEPTH * radius_m)},
         shapes={
             "head": Shape(half_axes_m, centre_m),
-            "neck": Shape((NECK_RADIUS * radius_m, neck_half_m), (0.0, 0.0, TILT_HEIGHT * radius_m + neck_half_m)),
+            "neck": Shape(
+                (NECK_RADIUS * radius_m, (neck_to_m - neck_from_m) / 2), (0.0, 0.0, (neck_from_m + neck_to_m) / 2)
+            ),
         },
     )
 

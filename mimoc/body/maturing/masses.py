@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator, Mapping
 from mimoc.body.assembly import Anatomy
 from mimoc.body.density import density
 from mimoc.body.figures import GeomFigures, Part
-from mimoc.errors import GeometryError
 
 NECK_SHARE = 0.08
 """Of the neck in the mass of head and neck (D)."""
-LEAST_TRUNK = 0.25
-"""Of its mass by the published law, below which a trunk is lighter than anything made of flesh."""
+LEAST_TRUNK = 0.4
+"""Of its mass by the published law, which a trunk keeps in any case; it limits the heads of children far outside of
+WHO's percentiles."""
 
 Masses = Mapping[str, float]
 """In kg, by name of the geom with `{side}`."""
@@ -27,7 +27,7 @@ def matured_masses(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, g
         published_kg: Masses by the published law.
         volumes_m3: Volumes by the law `maturing`.
         gain: By how much head and neck are heavier.
-        trunk: What is left of the trunk's mass (`trunk_left`).
+        trunk: What is left of the trunk's mass (`share_out`).
     """
     heads_kg = gain * published_kg["head"]
     masses = dict(published_kg)
@@ -36,24 +36,21 @@ def matured_masses(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, g
     return masses | {"head": (1 - NECK_SHARE) * heads_kg, "neck": NECK_SHARE * heads_kg}
 
 
-def trunk_left(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, gain: float) -> float:
-    """Return what is left of the trunk's mass: all but what head and both feet gain.
+def share_out(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, gain: float) -> tuple[float, float]:
+    """Return by how much head and neck are heavier, and what is left of the trunk's mass.
+
+    That is all but what head and both feet gain. Where too little would be left, the head gains less.
 
     Args:
         anatomy: By the law `maturing`.
         published_kg: Masses by the published law, of a child without parts that its spec changes.
         volumes_m3: Volumes by the law `maturing`, likewise.
-        gain: By how much head and neck are heavier.
-
-    Raises:
-        GeometryError: If too little is left.
+        gain: By how much head and neck of the average child are heavier.
     """
     trunk_kg = sum(published_kg[geom.name] for geom in _geoms(anatomy, _is_trunk))
     foot_kg = sum(_foot_kg(geom, anatomy, volumes_m3) - published_kg[geom.name] for geom in _geoms(anatomy, _is_foot))
-    left = 1 - ((gain - 1) * published_kg["head"] + 2 * foot_kg) / trunk_kg
-    if left < LEAST_TRUNK:
-        raise GeometryError("this head and these feet are too heavy for a child of this weight")
-    return left
+    gain = min(gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * foot_kg) / published_kg["head"])
+    return gain, 1 - ((gain - 1) * published_kg["head"] + 2 * foot_kg) / trunk_kg
 
 
 def _foot_kg(figures: GeomFigures, anatomy: Anatomy, volumes_m3: Masses) -> float:

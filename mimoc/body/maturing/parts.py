@@ -15,7 +15,7 @@ HEAD_RULE = (
     "head's (D)"
 )
 EYE_RULE = "in the surface of the head"
-NECK_RULE = "capsule from the joint that the head nods about up into the head, in proportion to the head"
+NECK_RULE = "capsule from the shoulders up into the head, as thick in proportion to the head as MIMo's"
 FOOT_RULE = (
     "; higher than MIMo's by the factor at which the average child's foot of that age weighs .062 + .0075 kg x age in "
     "months (mean of Sun & Jensen 1994 and Schneider & Zernicke 1992; M)"

@@ -32,8 +32,8 @@ LEANING_BACK_DEG = 38.0
 """Of the pelvis."""
 CURVED_DEG: Mapping[str, float] = {"hip_bend1": 26.0, "hip_bend2": 26.0, "head_tilt": -10.0}
 """The back, which brings the chest forward again; the head looks ahead."""
-HIP_DEG = -113.0
-"""Of the hips: the knees are drawn up."""
+HIPS_DEG = range(-113, -131, -1)
+"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down."""
 STRETCHED = 0.96
 """How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
 COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
@@ -105,15 +105,34 @@ def _fingers(tree: BodyTree, side: Side) -> list[str]:
 
 
 def _sit(tree: BodyTree) -> Seat:
-    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor."""
+    """Return how an infant sits on the floor, its back curved, its knees drawn up and its feet flat on the floor.
+
+    Raises:
+        UnsupportedTaskError: If its feet cannot be flat on the floor.
+    """
+    reasons = []
+    for hip_deg in HIPS_DEG:
+        try:
+            return _seat(tree, hip_deg)
+        except UnsupportedTaskError as error:
+            reasons.append(error)
+    raise reasons[0]
+
+
+def _seat(tree: BodyTree, hip_deg: float) -> Seat:
+    """Return how an infant sits with its hips at an angle.
+
+    Raises:
+        UnsupportedTaskError: If its feet cannot be flat on the floor then.
+    """
     angles = {f"robot:{name}": deg_to_rad(angle) for name, angle in CURVED_DEG.items()}
-    angles |= {f"robot:{side}_hip1": deg_to_rad(HIP_DEG) for side in SIDES}
+    angles |= {f"robot:{side}_hip1": deg_to_rad(hip_deg) for side in SIDES}
     for side in SIDES:
         angles |= curled(tree, side)
     turn = Seat(angles, 0.0).turn
     height_m = _depth(tree, angles, turn, ("hip", "left_upper_leg", "right_upper_leg"))
     for side in SIDES:
-        angles |= _flat_foot(tree, angles, turn, side, height_m)
+        angles |= _flat_foot(tree, angles, turn, side, LEANING_BACK_DEG - hip_deg, height_m)
     return Seat(angles, height_m - CONTACT_DEPTH_M)
 
 
@@ -125,17 +144,16 @@ def _depth(tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, pa
 
 
 def _flat_foot(
-    tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, side: Side, height_m: float
+    tree: BodyTree, angles_rad: Mapping[str, float], turn: FloatArray, side: Side, thigh_deg: float, height_m: float
 ) -> dict[str, float]:
     """Return knee and ankle, in [rad], that put a foot flat on the floor, which is so far below the hip.
 
-    With a flat foot the ankle follows from the knee; the farther the knee is bent, the steeper is the shank and the
-    deeper the foot.
+    The thigh is turned up by *thigh_deg* from hanging down. With a flat foot the ankle follows from the knee; the
+    farther the knee is bent, the steeper is the shank and the deeper the foot.
 
     Raises:
         UnsupportedTaskError: If there is no such knee.
     """
-    thigh_deg = -HIP_DEG + LEANING_BACK_DEG
     least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
     ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
     low, high = max(least_deg, thigh_deg + ankle_low_deg), min(most_deg, thigh_deg)

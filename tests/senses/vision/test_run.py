@@ -3,11 +3,12 @@ from contextlib import closing
 import mujoco
 import numpy as np
 import pytest
+from support.running import built_once
 
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.errors import RenderingError
-from mimoc.render import opengl
+from mimoc.render import opengl, renderer
 from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.foveation import foveate, source_weights
 from mimoc.senses.vision.run import average_down, bind, filters, perceive
@@ -25,7 +26,7 @@ def seeing(age_months=9, vision=RAW, kind="flat", **keys) -> mimoc.Bundle:
     """Return an infant that sits and sees."""
     scene = {"kind": kind, "pose": "sitting"}
     spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": {"vision": vision}, "scene": scene}
-    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+    return built_once({**spec, **keys})
 
 
 def posed(bundle, angles_rad=DOWN_RAD):
@@ -280,6 +281,7 @@ def test_without_opengl_an_infant_that_sees_cannot_be_made_and_others_can(infant
         raise OSError(f"no {backend}")
 
     monkeypatch.setattr(opengl, "_open", broken)
+    monkeypatch.setattr(renderer, "open_context", opengl.open_context)  # Not one that was open before.
     with pytest.raises(RenderingError, match="OpenGL does not start here") as refusal:
         mimoc.make(infant)
     assert len(str(refusal.value).splitlines()) == 1

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.running import built_once
 
 import mimoc
 from mimoc.errors import SpecError
@@ -19,7 +20,7 @@ def standup(age_months: float, hands: str = "mitten", body: dict | None = None, 
 
 
 def opened(*args, **keys) -> mimoc.InfantEnv:
-    env = mimoc.InfantEnv(mimoc.build(standup(*args, **keys)))
+    env = mimoc.InfantEnv(built_once(standup(*args, **keys)))
     env.reset(seed=0)
     return env
 

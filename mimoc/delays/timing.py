@@ -1,0 +1,96 @@
+"""The time base of an infant: its signals on their way, by their delays in whole physics steps."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mimoc.delays.jittered import JitteredCommands, JitteredSamples
+from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
+from mimoc.delays.spec import MOTOR, DelayEntry
+from mimoc.noise.spec import NoiseEntry
+from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.wander import Wander
+from mimoc.senses.sense import IntArray
+from mimoc.units import to_steps
+
+NO_DELAY, NO_NOISE = DelayEntry(), NoiseEntry()
+Samples = DelayedSamples | JitteredSamples
+Commands = DelayedCommands | JitteredCommands
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """The time base of an infant, and the delays of its signals, with their jitter."""
+
+    step_ms: float
+    """Control step."""
+    timestep_ms: float
+    """Physics step."""
+    delays: Mapping[str, DelayEntry]
+    """By sense, and under `motor` that of commands; a signal that is not named has none."""
+    legs: Sequence[str] = ()
+    """Bodies that the legs begin with, to and from which a delay can be longer."""
+    noise: NoiseEntry = NO_NOISE
+    """Noise of commands and senses, and jitter of the delays."""
+
+    @property
+    def period(self) -> int:
+        """Physics steps in a control step.
+
+        Raises:
+            ValueError: If it is not a whole number.
+        """
+        return to_steps(self.step_ms, self.timestep_ms)
+
+    def samples(self, sense: str, in_legs: Mask | None, streams: NoiseStreams) -> list[Samples]:
+        """Return the samples of a sense on their way, by their delay.
+
+        Args:
+            sense: The sense.
+            in_legs: Which of its numbers belong to the legs, shape (n,); None where none does.
+            streams: Random numbers of the jitter.
+
+        Raises:
+            ValueError: If a delay is not a whole number of physics steps.
+        """
+        return [
+            JitteredSamples(steps, self.period, part, wander) if wander else DelayedSamples(steps, self.period, part)
+            for steps, part, wander in self._groups(sense, in_legs, streams)
+        ]
+
+    def commands(self, in_legs: Mask, actuators: IntArray, streams: NoiseStreams) -> list[Commands]:
+        """Return the commands on their way, by their delay.
+
+        Args:
+            in_legs: Which of the n commands go to the legs, shape (n,).
+            actuators: The actuators of the model that they control, shape (n,).
+            streams: Random numbers of the jitter.
+
+        Raises:
+            ValueError: If a delay is not a whole number of physics steps.
+        """
+        found: list[Commands] = []
+        for steps, part, wander in self._groups(MOTOR, in_legs, streams):
+            which = np.arange(len(actuators)) if part is None else np.flatnonzero(part)
+            way = steps, self.period, which, actuators[which]
+            found.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
+        return found
+
+    def _groups(
+        self, signal: str, in_legs: Mask | None, streams: NoiseStreams
+    ) -> list[tuple[int, Mask | None, Wander | None]]:
+        """Return the delays of a signal in physics steps, with the numbers that have it (None is all) and its jitter.
+
+        Raises:
+            ValueError: If a delay is not a whole number of physics steps.
+        """
+        delay, jitter = self.delays.get(signal, NO_DELAY), to_steps(self.noise.delay_jitter_ms, self.timestep_ms)
+        groups = [(signal, delay.ms, None)]
+        if delay.legs_ms is not None and in_legs is not None:
+            groups = [(signal, delay.ms, ~in_legs), (f"{signal}.legs", delay.legs_ms, in_legs)]
+        steps = [to_steps(ms, self.timestep_ms) for _, ms, _ in groups]
+        return [
+            (late, part, Wander(most, streams, f"jitter.{name}") if (most := min(jitter, late)) else None)
+            for late, (name, _, part) in zip(steps, groups, strict=True)
+        ]

@@ -1,0 +1,77 @@
+"""All measurements of AnthroKids, taken on the compiled body as they were taken on children."""
+
+import json
+import math
+from functools import cache
+
+import pytest
+
+from mimoc import fits
+from mimoc.compiler.validation.anthrokids import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
+from mimoc.compiler.validation.compiled import compile_infant
+from mimoc.compiler.validation.measuring import MEASURES, measure_body
+from mimoc.schema import InfantSpec
+
+HEADS = {"head_breadth", "head_length"}
+"""Of the published law, whose head is a sphere."""
+
+
+def infant(age_months: float = 9, **changes) -> InfantSpec:
+    return InfantSpec.model_validate({"mimoc": 1, "name": "one", "age_months": age_months, **changes})
+
+
+@cache
+def report(hands: str, development: str = "published") -> MeasurementReport:
+    return compare_with_anthrokids(infant(0, development=development, body={"hands": hands}))
+
+
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+def test_every_measurement_is_within_four_percent_of_the_mean_of_every_group(hands):
+    """But for length and breadth of a head that is a sphere."""
+    assert report(hands).ages_months == [1.5, 4.5, 7.5, 10.5, 14, 18, 22]
+    outside = {row.measurement: row.deviation for row in report(hands).rows if row.outside}
+    assert outside.keys() <= HEADS, outside
+
+
+def test_all_26_measurements_are_taken_and_finger_diameters_where_there_are_fingers():
+    surveyed = set(fits.load_tables().anthrokids)
+    assert len(surveyed) == 26
+    assert {row.measurement for row in report("mitten").rows} == surveyed
+    fingers = {"middle_finger_diameter", "thumb_diameter"}
+    assert {row.measurement for row in report("five_finger").rows} == surveyed | fingers == set(MEASURES)
+
+
+def test_a_row_names_the_line_of_the_table():
+    lines = fits.tables.data_files()["anthrokids.csv"].decode().splitlines()
+    for row in report("mitten").rows:
+        line = lines[int(row.origin.removeprefix("anthrokids.csv:")) - 1]
+        assert line.startswith(f"{row.measurement},cm,")
+        assert float(line.split(",")[4]) == row.mean_cm
+
+
+def test_what_is_cut_off_is_not_measured():
+    spec = infant(body={"remove": ["left_hand", "right_lower_leg"]})
+    found = measure_body(compile_infant(spec))
+    assert found["hand_length"] == pytest.approx(measure_body(compile_infant(infant()))["hand_length"])
+    both = measure_body(compile_infant(infant(body={"remove": ["left_hand", "right_hand"]})))
+    assert {"hand_length", "hand_breadth", "elbow_hand_length", "maximum_fist_breadth"}.isdisjoint(both)
+    assert "forearm_circumference" in both
+
+
+def test_a_child_given_by_its_length_is_measured_at_its_own_age():
+    found = compare_with_anthrokids(infant(9.3, body={"individual": {"length_cm": 71}}))
+    assert found.ages_months == [9.3]
+    length = next(row for row in found.rows if row.measurement == "crown_sole_length")
+    assert (length.value_cm, length.mean_cm) == (pytest.approx(71, abs=1e-3), 73.0)
+
+
+def test_a_report_says_what_is_outside_and_survives_json():
+    rows = [
+        MeasurementRow(9, "hand_length", 10 * (1 + d), 10.0, "anthrokids.csv:1") for d in (-0.041, -0.039, 0.039, 0.041)
+    ]
+    assert [row.outside for row in rows] == [True, False, False, True]
+    assert MeasurementReport(tuple(rows[1:3])).within_tolerance
+    data = MeasurementReport(tuple(rows)).to_data()
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
+    assert (data["tolerance"], data["within_tolerance"]) == (TOLERANCE, False)
+    assert math.isclose(data["rows"][0]["deviation"], -0.041)
