@@ -11,7 +11,7 @@ from mimoc.body.figures import GeomFigures, JointFigures, Part
 from mimoc.body.maturing.mass_rules import mass_rule
 from mimoc.body.maturing.mature import maturing_groups, passive_scales
 from mimoc.body.maturing.parts import matured
-from mimoc.body.maturing.rules import REFERENCE, Rule, joint_rules
+from mimoc.body.maturing.rules import LAW_KEY, REFERENCE, Rule, joint_rules
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
 from mimoc.schema.names import SIDES
@@ -21,6 +21,9 @@ Entry = dict[str, Any]
 """`value`, `unit`, `rule`, and if they apply `from` (keys of other entries), `fit`, `points` and `xml`."""
 
 CONSTANT = f"{REFERENCE}; the same at every age"
+PUBLISHED = f"{REFERENCE}; the same at every age by the law `published`"
+CONSTANTS = ("range", "stiffness", "damping", "frictionloss", "armature", "springref")
+"""A joint's attributes in MJCF that are numbers of the body."""
 EXTRAORDINARY = "its motor is stronger than the average child's"
 """Reason why a joint has more damping and armature than in the reference body (`damping`)."""
 
@@ -133,9 +136,9 @@ class _Law:
 def _law(joint: Joint, figures: JointFigures, group: str, tree: BodyTree) -> _Law:
     usual = {"damping": figures.damping_nms_per_rad, "armature": figures.armature_kgm2}
     if tree.growth is None:
-        return _Law({}, usual)
+        return _Law(dict.fromkeys(CONSTANTS, Rule(PUBLISHED, (LAW_KEY,))), usual)
     scales = passive_scales(joint.name, group, tree.growth)
-    rules = joint_rules(figures, group, tree.age_months, tree.growth)
+    rules = joint_rules(figures, joint.name, group, tree.age_months, tree.growth)
     return _Law(rules, {name: value * scales[name] for name, value in usual.items()})
 
 
@@ -156,7 +159,7 @@ def _trace_joint(joint: Joint, law: _Law, motor: str | None) -> Iterator[tuple[s
         sources = list(rule.sources) if rule else []
         usual = law.usual.get(attribute)
         if usual is not None and not math.isclose(value, usual):
-            start = rule.text if rule else f"{usual:g} ({REFERENCE})"
+            start = rule.text if rule and rule.text != PUBLISHED else f"{usual:g} ({REFERENCE})"
             entry["rule"] = f"{start} x {value / usual:.6g}, by which {EXTRAORDINARY}"
             sources.append(f"actuator.{motor}.gear")
         if sources:

@@ -237,9 +237,11 @@ def _extremes(check: PoseCheck) -> str:
     return f"{energy}, joint limits exceeded by at most {check.beyond_deg:.0f} degrees ({check.joint})"
 
 
-def print_explanation(explanation: Explanation) -> None:
-    """Print the provenance of a number as a tree."""
+def print_explanation(explanation: Explanation, legend: str) -> None:
+    """Print the provenance of a number as a tree, and below it what its marks mean."""
     open_console().print(_branch(explanation))
+    if legend:
+        open_console().print(Text(legend))
 
 
 def print_contents(contents: Mapping[str, Sequence[str]]) -> None:

@@ -23,7 +23,7 @@ def explain(
 ) -> None:
     """Explain where a number comes from: table row, growth curve, rule, XML attribute."""
     from mimoc.cli import console
-    from mimoc.compiler.explain import contents, explain, find
+    from mimoc.compiler.explain import contents, explain, find, legend
 
     bundle = load_infant(infant)
     if key is None:
@@ -31,6 +31,7 @@ def explain(
         return
     found = find(bundle, key)
     if len(found) == 1:
-        console.print_explanation(explain(bundle, *found))
+        explanation = explain(bundle, *found)
+        console.print_explanation(explanation, legend(explanation))
     else:
         console.print_numbers(found)

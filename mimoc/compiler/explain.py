@@ -1,8 +1,9 @@
 """Explanation of the numbers of a bundle, from the XML attribute back to the table row."""
 
 import json
+import re
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
@@ -12,6 +13,12 @@ from mimoc.bundle.io import Bundle
 from mimoc.errors import MimocError
 
 Entries = Mapping[str, Mapping[str, Any]]
+CERTAINTIES: Mapping[str, str] = {
+    "S": "read in the source",
+    "M": "known from memory, not checked in the source",
+    "D": "derived for mimoc",
+}
+"""What letters in parentheses at the end of a source say about how certain it is."""
 MOST_FOLLOWED = 8
 """Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
 
@@ -65,6 +72,21 @@ def explain(bundle: Bundle, key: str) -> Explanation:
     if key not in entries:
         raise MimocError(f"'{key}' is not a number of this bundle; {_advice(key, entries)}")
     return _explain(key, entries)
+
+
+def legend(explanation: Explanation) -> str:
+    """Return what the letters mean that say how certain the sources of a number are; empty if there are none."""
+    used = {letter for text in _texts(explanation) for letter in MARK.findall(text)}
+    return "; ".join(f"{letter}: {meaning}" for letter, meaning in CERTAINTIES.items() if letter in used)
+
+
+MARK = re.compile(r"\b([SMD])\)")
+
+
+def _texts(explanation: Explanation) -> Iterator[str]:
+    yield from explanation.lines
+    for source in explanation.sources:
+        yield from _texts(source)
 
 
 def _entries(bundle: Bundle) -> Entries:

@@ -6,6 +6,8 @@ from dataclasses import replace
 from mimoc.actuation.activation import activation, activation_origin
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree, Joint, Motor
+from mimoc.body.maturing.joints import POWERS
+from mimoc.body.maturing.rules import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY
 from mimoc.body.provenance import REFERENCE
 from mimoc.mjcf.infant import Actuator
 from mimoc.mujoco_layout import MuscleParameters
@@ -98,11 +100,21 @@ def _muscle(motor: Motor, direction: str, gear: float, length_rad: tuple[float, 
     )
 
 
+DAMPING_LAW = (
+    f"volume of the part that the strength here follows x standing height ^ {POWERS['damping']:g}, relative to 18 "
+    "months (D), for the neck also x what its head is heavier"
+)
+
+
 def _origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
     """Yield where the numbers of the muscles come from, and of the joints."""
+    damping, sources = f"that of {REFERENCE}; the same at every age by the law `published`", (LAW_KEY,)
+    if tree.growth:
+        damping = f"what it is with torque motors at this age by {LAW}: that of {REFERENCE} x {DAMPING_LAW}"
+        sources = (LENGTH_KEY, AGE_KEY, LAW_KEY)
     for name in tree.joints:
-        yield f"joint.{name}.stiffness", Origin(f"{REFERENCE}, but none with muscles", (MODEL_KEY,))
-        yield f"joint.{name}.damping", Origin(f"{REFERENCE}, x {DAMPING:g} with muscles", (MODEL_KEY,))
+        yield f"joint.{name}.stiffness", Origin("none with muscles, as in MIMo, by either law", (MODEL_KEY,))
+        yield f"joint.{name}.damping", Origin(f"{DAMPING:g} x {damping}", (MODEL_KEY, *sources))
     curve = (
         f"lengths at the ends of the joint's range, largest isometric torque in N m = {PEAK:g} x gear x part of "
         f"forcerange, MuJoCo's scale, lengths where active, vmax ({REFERENCE}), passive and lengthening force"

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.actuation.setup import Origin
 from mimoc.body import BodyTree, Motor
+from mimoc.body.maturing.rules import LAW
+from mimoc.body.maturing.strength import FORWARDS
 from mimoc.body.provenance import REFERENCE
 
 LAG_S = 0.03
@@ -18,7 +20,7 @@ FINEST_STEP_S = 0.005
 MODEL_KEY, STEP_KEY = "spec.actuation.model", "spec.control.timestep_ms"
 _DAMPING = (
     f"peak torque / speed at which its muscles do not pull (vmax ({REFERENCE}) x range / {LONGEST - SHORTEST:.2f}), "
-    "where that is more than the reference body's"
+    "where that is more than the joint has with torque motors"
 )
 _STOP = f"least inertia about the joint / physics step (of {1000 * FINEST_STEP_S:g} ms at least)"
 _STIFFNESS = f"({_STOP} + damping of the joint) / lag ({LAG_S:g} s, and {STEPS_OF_LAG} physics steps at least)"
@@ -33,13 +35,20 @@ def servo_origins(tree: BodyTree) -> Iterator[tuple[str, Origin]]:
         low, high = motor.force_range
         at, gains = f"actuator.{motor.name}", _sources(tree, motor)
         limits = (
-            f"gear x part of it that is reached towards negative and positive angles: {low:g} and {high:g} "
-            f"({REFERENCE})"
+            f"gear x part of it that is reached towards negative and positive angles: {low:.6g} and {high:.6g} "
+            f"({REFERENCE}{_matured(tree, motor)})"
         )
         bias = f"torque at angle 0, then by angle: -{_STIFFNESS}, less the joint's own spring, and by speed: -{_STOP}"
         yield f"{at}.forcerange", Origin(limits, (f"{at}.gear",), "N m")
         yield f"{at}.gainprm", Origin(f"{_STIFFNESS} x half of the joint's range", gains)
         yield f"{at}.biasprm", Origin(bias, gains)
+
+
+def _matured(tree: BodyTree, motor: Motor) -> str:
+    """Return what is said of a motor whose two directions mature apart."""
+    if tree.growth is None or motor.name not in FORWARDS:
+        return ""
+    return f", towards positive angles x strength of its front by that of its back at this age by {LAW}; D"
 
 
 def _sources(tree: BodyTree, motor: Motor) -> tuple[str, ...]:

@@ -4,16 +4,17 @@ S means read in the source, M known from memory, D derived for mimoc.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mimoc.body.figures import JointFigures
 from mimoc.body.maturing.joints import LOWER_LIMITS, NEWBORN_REST_DEG, POWERS, TONE, UPPER_LIMITS
 from mimoc.body.maturing.mature import stiffening, strengths
-from mimoc.body.maturing.strength import NECK
+from mimoc.body.maturing.strength import FORWARDS, NECK, STRENGTH
 from mimoc.body.tree import Growth
 
 REFERENCE = "MIMo's reference body, 18 months"
-LENGTH_KEY, AGE_KEY = "measurements.crown_sole_length_cm", "spec.age_months"
+LENGTH_KEY, AGE_KEY, LAW_KEY = "measurements.crown_sole_length_cm", "spec.age_months", "spec.development"
+LAW = "the law `maturing`"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,25 +32,38 @@ def gear_rule(motor: str, group: str, age_months: float, growth: Growth) -> Rule
     strength, _ = strengths(motor, group, age_months)
     text = (
         f" x {growth.relative_length:.6g}, the standing height relative to 18 months, x {strength:.6g}, the share of "
-        f"its strength at 18 months that the {group} has at this age (fitted to the ages of milestones; D)"
+        f"its strength at 18 months that the {group} has at this age by {LAW} ({_row(group)})"
     )
-    return Rule(text + _heavier(group, growth), (LENGTH_KEY, AGE_KEY))
+    return Rule(text + _heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
+
+
+def _row(group: str) -> str:
+    """Return the row of a group in the table of strengths, with its source."""
+    curve = STRENGTH[group]
+    decay = f"decay of {curve.decay.tau_months:g} months and power {curve.decay.power:g}"
+    return f"row `{group}`: {curve.newborn:g} at birth, {decay}; {_source(group)}"
+
+
+def _source(group: str) -> str:
+    return {"hand": "a guess; D", "eyes": "the same at every age; D"}.get(group, "fitted to the ages of milestones; D")
 
 
 def force_range_rule(motor: str, group: str, age_months: float) -> Rule | None:
     """Return the rule of a motor's force range, if the two directions mature differently."""
-    negative, positive = strengths(motor, group, age_months)
-    if negative == positive:
+    if motor not in FORWARDS:
         return None
-    ratio = f"{positive / negative:.6g}, the strength of its front by that of its back at this age (fitted; D)"
-    return Rule(f"{REFERENCE}, towards positive angles x {ratio}", (AGE_KEY,))
+    front, (negative, positive) = FORWARDS[motor], strengths(motor, group, age_months)
+    ratio = f"{positive / negative:.6g}, the strength of its front by that of its back at this age by {LAW}"
+    text = f"{REFERENCE}, towards positive angles x {ratio} ({_row(front)}; {_row(group)})"
+    return Rule(text, (AGE_KEY, LAW_KEY))
 
 
-def joint_rules(figures: JointFigures, group: str, age_months: float, growth: Growth) -> dict[str, Rule]:
+def joint_rules(figures: JointFigures, joint: str, group: str, age_months: float, growth: Growth) -> dict[str, Rule]:
     """Return the rules of a joint's attributes in MJCF.
 
     Args:
         figures: The joint at 18 months.
+        joint: Its name, with its side.
         group: The group that it matures with.
         age_months: Age of the infant.
         growth: Its size.
@@ -60,21 +74,25 @@ def joint_rules(figures: JointFigures, group: str, age_months: float, growth: Gr
         "damping": figures.damping_nms_per_rad,
         "armature": figures.armature_kgm2,
     }
-    return {
-        **{name: _passive_rule(name, value, figures.name, group, age_months, growth) for name, value in at_18.items()},
-        **dict(_angle_rules(figures)),
-    }
+    passive = {name: _passive_rule(name, value, joint, group, growth) for name, value in at_18.items()}
+    stiffness = _stiffer(passive["stiffness"], figures.name, age_months)
+    return {**passive, "stiffness": stiffness, **dict(_angle_rules(figures))}
 
 
-def _passive_rule(attribute: str, value: float, joint: str, group: str, age_months: float, growth: Growth) -> Rule:
+def _passive_rule(attribute: str, value: float, joint: str, group: str, growth: Growth) -> Rule:
     text = (
-        f"{value:g} ({REFERENCE}) x volume of what its motor's strength follows x standing height "
-        f"({growth.relative_length:.6g}) ^ {POWERS[attribute]:g}, both relative to 18 months (D)"
+        f"{value:g} ({REFERENCE}) x {growth.relative_volumes[joint]:.6g} x {growth.relative_length:.6g} ^ "
+        f"{POWERS[attribute]:g}: volume of the part that the strength here follows, and standing height, relative to "
+        f"18 months, by {LAW} (a passive torque keeps its proportion to gravity; D)"
     )
-    stiffer = stiffening(joint, TONE(age_months))
-    if attribute == "stiffness" and stiffer > 1:
-        text += f" x {stiffer:.6g} for the flexor tone of this age (D; Ballard 1991)"
-    return Rule(text + _heavier(group, growth), (LENGTH_KEY, AGE_KEY))
+    return Rule(text + _heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
+
+
+def _stiffer(rule: Rule, joint: str, age_months: float) -> Rule:
+    """Return the rule of a stiffness with what flexor tone adds to it; *joint* is named with `{side}`."""
+    factor = stiffening(joint, TONE(age_months))
+    tone = f" x {factor:.6g} for the flexor tone of this age (D; arm recoil: Ballard 1991, S)"
+    return replace(rule, text=rule.text + tone) if factor > 1 else rule
 
 
 def _heavier(group: str, growth: Growth) -> str:
@@ -86,13 +104,14 @@ def _angle_rules(figures: JointFigures) -> Iterator[tuple[str, Rule]]:
     """Yield the rules of the angles that change with age."""
     newborn_deg = NEWBORN_REST_DEG.get(figures.name)
     if newborn_deg is not None:
-        rest = f"from {newborn_deg:g} degrees at birth (flexor tone: Amiel-Tison, Ballard; M)"
-        yield "springref", Rule(f"{rest} to {figures.springref_deg:g} ({REFERENCE}), within the range", (AGE_KEY,))
+        rest = f"by {LAW}, from {newborn_deg:g} degrees at birth (flexor tone: Amiel-Tison, Ballard; M)"
+        text = f"{rest} to {figures.springref_deg:g} at 18 months ({REFERENCE}), within the range"
+        yield "springref", Rule(text, (AGE_KEY, LAW_KEY))
     ends = ("lower", LOWER_LIMITS, figures.range_deg[0]), ("upper", UPPER_LIMITS, figures.range_deg[1])
     changing = [
-        f"{end} end from {limit.newborn_deg:g} at birth ({limit.source}) to {at_deg:g} degrees"
+        f"{end} end from {limit.newborn_deg:g} degrees at birth ({limit.source}) to {at_deg:g}"
         for end, limits, at_deg in ends
         if (limit := limits.get(figures.name))
     ]
     if changing:
-        yield "range", Rule(f"{', '.join(changing)} ({REFERENCE})", (AGE_KEY,))
+        yield "range", Rule(f"by {LAW}, {', '.join(changing)} at 18 months ({REFERENCE})", (AGE_KEY, LAW_KEY))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import Anatomy, BodyTree, Motor, MotorFigures
 from mimoc.body.maturing.mature import maturing_groups
-from mimoc.body.maturing.rules import force_range_rule, gear_rule
+from mimoc.body.maturing.rules import LAW_KEY, force_range_rule, gear_rule
 from mimoc.body.provenance import CONSTANT, REFERENCE, Entry
 
 MODEL_KEY = "spec.actuation.model"
@@ -69,12 +69,13 @@ def _trace_strength(motor: Motor, figures: MotorFigures, group: str, tree: BodyT
         f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
         f"of the geom that moves the joint: {motor.mover}"
     )
-    sources = [f"geom.{motor.mover}.size"]
-    range_rule = None
+    sources, range_rule = [f"geom.{motor.mover}.size"], None
     if tree.growth:
         of_age = gear_rule(figures.name, group, tree.age_months, tree.growth)
         rule, sources = rule + of_age.text, [*sources, *of_age.sources]
         range_rule = force_range_rule(figures.name, group, tree.age_months)
+    else:
+        rule, sources = f"{rule}, by the law `published`", [*sources, LAW_KEY]
     rule += "".join(f" x {factor:.6g} ({key})" for key, factor in motor.factors)
     sources += [key for key, _ in motor.factors]
     yield f"actuator.{motor.name}.gear", {"value": motor.gear_nm, "unit": "N m", "rule": rule, "from": sources}
