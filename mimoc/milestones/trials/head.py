@@ -27,6 +27,8 @@ def _prone(infant: Infant) -> Iterator[Attempt]:
     head = infant.model.body("head").id
 
     def check(data: mujoco.MjData) -> str:
+        if infant.touching(data, frozenset({head})):
+            return "head touches the floor"
         return "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
 
     flat = mujoco.MjData(infant.model)
