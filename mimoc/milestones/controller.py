@@ -75,7 +75,9 @@ class Controller:
             data: The state, as it is after a physics step.
             target_rad: Angle of each driven hinge to go to, shape (n,).
         """
-        return self._motors.controls(self._scratch, data.act, self._torques(data, target_rad))
+        torques_nm = self._torques(data, target_rad)
+        speeds = data.qvel[self._infant.dofs] + self._interval_s * self._acceleration[0, self._infant.dofs]
+        return self._motors.controls(self._scratch, data.act, torques_nm, speeds)
 
     def _torques(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
         infant, gains, scratch = self._infant, self._gains, self._scratch

@@ -20,7 +20,7 @@ class Motors:
     def __init__(self, infant: Infant, interval_s: float):
         """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval."""
         model = infant.model
-        self._model = model
+        self._model, self._interval_s = model, interval_s
         self._slot = np.searchsorted(infant.joints, model.actuator_trnid[:, 0])
         self._count = len(infant.joints)
         self._gear = model.actuator_gear[:, 0].copy()
@@ -33,16 +33,19 @@ class Motors:
         times_s = model.actuator_dynprm[filtered, TIME_CONSTANT]
         self._arriving = 1.0 - np.exp(-interval_s / times_s)
 
-    def controls(self, scratch: mujoco.MjData, activations: FloatArray, torques_nm: FloatArray) -> FloatArray:
+    def controls(
+        self, scratch: mujoco.MjData, activations: FloatArray, torques_nm: FloatArray, speeds_rad_s: FloatArray
+    ) -> FloatArray:
         """Return the controls, shape (nu,), that give torques at the driven hinges, as far as strength allows.
 
         Args:
             scratch: State of the same model, its positions and speeds computed; its activations are overwritten.
             activations: `act` of the infant now.
             torques_nm: Torque at each driven hinge, shape (n,).
+            speeds_rad_s: Speed that each driven hinge will have at the end of the interval, shape (n,).
         """
         wanted = torques_nm[self._slot]
-        full, at_rest = self._of_muscles(scratch) if self._muscles else self._of_motors(scratch)
+        full, at_rest = self._of_muscles(scratch) if self._muscles else self._of_motors(scratch, speeds_rad_s)
         able = np.abs(full) > LEAST_NM
         level = np.divide(self._clipped(wanted) - at_rest, full, out=np.zeros_like(full), where=able)
         level = np.clip(level, self._low, self._high)
@@ -58,10 +61,14 @@ class Motors:
         ends = self._model.actuator_forcerange * self._gear[:, None]
         return np.clip(torques_nm, ends[:, 0], ends[:, 1])
 
-    def _of_motors(self, scratch: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
-        """Return each motor's or servo's torque per activation, and what it gives at zero activation."""
-        bias = self._bias
-        at_rest = bias.at_zero + bias.by_length * scratch.actuator_length + bias.by_velocity * scratch.actuator_velocity
+    def _of_motors(self, scratch: mujoco.MjData, speeds_rad_s: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return each motor's or servo's torque per activation, and what it gives at zero activation.
+
+        Servos are stiff: what counts is the angle and the speed at the end of the interval.
+        """
+        bias, speeds = self._bias, self._gear * speeds_rad_s[self._slot]
+        lengths = scratch.actuator_length + self._interval_s * speeds
+        at_rest = bias.at_zero + bias.by_length * lengths + bias.by_velocity * speeds
         return self._gain * self._gear, at_rest * self._gear
 
     def _of_muscles(self, scratch: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
