@@ -19,7 +19,7 @@ ARMS_DEG = 60.0
 ABOVE_M = 1.0
 """Height at which a trunk is held, so that nothing touches the floor."""
 LEANS = (0.15, 0.25, 0.35, 0.45)
-"""Where the weight of a sitting infant stands at first: 0 over the seat, 1 over the heels; those of the trial `sit`."""
+"""Where the weight of a sitting infant stands at first: 0 over the seat, 1 over the heels."""
 SITTING_KNEE_DEG = -20.0
 
 
