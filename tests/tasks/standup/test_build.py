@@ -12,6 +12,8 @@ from mimoc.errors import SpecError
 
 AGES = (3, 6, 9, 18, 24)
 INFANTS = [("maturing", age_months) for age_months in AGES] + [("published", age_months) for age_months in (0, 9, 24)]
+MIMOS_AGE = 20.5
+"""At which a child is 0.82 m long, as MIMo is."""
 BOTTOM = {"lb", "left_upper_leg1", "right_upper_leg1"}
 HANDS = ("mitten", "five_finger")
 
@@ -65,8 +67,8 @@ def test_the_rail_goes_through_both_closed_hands_and_touches_neither(age_months,
                 assert gap_m > 0, env.model.geom(geom).name
 
 
-def test_at_18_months_the_rail_is_as_high_as_mimos():
-    assert 0.42 <= opened(18, development="published").model.geom("rail").pos[2] <= 0.45
+def test_a_child_as_long_as_mimo_has_a_rail_as_high_as_mimos():
+    assert 0.42 <= opened(MIMOS_AGE).model.geom("rail").pos[2] <= 0.45
 
 
 @pytest.mark.parametrize("hands", HANDS)
@@ -81,8 +83,8 @@ def test_an_older_child_has_a_higher_rail_and_farther_to_go(hands):
         assert (np.diff(values) > 0).all()
 
 
-def test_at_18_months_a_head_as_high_as_mimos_earns_nothing():
-    assert opened(18, development="published").manifest.task.base_m == pytest.approx(0.2, abs=0.005)
+def test_a_child_as_long_as_mimo_earns_nothing_at_the_height_that_is_mimos():
+    assert opened(MIMOS_AGE).manifest.task.base_m == pytest.approx(0.2, abs=0.005)
 
 
 @pytest.mark.parametrize(("hands", "count"), [("mitten", 27), ("five_finger", 29)])
