@@ -72,4 +72,4 @@ class Motors:
             mujoco.mj_fwdActuation(self._model, scratch)
             torques.append(scratch.actuator_force * self._gear)
         at_rest = np.bincount(self._slot, weights=torques[1], minlength=self._count)
-        return torques[0] - torques[1], at_rest[self._slot]
+        return torques[0] - torques[1], at_rest[self._slot]  # pyright: ignore[reportReturnType] - Sums of floats.
