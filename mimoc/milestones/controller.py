@@ -97,8 +97,8 @@ class Controller:
         axes = scratch.xaxis[joints]
         moments_nm = self._loads.weights_n * (axes[:, 1] * arms_m[:, 0] - axes[:, 0] * arms_m[:, 1])
         loads_nm = scratch.qfrc_spring[self._loads.dofs] + moments_nm
-        sums = np.bincount(self._loads.slots, loads_nm * self._loads.ratios, len(self._infant.joints))
-        return -sums  # pyright: ignore[reportReturnType] - Sums of floats.
+        carried_nm = np.bincount(self._loads.slots, loads_nm * self._loads.ratios, len(self._infant.joints))
+        return -np.asarray(carried_nm, np.float64)
 
 
 @dataclass(frozen=True)

@@ -148,6 +148,19 @@ class Infant:
         data.qpos[2] = above_m - self.lowest_m(data) - SMALL_GAP_M
         mujoco.mj_forward(self.model, data)
 
+    def turned(self, data: mujoco.MjData, angles_deg: Mapping[str, float]) -> FloatArray:
+        """Return the angles of the driven hinges in a state, but for some, clipped to their ranges, shape (n,).
+
+        Joints are named as for `place`.
+        """
+        angles = data.qpos[self.angles].copy()
+        for pattern, angle_deg in angles_deg.items():
+            for name in dict.fromkeys(pattern.format(side=side) for side in SIDES):
+                if name in self.joint_names:
+                    slot = self.joint_names.index(name)
+                    angles[slot] = np.clip(deg_to_rad(angle_deg), *self.model.jnt_range[self.joints[slot]])
+        return angles
+
     def lowest_m(self, data: mujoco.MjData, part: str | None = None) -> float:
         """Return the height of the lowest point of a body part, or of the whole infant."""
         geoms = self.solids

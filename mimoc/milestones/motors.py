@@ -71,5 +71,5 @@ class Motors:
             scratch.act[:] = level
             mujoco.mj_fwdActuation(self._model, scratch)
             torques.append(scratch.actuator_force * self._gear)
-        at_rest = np.bincount(self._slot, weights=torques[1], minlength=self._count)
-        return torques[0] - torques[1], at_rest[self._slot]  # pyright: ignore[reportReturnType] - Sums of floats.
+        at_rest = np.asarray(np.bincount(self._slot, torques[1], self._count), np.float64)
+        return torques[0] - torques[1], at_rest[self._slot]

@@ -12,3 +12,9 @@ def tilt_deg(data: mujoco.MjData, body: int) -> float:
 def elevation_deg(data: mujoco.MjData, body: int) -> float:
     """Return how far a body faces up: 90 degrees for straight up, -90 for straight down."""
     return float(np.degrees(np.arcsin(np.clip(data.xmat[body, 6], -1.0, 1.0))))
+
+
+def rise_deg(data: mujoco.MjData, start: int, end: int) -> float:
+    """Return the elevation of the line from one body's origin to another's: 90 degrees for straight up."""
+    line_m = data.xpos[end] - data.xpos[start]
+    return float(np.degrees(np.arctan2(line_m[2], np.hypot(line_m[0], line_m[1]))))

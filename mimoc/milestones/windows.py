@@ -58,6 +58,7 @@ WINDOWS: Mapping[str, Window] = {
         "from memory",
     ),
     "supine_head": Window(4.0, 9.0, 6.0, "usual ages", "van Iersel & Hadders-Algra 2021", "read"),
+    "pull_to_stand": Window(4.8, 11.4, 7.4, PERCENTILES, f"{WHO}: standing with assistance", "read"),
     "roll_over": Window(3.0, 6.0, 5.0, "usual ages", "Gerber, Wilks & Erdie-Lalena 2010", "read"),
 }
 """By name of the trial. WHO's medians are from memory, the other figures of WHO were read."""

@@ -6,11 +6,14 @@ from mimoc.milestones.trial import Trial
 from mimoc.milestones.trials.arm import ARM_OUT
 from mimoc.milestones.trials.hands_and_knees import HANDS_AND_KNEES, ROCKING
 from mimoc.milestones.trials.head import HEAD_LAG, PRONE_HEAD, SUPINE_HEAD
+from mimoc.milestones.trials.leg_lift import LEG_LIFT
+from mimoc.milestones.trials.pulling_up import PULL_TO_STAND
+from mimoc.milestones.trials.rolling import ROLL_OVER
 from mimoc.milestones.trials.sitting import SITTING
 from mimoc.milestones.trials.standing import HALF_SQUAT, STANDING
 
 MILESTONES: tuple[Trial, ...] = (PRONE_HEAD, HALF_SQUAT, ARM_OUT, HEAD_LAG, SITTING, HANDS_AND_KNEES, STANDING)
 """Those that are compared with real infants."""
-FURTHER: tuple[Trial, ...] = (SUPINE_HEAD, ROCKING)
+FURTHER: tuple[Trial, ...] = (LEG_LIFT, ROLL_OVER, SUPINE_HEAD, ROCKING, PULL_TO_STAND)
 """Those that are only reported, until they are understood."""
 TRIALS: Mapping[str, Trial] = {trial.name: trial for trial in (*MILESTONES, *FURTHER)}

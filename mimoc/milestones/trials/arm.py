@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 import mujoco
-import numpy as np
 
 from mimoc.milestones.infant import SIDES, Infant
 from mimoc.milestones.trial import Attempt, Trial, steady
-from mimoc.units import deg_to_rad
+from mimoc.milestones.upright import rise_deg
 
 ARM_S, ARM_HELD_S = 6.0, 3.0
 LOWEST_DEG = -20.0
@@ -26,14 +25,11 @@ def _attempt(infant: Infant, side: str) -> Attempt:
     shoulder, hand = (infant.model.body(f"{side}_{part}").id for part in ("upper_arm", "hand"))
     data = mujoco.MjData(infant.model)
     infant.place(data, 0.0, {"{side}_hip1": -60.0, "{side}_knee": -60.0, "{side}_elbow": -20.0}, CLEARANCE_M)
-    target = data.qpos[infant.angles].copy()
-    for name, angle_deg in {"shoulder_horizontal": 85.0, "shoulder_ad_ab": 85.0, "elbow": 0.0}.items():
-        target[infant.joint_names.index(f"{side}_{name}")] = deg_to_rad(angle_deg)
+    stretched_deg = {"shoulder_horizontal": 85.0, "shoulder_ad_ab": 85.0, "elbow": 0.0}
+    target = infant.turned(data, {f"{side}_{name}": angle_deg for name, angle_deg in stretched_deg.items()})
 
     def check(data: mujoco.MjData) -> str:
-        reach_m = data.xpos[hand] - data.xpos[shoulder]
-        elevation_deg = float(np.degrees(np.arctan2(reach_m[2], np.hypot(reach_m[0], reach_m[1]))))
-        return "" if elevation_deg >= LOWEST_DEG else "arm too low"
+        return "" if rise_deg(data, shoulder, hand) >= LOWEST_DEG else "arm too low"
 
     return Attempt(infant, data.qpos.copy(), steady(target), ARM_S, check, ARM_S - ARM_HELD_S, strategy=f"{side} arm")
 

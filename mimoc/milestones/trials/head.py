@@ -1,11 +1,11 @@
 """Lifting the head: lying on the belly, being pulled to sit, lying on the back."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.milestones.infant import Infant
 from mimoc.milestones.trial import Attempt, Trial, steady
 from mimoc.milestones.upright import elevation_deg
 from mimoc.units import deg_to_rad
@@ -27,6 +27,8 @@ def _prone(infant: Infant) -> Iterator[Attempt]:
     head = infant.model.body("head").id
 
     def check(data: mujoco.MjData) -> str:
+        if infant.touching(data, frozenset({head})):
+            return "head touches the floor"
         return "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
 
     flat = mujoco.MjData(infant.model)
@@ -80,9 +82,7 @@ def _raised(infant: Infant) -> Iterator[Attempt]:
         lag_deg = -float(np.degrees(data.qpos[tilt]))
         return f"head lags by {lag_deg:.0f}°" if lag_deg > MOST_LAG_DEG else ""
 
-    yield Attempt(
-        held, lying, steady(_turned(infant, data, {"head_tilt": 10.0})), RAISED_S, check, apparatus=raise_trunk
-    )
+    yield Attempt(held, lying, steady(infant.turned(data, {"head_tilt": 10.0})), RAISED_S, check, apparatus=raise_trunk)
 
 
 def _supine(infant: Infant) -> Iterator[Attempt]:
@@ -93,16 +93,8 @@ def _supine(infant: Infant) -> Iterator[Attempt]:
     def check(data: mujoco.MjData) -> str:
         return "" if elevation_deg(data, head) <= 90.0 - SUPINE_RAISED_DEG else "head too low"
 
-    target = steady(_turned(infant, data, {"head_tilt": 60.0}))
+    target = steady(infant.turned(data, {"head_tilt": 60.0}))
     yield Attempt(infant, data.qpos.copy(), target, SUPINE_S, check, checked_from_s=SUPINE_S - SUPINE_HELD_S)
-
-
-def _turned(infant: Infant, data: mujoco.MjData, angles_deg: Mapping[str, float]) -> FloatArray:
-    """Return the angles of the driven hinges in a state, but for some, shape (n,)."""
-    target = data.qpos[infant.angles].copy()
-    for name, angle_deg in angles_deg.items():
-        target[infant.joint_names.index(name)] = deg_to_rad(angle_deg)
-    return target
 
 
 PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° for 3 s", _prone)

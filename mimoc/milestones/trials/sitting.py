@@ -11,13 +11,13 @@ from mimoc.milestones.upright import tilt_deg
 SITTING_S = 10.0
 MOST_TILT_DEG = 45.0
 SEAT = ("hip", "left_upper_leg", "right_upper_leg")
-KNEES_DEG = (-40.0, -60.0, -20.0)
+KNEES_DEG = (-60.0, -40.0, -20.0)
 """Knees of the postures that are tried."""
-LEANS = (0.4, 0.5)
+LEANS = (0.3, 0.4)
 """Where the centre of mass stands in the postures that are tried: 0 over the seat, 1 over the heels.
 
-In the middle, it is as far from falling backward as from falling forward. Upright, closer to the seat, a trunk balances
-without strength, so that even a month-old infant sits; that takes control without noise and delay.
+Chosen while looking at the ages. Upright, closer to the seat, a trunk balances without strength, so that even a
+month-old infant sits; that takes control without noise and delay. Further forward, the trunk has to be strong.
 """
 BISECTIONS = 12
 
