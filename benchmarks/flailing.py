@@ -2,11 +2,11 @@
 
     python benchmarks/flailing.py [--infants 300]
 
-Draws infants of any age: each with mittens or five fingers, torques, muscles or servos; average ones and individuals
-between WHO's percentiles 1 and 99; some with parts scaled within what the language allows (half of the factors at the
-ends of their range), some with muscle groups up to ten times as strong. Each goes through a second of random and a
-second of alternating commands, as `mimoc check` gives them. Wanted: no NaN, no warning of MuJoCo; joints at most 15
-degrees beyond a limit at the median over infants, and never more than 60.
+Draws infants of any age and of both laws of development: each with mittens or five fingers, torques, muscles or servos;
+average ones and individuals between WHO's percentiles 1 and 99; some with parts scaled within what the language allows
+(half of the factors at the ends of their range), some with muscle groups up to ten times as strong. Each goes through a
+second of random and a second of alternating commands, as `mimoc check` gives them. Wanted: no NaN, no warning of
+MuJoCo; joints at most 15 degrees beyond a limit at the median over infants, and never more than 60.
 """
 
 import argparse
@@ -29,6 +29,7 @@ MODELS, HANDS = ("torque", "muscle", "position"), ("mitten", "five_finger")
 MEASURES = ("length_percentile", "weight_percentile", "head_percentile")
 GROUPS = ("arms", "hands", "legs", "trunk", "neck", "eyes")
 POSES = ("supine", "prone", "sitting", "standing")
+LAWS = ("maturing", "published")
 
 
 def draw(generator: np.random.Generator, number: int) -> dict[str, Any]:
@@ -52,6 +53,7 @@ def draw(generator: np.random.Generator, number: int) -> dict[str, Any]:
         "body": body,
         "actuation": {"model": model, "strength": strength},
         "scene": {"kind": "flat", "pose": str(generator.choice(POSES))},
+        "development": str(generator.choice(LAWS)),
     }
 
 
@@ -94,6 +96,7 @@ def main() -> None:
         beyond_deg = max(flailing.beyond_deg for flailing in found)
         everything.append((beyond_deg, str(drawn)))
         furthest[f"{drawn['actuation']['model']}, {drawn['body']['hands']}"].append(beyond_deg)
+        furthest[drawn["development"]].append(beyond_deg)
     furthest["all"] = [beyond_deg for beyond_deg, _ in everything]
     print(f"{'infants':24} {'number':>6} {'median [deg]':>13} {'largest [deg]':>13}")
     for kind, values in furthest.items():

@@ -150,7 +150,7 @@ ARM = (
                 "{side}_uarm1",
                 "capsule",
                 0.2684,
-                ("upper_arm_circumference", "shoulder_elbow_length", "forearm_circumference"),
+                ("upper_arm_circumference", "shoulder_elbow_length"),
                 "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; "
                 "nearer to the midline than its joint, so shoulder_breadth is over the arms unless ribs stop it",
                 placed_by=SHOULDERS,

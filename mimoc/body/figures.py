@@ -23,8 +23,8 @@ WRIST = ("elbow_hand_length", "hand_length", "hand_breadth", "upper_arm_circumfe
 TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference", "hip_breadth")
 """What the spacing of the trunk's parts follows: what head and pelvis leave of the crown-rump length."""
 THIGH_LENGTH = (
-    *("crown_sole_length", *TRUNK_HEIGHT, "rump_knee_length", "knee_sole_length"),
-    *("mid_thigh_circumference", "calf_circumference"),
+    *("crown_sole_length", "crown_rump_length", "hip_circumference", "hip_breadth", "rump_knee_length"),
+    *("knee_sole_length", "mid_thigh_circumference", "calf_circumference"),
 )
 """What the length of the thigh follows."""
 LEG_LENGTH = (*THIGH_LENGTH, "foot_length", "foot_breadth")

@@ -37,19 +37,19 @@ def grow(
     """
     published = published_solids(measurements, anatomy, scales)
     if development == "maturing":
-        heavier, parts = heavier_parts(measurements, anatomy), matured(anatomy).parts
-        own = matured_solids(measurements, matured(anatomy), scales, published, heavier)
+        heavier, reference = heavier_parts(measurements, anatomy), matured(anatomy)
+        own = matured_solids(measurements, reference, scales, published, heavier)
     else:
-        heavier, parts = None, anatomy.parts
+        heavier, reference = None, anatomy
         own = measured_solids(measurements, anatomy, scales, published)
     growth = {side: _growth(solids, anatomy.hands) for side, solids in published.items()}
     tree = BodyTree(
         age_months=measurements.age_months,
         hands=anatomy.hands,
-        bodies=tuple(_body(part, side, own[side]) for side, part in parts),
+        bodies=tuple(_body(part, side, own[side]) for side, part in reference.parts),
         motors=tuple(_motor(figures, side, growth[side][figures.mover]) for side, figures in anatomy.motors),
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
-        excluded=anatomy.excluded,
+        excluded=reference.excluded,
         frictionless=FRICTIONLESS,
         development=development,
     )

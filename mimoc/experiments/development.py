@@ -26,6 +26,8 @@ T = TypeVar("T")
 
 AGES: Sequence[float] = (*(half / 2 for half in range(29)), 18, 24)
 """Ages at which milestones are tried: every half month to 14 months, when all of them are reached."""
+PUBLISHED_AGES: Sequence[float] = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
+"""Those of the published law, by which most is possible from birth."""
 QUICK_AGES: Sequence[float] = (0, 6, 18)
 NAMES, QUICK_NAMES = tuple(TRIALS), ("prone_head", "no_head_lag")
 VARIED_NAMES = tuple(trial.name for trial in MILESTONES)
@@ -58,7 +60,10 @@ def run(notebook: Notebook) -> Path:
     """
     quick = notebook.quick
     months, sitting = (QUICK_MONTHS, QUICK_SITTING_MONTHS) if quick else (MONTHS, SITTING_MONTHS)
-    names, ages = (QUICK_NAMES, QUICK_AGES) if quick else (NAMES, AGES)
+    names = QUICK_NAMES if quick else NAMES
+    ages = (
+        {"maturing": QUICK_AGES, "published": QUICK_AGES} if quick else {"maturing": AGES, "published": PUBLISHED_AGES}
+    )
     varied = [name for name in names if name in VARIED_NAMES]
     total = len(LAWS) * (2 * len(months) + len(sitting) + len(names)) + len(VARIATIONS) * len(varied)
     count = _counter(notebook.progress, total)
@@ -73,7 +78,7 @@ def run(notebook: Notebook) -> Path:
         processes = 1 if quick else os.cpu_count() or 1
         return run_searches(cases, notebook.folder, processes, lambda: count(None))
 
-    found = searched([Case(law, name, tuple(ages), Conditions()) for law in LAWS for name in names])
+    found = searched([Case(law, name, tuple(ages[law]), Conditions()) for law in LAWS for name in names])
     _write_milestones(notebook, found)
     sensitivity = _sensitivity({case: result for case, result in found.items() if case.trial in varied}, searched)
     _write_sensitivity(notebook, sensitivity)

@@ -49,14 +49,13 @@ ABOUT = """\
 Infants of many ages, from birth to two years, try what real infants learn to do, by both laws that mimoc knows:
 `maturing`, the default, and `published`, the law of the paper (López et al. 2025), by which gears follow the volume of
 body parts and springs, damping and ranges are those of 18 months at every age. All are average children with torque
-actuation. [docs/development.md](../../development.md) describes the laws; the trials and their controller are described
-by `mimoc validate --against milestones --help`."""
+actuation. `docs/development.md` describes the laws, `docs/milestones.md` the trials and their controller."""
 
 MILESTONES = """\
 ## Milestones
 
-Youngest age from which on each trial succeeds at all older ages that were tried, in months. By the published law, an
-infant has all but its balance from birth; by `maturing`, milestones come one after the other.
+Youngest age from which on each trial succeeds at all older ages that were tried, in months: every half
+month at first by `maturing`, fewer ages by `published`.
 
 ![Ages of milestones by both laws, beside those of real infants](milestones.png)
 
@@ -116,11 +115,11 @@ The strength curves of `maturing` **were fitted** to these milestones with this 
 exists: that milestones come in order and inside the windows of real infants is a reproduction, not a prediction. The
 steps by which joints and masses follow age come from publications or from the rule that passive torques keep their
 proportion to gravity. **Not fitted**, and so a test of the law, are: the posture at rest, which limbs stay bent and
-until when; that heads without support fall; that a slack sitter slumps forward where a body by the published law falls
-back; how the lag of the head decreases from month to month; and how long reaches take.
+until when; that heads without support fall; from where on a slack sitter slumps forward; how
+the lag of the head decreases from month to month; and how long reaches take.
 
 **Much hangs on the controller.** It knows the infant's own weight and springs, has no delays unless asked for, and does
-not learn. A servo of 0.8 moves standing by months, as far as any change of strength in the table: real balance is
+not learn. A servo that is slower or faster by a quarter can move sitting and standing by months: real balance is
 limited by delay, noise and skill, of which this controller has none. An age here says from when on a milestone is
 possible with the strength of that age, not when a given policy learns it."""
 

@@ -147,11 +147,11 @@ def test_the_average_percentiles_of_an_average_child_change_little():
 
 
 def test_the_average_child_is_left_alone():
-    """Who asks for what the average child measures gets the average child."""
+    """Who asks for what the average child measures gets the average child, but for the paper's curves of its mass."""
     tree = grow(measure(9), MITTEN)
     spec = child(9, length_cm=100 * measure(9)["crown_sole_length"], weight_kg=tree.mass_kg)
     one = measure_child(spec, MITTEN)
-    assert [one[name] for name in one] == pytest.approx([measure(9)[name] for name in one], rel=1e-6)
+    assert [one[name] for name in one] == pytest.approx([measure(9)[name] for name in one], rel=5e-4)
 
 
 # Children that there are none of.

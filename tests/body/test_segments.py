@@ -71,7 +71,7 @@ def farthest_allowed_m(infant, joint: str, of_parent: bool) -> float:
     """Return how far a joint may lie outside of one of its segments.
 
     The shoulder is beside the middle of the arm's round end, which touches the chest; the ankle is in the
-    shank's end, half a foot's height above the foot; the neck turns where the head rests on it; the little
+    shank's end, half a foot's height above the foot; the neck moves with the head that rests on it; the little
     finger's metacarpal turns about a line within the palm, less than half its breadth away.
     """
     if "shoulder" in joint and of_parent:
@@ -81,7 +81,10 @@ def farthest_allowed_m(infant, joint: str, of_parent: bool) -> float:
         return infant.model.geom("left_lfmetacarpal1").size[0]
     if "_foot" in joint and not of_parent:
         return 0.5 * infant.model.geom("left_foot2").size[2] + ON_SURFACE_M
-    return 0.001 if "head" in joint else ON_SURFACE_M
+    if "head" in joint:
+        above_m = infant.model.joint(joint).pos[2]
+        return above_m + infant.model.geom("neck").size[:2].sum() if of_parent else 0.001
+    return ON_SURFACE_M
 
 
 def test_joints_sit_where_their_segments_meet(infants):

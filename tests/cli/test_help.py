@@ -10,7 +10,7 @@ from support.commands import Outcome
 
 import mimoc
 from mimoc import cli
-from mimoc.compiler import validation
+from mimoc.compiler.validation import who
 from mimoc.experiments import growth
 from mimoc.training import hyperparameters
 from mimoc.training.hyperparameters import HYPERPARAMETERS
@@ -41,7 +41,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     ppo = HYPERPARAMETERS["ppo"]
     brief = {"n_steps": replace(ppo["n_steps"], default=32), "n_epochs": replace(ppo["n_epochs"], default=1)}
     monkeypatch.setattr(hyperparameters, "HYPERPARAMETERS", {"ppo": ppo | brief})
-    monkeypatch.setattr(validation, "MONTHS", (0, 12))
+    monkeypatch.setattr(who, "MONTHS", (0, 12))
     monkeypatch.setattr(growth, "QUICK_MONTHS", (6,))
     (here / "configs").symlink_to(CONFIGS)
     for command in COMMANDS.values():

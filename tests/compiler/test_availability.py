@@ -53,6 +53,10 @@ BUILT = {
     "delays.touch_ms": 50,
     "delays.vision_ms": 100,
     "delays.motor_ms": 5,
+    "noise.motor": 0.1,
+    "noise.proprioception_deg": 1,
+    "noise.touch_n": 0.05,
+    "noise.delay_jitter_ms": 5,
     "scene.kind": "room",
     "scene.toys": {"count": [1, 2]},
     "scene.pose": "prone",
@@ -62,6 +66,13 @@ BUILT = {
     "control.timestep_ms": 2.5,
 }
 """What this version builds: keys and values that are not the default."""
+
+NEEDED = {
+    "noise.proprioception_deg": {"senses": {"proprioception": {}}},
+    "noise.touch_n": {"senses": {"touch": {}}},
+    "noise.delay_jitter_ms": {"delays": {"motor_ms": 10}},
+}
+"""What else must be in the spec, by key."""
 
 
 @pytest.fixture(autouse=True)
@@ -138,8 +149,9 @@ def test_what_is_written_out_but_off_can_be_built():
 def test_what_is_accepted_makes_a_difference(key):
     """Beyond the files that only repeat the spec."""
     said = {"spec.yaml", "resolved.yaml", "provenance.json", "lock.json"}
-    before = mimoc.build(InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9})).files
-    after = mimoc.build(with_value(key, BUILT[key])).files
+    others = NEEDED.get(key, {})
+    before = mimoc.build(InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **others})).files
+    after = mimoc.build(with_value(key, BUILT[key], **others)).files
     assert any(before.get(name) != content for name, content in after.items() if name not in said)
 
 

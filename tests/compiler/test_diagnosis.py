@@ -38,7 +38,7 @@ BODIES = {
     "no room for a trunk": "  measurements: {crown_rump_length_cm: 15}\n",
     "no room for legs": "  measurements: {crown_sole_length_cm: 42}\n",
     "a measurement of an individual": "  individual: {length_cm: 60}\n  measurements: {rump_knee_length_cm: 8}\n",
-    "a part of an individual": "  individual: {weight_kg: 11}\n  parts: {left_upper_leg: {girth: 1.6}}\n",
+    "a part of an individual": "  individual: {weight_kg: 11}\n  parts: {left_upper_leg: {girth: 2}}\n",
 }
 
 

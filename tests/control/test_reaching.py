@@ -81,10 +81,10 @@ def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, devel
 
 
 @pytest.mark.parametrize(
-    "keys", [{"age_months": 3}, {"actuation": {"strength": {"trunk": 0.02, "neck": 0.02}}}], ids=["young", "weak"]
+    "keys", [{"age_months": 1}, {"actuation": {"strength": {"trunk": 0.02, "neck": 0.02}}}], ids=["young", "weak"]
 )
 def test_a_fall_is_told(open_env, keys):
-    """An infant of three months, or one of nine with hardly any strength, cannot keep its seat."""
+    """An infant of one month, or one of nine with hardly any strength, cannot keep its seat."""
     run = Run(open_env(scene=SITTING, **keys), "reach", seed=0)
     for _ in range(200):
         run.step()

@@ -34,6 +34,13 @@ SMALL = {
     },
     "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
     "rooms": {"QUICK_SEEDS": range(2), "PICTURE_PX": (64, 48)},
+    "development": {
+        "QUICK_NAMES": ("no_head_lag",),
+        "QUICK_AGES": (0, 18),
+        "QUICK_MONTHS": (0, 18),
+        "QUICK_SITTING_MONTHS": (0,),
+        "VARIED_NAMES": ("no_head_lag",),
+    },
 }
 """What makes an experiment small, by name."""
 

@@ -49,6 +49,8 @@ def outline(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
                 local = size * local / np.abs(local).max(axis=1)[:, None]
             elif kind == mujoco.mjtGeom.mjGEOM_SPHERE:
                 local = size[0] * local
+            elif kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+                local = size * local
             else:
                 local = size[0] * local + np.outer(np.sign(local[:, 2]), (0, 0, size[1]))
             points.append(data.geom_xpos[index] + local @ data.geom_xmat[index].reshape(3, 3).T)

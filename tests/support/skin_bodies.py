@@ -76,6 +76,8 @@ def nearest_m(geom: Geom, local: np.ndarray) -> np.ndarray:
     """Return the nearest points of a solid; those inside stay where they are."""
     if geom.type == "box":
         return np.clip(local, -np.array(geom.size_m), geom.size_m)
+    if geom.type == "ellipsoid":  # Those on the way to its middle.
+        return local / np.maximum(1, np.linalg.norm(local / geom.size_m, axis=1))[:, None]
     radius_m, half_m = (*geom.size_m, 0.0)[:2]
     flat = local * (1, 1, geom.type != "cylinder")
     axis = np.clip(local * (0, 0, 1), -half_m, half_m) * (geom.type != "sphere")
@@ -88,6 +90,9 @@ def outside_m(geom: Geom, points_m: np.ndarray) -> np.ndarray:
     local = local_of(geom, points_m)
     if geom.type == "box":
         return _beyond(np.abs(local) - geom.size_m)
+    if geom.type == "ellipsoid":  # To first order, so exact at its surface.
+        share = np.linalg.norm(local / geom.size_m, axis=1)
+        return share * (share - 1) / np.maximum(np.linalg.norm(local / np.square(geom.size_m), axis=1), 1e-12)
     if geom.type == "cylinder":
         return _beyond(np.column_stack((np.hypot(*local[:, :2].T), np.abs(local[:, 2]))) - geom.size_m)
     half_m = geom.size_m[1] if geom.type == "capsule" else 0.0

@@ -3,9 +3,9 @@
 A servo has the torque limits of the motor it stands for, and its joint has a damper that eats up all of that torque
 at the speed at which the muscles there no longer pull. So force and speed are finite, in plain MuJoCo too.
 
-What that strength can hold against gravity is held within 2.5 degrees, 3.5 with physics steps of 10 ms and 6 with
-20 ms, from 1.5 s after the command at the latest; most joints are within half of that. What it cannot hold sags: up to
-two fifths of a newborn's joints, whose muscles are weak against the springs of 18 months. A joint may go up to 8
+What that strength can hold against gravity is held within 3.5 degrees, 6.5 with physics steps of 20 ms, from 1.5 s
+after the command at the latest; most joints are within half of that. What it cannot hold sags: up to two fifths of a
+newborn's joints, whose muscles are weak against its limbs, a tenth of them from 9 months on. A joint may go up to 8
 degrees past its target on the way. (`tests/actuation/position/test_build.py`)
 
 A servo has no activation beside its target, which follows the command within 30 ms under either law. Its torque rises

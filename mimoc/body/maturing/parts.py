@@ -1,5 +1,6 @@
 """What the law `maturing` changes in the tables of the body: head, neck and feet."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 
@@ -30,7 +31,17 @@ def matured(anatomy: Anatomy) -> Anatomy:
     the joint between trunk and head, at its lower end, carries both. Feet are higher.
     """
     neck = next(geom for _, part in anatomy.parts for geom in part.geoms if geom.name == "neck")
-    return replace(anatomy, parts=tuple((side, _matured(part, neck)) for side, part in anatomy.parts))
+    excluded = (*anatomy.excluded, *_ankles(anatomy))
+    return replace(
+        anatomy, parts=tuple((side, _matured(part, neck)) for side, part in anatomy.parts), excluded=excluded
+    )
+
+
+def _ankles(anatomy: Anatomy) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of bodies that higher feet bring together: the toes of stout newborns are below their shanks."""
+    for side, part in anatomy.parts:
+        if part.lies and part.parent == "{side}_foot":
+            yield f"{side}_lower_leg", part.name.format(side=side)
 
 
 def _matured(part: Part, neck: GeomFigures) -> Part:

@@ -10,11 +10,14 @@ from mimoc.render.plots.figure import new_figure, tidy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WIDTH_PX, ROW_PX, FRAME_PX = 1400, 80, 220
+WIDTH_PX, ROW_PX, FRAME_PX = 1400, 100, 260
+MAX_COLUMNS = 4
+"""Of the legend."""
 MARKERS = "osv^DPX<>"
-SPREAD = 0.5
+SPREAD = 0.55
 """Height that the marks of a row are spread over, by that of a row."""
 BAR_HEIGHT = 0.7
+LEGEND_PX = 90
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,6 @@ def draw_age_rows(rows: Sequence[AgeRow], oldest_months: float, usual: str) -> "
     axes.set_xlim(0, oldest_months)
     axes.set_xlabel("Age [months]")
     tidy(axes)
-    figure.legend(loc="upper center", ncols=len(labels) + bool(bars), frameon=False)
-    figure.tight_layout(rect=(0, 0, 1, 0.93))
+    figure.legend(loc="upper center", ncols=MAX_COLUMNS, frameon=False)
+    figure.tight_layout(rect=(0, 0, 1, 1 - LEGEND_PX / (FRAME_PX + ROW_PX * len(rows))))
     return figure

@@ -13,13 +13,15 @@ from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_arm
 STEPS = 800
 """Of an episode (MIMo)."""
 OFFERING = {
-    "shoulder_ad_ab": -12.0,
-    "elbow": -90.0,
-    "hand1": -84.0,
+    "shoulder_ad_ab": -10.0,
+    "shoulder_rotation": -10.0,
+    "elbow": -97.0,
+    "hand1": -88.0,
     "fingers": -35.0,
     **{f"{finger}_{joint}": 25.0 for finger in ("ff", "mf", "rf", "lf") for joint in ("knuckle", "middle")},
 }
-"""Of the arm that catches: upper arm beside the body, palm up, fingers a little curled; in degrees."""
+"""Of the arm that catches: upper arm beside the body, which no forearm touches, palm up, fingers a little curled; in
+degrees."""
 LOOKING = {"head_tilt": 10.0}
 """Down, but not so far that the ball would fall on a newborn's head."""
 ALONG_PALM = 0.4

@@ -14,10 +14,10 @@ OTHER: dict[Side, Side] = {"right": "left", "left": "right"}
 SITTING: Mapping[str, float] = {
     "{side}_hip1": -115,
     "{side}_hip2": -48,
-    "{side}_hip3": 33,
+    "{side}_hip3": 30,
     "{side}_knee": -115,
-    "hip_bend1": 25,
-    "hip_bend2": 25,
+    "hip_bend1": 17,
+    "hip_bend2": 17,
 }
 """On the floor with the soles together, leaning forward a little: all of the body is in the reach of a hand."""
 TOUCHING: Mapping[str, float] = {"shoulder_ad_ab": 40, "elbow": -45, "fingers": -20}

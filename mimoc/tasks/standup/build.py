@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,12 +29,13 @@ STANDING = 0.85
 """Share of the height of its head, when all joints are straight, from which on an infant stands."""
 
 SIDES: tuple[Side, Side] = ("right", "left")
-LEANING_BACK_DEG = 38.0
+LEANING_BACK_DEG = 48.0
 """Of the pelvis."""
-CURVED_DEG: Mapping[str, float] = {"hip_bend1": 26.0, "hip_bend2": 26.0, "head_tilt": -10.0}
-"""The back, which brings the chest forward again; the head looks ahead."""
-HIPS_DEG = range(-113, -131, -1)
-"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down."""
+CURVED_DEG: Mapping[str, float] = {"hip_bend1": 15.0, "hip_bend2": 15.0, "head_tilt": -10.0}
+"""The back, which brings the chest forward again, as far as its segments stay apart; the head looks ahead."""
+HIPS_DEG = range(-88, -101, -1)
+"""Of the hips, the first that flat feet allow: the knees are drawn up, the further the less the ankles bend down.
+Further than the last, the legs of the youngest would touch the trunk."""
 STRETCHED = 0.96
 """How far it is from a shoulder to the rail, in lengths of the shorter arm: the infant can hang on to it."""
 COMMANDED = ("trunk", "left_arm", "right_arm", "left_leg", "right_leg")
@@ -110,13 +112,10 @@ def _sit(tree: BodyTree) -> Seat:
     Raises:
         UnsupportedTaskError: If its feet cannot be flat on the floor.
     """
-    reasons = []
-    for hip_deg in HIPS_DEG:
-        try:
+    for hip_deg in HIPS_DEG[:-1]:
+        with suppress(UnsupportedTaskError):
             return _seat(tree, hip_deg)
-        except UnsupportedTaskError as error:
-            reasons.append(error)
-    raise reasons[0]
+    return _seat(tree, HIPS_DEG[-1])
 
 
 def _seat(tree: BodyTree, hip_deg: float) -> Seat:
@@ -152,7 +151,7 @@ def _flat_foot(
     farther the knee is bent, the steeper is the shank and the deeper the foot.
 
     Raises:
-        UnsupportedTaskError: If there is no such knee.
+        UnsupportedTaskError: If there is no such knee, or if the ankle does not bend down as far.
     """
     least_deg, most_deg = (-deg for deg in reversed(tree.joints[f"robot:{side}_knee"].range_deg))
     ankle_low_deg, _ = tree.joints[f"robot:{side}_foot1"].range_deg
@@ -165,6 +164,11 @@ def _flat_foot(
     def too_deep_m(knee_deg: float) -> float:
         return _depth(tree, {**angles_rad, **leg(knee_deg)}, turn, (f"{side}_foot",)) - height_m
 
+    if too_deep_m(low) >= 0 and low > least_deg:
+        raise UnsupportedTaskError(
+            f"task 'standup' starts with flat feet; this infant's {side} ankle bends down by {-ankle_low_deg:.0f} deg, "
+            "which is not enough (infants whose development is 'maturing' stand up from 3 months on)"
+        )
     if not too_deep_m(low) < 0 < too_deep_m(high):
         raise UnsupportedTaskError(
             f"task 'standup' starts with flat feet; this infant's {side} leg has the wrong length"

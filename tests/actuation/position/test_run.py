@@ -25,7 +25,7 @@ def test_a_command_is_a_place_in_the_joints_range(env):
     for _ in range(150):
         env.step(command)
     wanted = ranges.mean(axis=1) + command * np.ptp(ranges, axis=1) / 2
-    assert np.degrees(driven_angles(env)) == pytest.approx(np.degrees(wanted), abs=2.5)
+    assert np.degrees(driven_angles(env)) == pytest.approx(np.degrees(wanted), abs=3.5)
 
 
 @pytest.mark.parametrize("pose", ["supine", "prone", "sitting", "standing"])
@@ -34,7 +34,7 @@ def test_a_reset_holds_the_pose_it_starts_from(env, pose):
     start = driven_angles(env)
     for _ in range(30):
         env.step(env.data.ctrl.copy())
-    assert np.degrees(driven_angles(env)) == pytest.approx(np.degrees(start), abs=2.5)
+    assert np.degrees(driven_angles(env)) == pytest.approx(np.degrees(start), abs=3.5)
 
 
 def test_commands_and_torques_are_felt(env):

@@ -116,8 +116,7 @@ def test_eyes_are_in_the_surface_of_the_face_and_look_out_of_it(age_months, hand
     _, own = both(age_months, hands)
     head, eye = own.geoms["head"], part(own, "left_eye")
     radius_m = own.geoms["left_eye1"].size_m[0]
-    middle = np.array(eye.pos_m)
-    front = middle + np.array([radius_m, 0, 0])
+    middle, front = np.array(eye.pos_m), (*np.array(eye.pos_m), radius_m, 0, 0)
     inside_m, outside_m = depths("ellipsoid", head.size_m, np.stack([middle, front]) - head.pos_m)
     assert 0.6 * radius_m < inside_m < 0.8 * radius_m
     assert outside_m < -0.1 * radius_m

@@ -92,7 +92,7 @@ def test_a_joint_says_why_it_is_harder_to_swing(bundle, entries):
         armature = entries[f"joint.robot:{side}_elbow.armature"]
         assert armature["value"] == pytest.approx(factor * 0.002)
         assert f"x {factor}, by which its motor is stronger" in armature["rule"]
-        assert armature["from"] == [f"actuator.act:{side}_elbow.gear"]
+        assert armature["from"] == ["spec.development", f"actuator.act:{side}_elbow.gear"]
 
 
 def test_a_muscle_leads_back_to_the_gear(bundle, entries):

@@ -64,7 +64,7 @@ def test_each_quantity_is_sensed_if_it_is_included_and_in_its_order(include, ope
         "velocity": [f"{joint} velocity [rad/s]" for joint in joints],
         "torque": [f"{sensor}.{axis} torque [N m]" for sensor in sensors for axis in "xyz"],
         "limits": [f"{joint} limit [1 at the limit]" for joint in joints],
-        "actuation": [f"{name} command [1]" for name in actuators] + [f"{name} torque [N m]" for name in actuators],
+        "actuation": [f"{name} activation [1]" for name in actuators] + [f"{name} torque [N m]" for name in actuators],
     }
     assert list(names) == [name for part in ("angle", *include) for name in parts[part]]
     assert env.reset(seed=0)[0]["proprioception"].shape == (len(names),)
@@ -152,13 +152,14 @@ def test_actuation_is_sensed_as_command_and_torque(command):
     assert sense(data)[1:] == pytest.approx([command, command * GEAR_NM])
 
 
-def test_an_infant_feels_what_it_commands(env):
+def test_an_infant_feels_how_active_its_motors_are_and_what_torque_they_make(env):
     command = np.random.default_rng(0).uniform(-1, 1, 44).astype(np.float32)
     observation = env.step(command)[0]
-    commands, torques = values_of(env, "command", observation), values_of(env, "torque", observation)
+    activations, torques = values_of(env, "activation", observation), values_of(env, "torque", observation)
     hinges = {actuator.name: env.data.joint(actuator.joint) for actuator in env.manifest.actuation.actuators}
     applied = {name: float(hinge.qfrc_actuator[0]) for name, hinge in hinges.items()}
-    assert list(commands.values()) == pytest.approx(command)
+    assert list(activations.values()) == pytest.approx(env.data.act, abs=1e-6)
+    assert 0.05 < (env.data.act / command).min() < (env.data.act / command).max() < 1
     assert {name: torques[name] for name in applied} == pytest.approx(applied, rel=1e-5)
 
 

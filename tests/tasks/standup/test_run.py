@@ -6,29 +6,18 @@ import pytest
 import mimoc
 
 PULLING_UP = {
-    "hip1": (-79, -46, -5),
-    "knee": (-138, -51, -19),
-    "foot1": (36, -6, 7),
-    "hip_bend1": (24, -15, -2),
-    "shoulder_horizontal": (30, 63, 67),
-    "shoulder_ad_ab": (73, 101, 37),
-    "elbow": (-123, -93, -64),
+    "hip1": (-119, -44, -4),
+    "knee": (-168, -27, -8),
+    "foot1": (1, 3, 24),
+    "hip_bend1": (65, 0, -15),
+    "shoulder_horizontal": (43, 42, 59),
+    "shoulder_ad_ab": (58, 176, 6),
+    "elbow": (-115, -114, -95),
 }
 """Angles of joints, in degrees, after `AT_S` seconds: the child pulls itself over its feet, then stretches its legs."""
-AT_S = (0.54, 1.23, 1.74)
-STANDING = {
-    "hip1": (-15,),
-    "knee": (-10,),
-    "foot1": (5,),
-    "hip_bend1": (5,),
-    "shoulder_horizontal": (60,),
-    "shoulder_ad_ab": (75,),
-    "elbow": (-80,),
-}
-"""The angles of an infant that stands at the rail; servos of one that is light need no more than these."""
-STANDING_AT_S = (2.0,)
+AT_S = (0.5, 1.15, 1.56)
 STIFFNESS_NM_PER_RAD, DAMPING_NMS_PER_RAD = 60.0, 3.0
-BODIES = [(18, "mitten", "torque"), (9, "five_finger", "muscle"), (0, "mitten", "position")]
+BODIES = [(18, "mitten", "torque"), (9, "five_finger", "muscle"), (3, "mitten", "position")]
 
 
 def make(built, age_months: float, hands: str, model: str) -> mimoc.InfantEnv:
@@ -45,7 +34,7 @@ def env(request, built):
 
 
 class Pull:
-    """Commands that follow `PULLING_UP`, or, with the servos of a light child, `STANDING`."""
+    """Commands that follow `PULLING_UP`."""
 
     def __init__(self, env: mimoc.InfantEnv):
         model, self._env = env.model, env
@@ -54,15 +43,13 @@ class Pull:
         self._angles, self._speeds = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self._range = model.jnt_range[joints]
         self._start = env.data.qpos[self._angles].copy()
-        lifted = env.manifest.actuation.model == "position" and env.manifest.child.age_months < 12
-        way, self._at_s = (STANDING, STANDING_AT_S) if lifted else (PULLING_UP, AT_S)
         names = [model.joint(joint).name.removeprefix("robot:") for joint in joints]
-        self._way = [way.get(name.removeprefix("left_").removeprefix("right_")) for name in names]
+        self._way = [PULLING_UP.get(name.removeprefix("left_").removeprefix("right_")) for name in names]
 
     def command(self, at_s: float) -> np.ndarray:
         """Return a control for the angles that are to be had at a time."""
         wanted = [
-            np.interp(at_s, (0, *self._at_s), (start, *np.deg2rad(way))) if way else start
+            np.interp(at_s, (0, *AT_S), (start, *np.deg2rad(way))) if way else start
             for start, way in zip(self._start, self._way, strict=True)
         ]
         env, data = self._env, self._env.data
@@ -83,9 +70,7 @@ class Pull:
     ("age_months", "hands", "model"),
     [
         (18, "mitten", "torque"),
-        (6, "mitten", "torque"),
         (18, "mitten", "muscle"),
-        (0, "mitten", "position"),
         (24, "five_finger", "position"),
     ],
 )
@@ -127,7 +112,7 @@ def test_hands_stay_at_the_rail_whatever_is_commanded(built):
     """And fingers closed, whatever drives them."""
     rng = np.random.default_rng(0)
     oldest = ((24, "mitten", model) for model in ("torque", "muscle", "position"))
-    for age_months, hands, model in ((0, "five_finger", "torque"), *oldest):
+    for age_months, hands, model in ((3, "five_finger", "torque"), *oldest):
         with make(built, age_months, hands, model) as env:
             for _ in range(150):
                 env.step(rng.uniform(env.action_space.low, env.action_space.high).astype(np.float32))
