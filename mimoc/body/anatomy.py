@@ -346,8 +346,7 @@ EXCLUDED = (
     ("left_eye", "chest"),
     ("right_eye", "chest"),
     ("chest", "head"),
+    ("hip", "upper_body"),
 )
-"""Pairs of bodies without contacts; MIMo's eyes would collide with the chest now that it is a separate body."""
-
-FRICTIONLESS = (("lb", "ub1"),)
-"""Pairs of geoms with frictionless contact, which slide on each other when the trunk bends."""
+"""Pairs of bodies without contacts. MIMo's eyes would collide with the chest now that it is a separate body. Pelvis and
+upper body, as deep as they were measured, would stop a bending trunk, in which a real belly folds."""

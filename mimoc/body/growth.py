@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from mimoc.body.anatomy import FRICTIONLESS, REFERENCE_AGE_MONTHS, TENDONS
+from mimoc.body.anatomy import REFERENCE_AGE_MONTHS, TENDONS
 from mimoc.body.assembly import Anatomy, assemble
 from mimoc.body.density import reference_volumes
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
@@ -50,7 +50,6 @@ def grow(
         motors=tuple(_motor(figures, side, growth[side][figures.mover]) for side, figures in anatomy.motors),
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=reference.excluded,
-        frictionless=FRICTIONLESS,
         development=development,
     )
     return _matured(tree, anatomy, measurements, heavier) if heavier else tree

@@ -7,7 +7,8 @@ measured girths, breadths and lengths; strength stays what it was.
 
 from collections.abc import Mapping
 
-from mimoc.body.trunk import CLEARANCE_M, Trunk, axial_spacing, belly_radius
+from mimoc.body.trunk import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing
+from mimoc.errors import GeometryError
 
 REFERENCE_M: Mapping[str, float] = {
     "chest_circumference": 0.468,
@@ -33,7 +34,9 @@ def published_trunk(m: Mapping[str, float], head_radius_m: float, arm_radius_m: 
     belly_scale = _share(m, "chest_circumference")
     shoulder_y_m = m["shoulder_breadth"] / 2
     axial = axial_spacing(m["crown_rump_length"], head_radius_m, pelvis_radius_m)
-    belly_radius_m = belly_radius(0.052 * belly_scale, 0.129 * axial - pelvis_radius_m, 0.013 * belly_scale)
+    belly_radius_m = min(0.052 * belly_scale, 0.129 * axial - pelvis_radius_m)
+    if belly_radius_m <= 0.013 * belly_scale:
+        raise GeometryError(NO_ROOM)
     return Trunk(
         axial=axial,
         pelvis=(pelvis_radius_m, m["hip_breadth"] / 2),

@@ -30,12 +30,12 @@ def check_limbs(dimensions: Dimensions) -> None:
 
 
 DEEPEST = 0.5
-"""Largest overlap of belly and pelvis when the body stands, in radii of the pelvis: beyond it, the contact force
-between them is more than any joint can resist."""
+"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it there is no waist to
+bend."""
 
 
 def check_trunk(dimensions: Dimensions) -> None:
-    """Check that belly and pelvis, which are separated by two joints, do not overlap too much.
+    """Check that upper body and pelvis, which are separated by two joints, do not overlap too much.
 
     Raises:
         GeometryError: If they do.

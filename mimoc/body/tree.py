@@ -135,8 +135,6 @@ class BodyTree:
     tendons: tuple[Tendon, ...]
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
-    frictionless: tuple[tuple[str, str], ...]
-    """Pairs of geoms with frictionless contact."""
     development: Development = "maturing"
     """The law that strength, joints and proportions follow."""
     growth: Growth | None = None

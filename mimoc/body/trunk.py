@@ -46,14 +46,11 @@ DEEPEST_PELVIS, DEEPEST_CHEST = 0.21, 0.26
 """Largest radii over the height between head and rump; those of the average child are at most .18 and .19."""
 USUAL_PELVIS = 0.18
 """Radius of the pelvis over the same height up to which the hip joints move back with it (D)."""
-BELLY_ROOM_M = 0.1315
-"""Sum of the radii of pelvis and belly in the reference body such that they do not touch when the trunk bends as in
-sitting; their middles are .138 apart."""
 NO_ROOM = "crown_rump_length leaves no room for a trunk below this head"
 
-RUMP = 0.70
+RUMP = 0.62
 """Height of the hip joints above the lowest point of the pelvis, in its radii."""
-BUTTOCKS = 0.67
+BUTTOCKS = 0.73
 """Distance of the hip joints from the back of the pelvis, in its radii. Together with `RUMP` it makes rump-sole,
 rump-knee and knee-sole length come out right at all ages (D)."""
 HIP_SPACING = 0.52
@@ -111,7 +108,7 @@ def measured_trunk(
         axial=axial,
         pelvis=pelvis,
         waist=waist,
-        belly=(belly_radius(ribs[0], BELLY_ROOM_M * axial - pelvis[0], ribs[0] / 4), ribs[1]),
+        belly=ribs,
         ribs=ribs,
         girdle=_girdle(ribs[0], shoulder_y_m - inwards_m, arm_radius_m),
         shoulder_y_m=shoulder_y_m,
@@ -209,15 +206,3 @@ def axial_spacing(crown_rump_m: float, head_radius_m: float, pelvis_radius_m: fl
     origin.
     """
     return (crown_rump_m - 2 * head_radius_m - pelvis_radius_m) / (0.302 - 0.005)
-
-
-def belly_radius(wanted_m: float, room_m: float, least_m: float) -> float:
-    """Return the radius of the belly, which the room above the pelvis limits.
-
-    Raises:
-        GeometryError: If it is not more than *least_m*.
-    """
-    radius_m = min(wanted_m, room_m)
-    if radius_m <= least_m:
-        raise GeometryError(NO_ROOM)
-    return radius_m

@@ -44,7 +44,6 @@ def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses:
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
         appearance=dress(spec.body.expression, round_head=tree.geoms["head"].type == "sphere"),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
-        frictionless=tree.frictionless,
         excluded=tree.excluded,
         actuator_defaults=actuation.defaults,
         actuators=actuation.actuators,

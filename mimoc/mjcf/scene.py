@@ -41,7 +41,6 @@ class SceneTree:
     """The infant's root body with all its descendants."""
     appearance: Appearance
     tendons: tuple[PrintedTendon, ...]
-    frictionless: tuple[tuple[str, str], ...]
     excluded: tuple[tuple[str, str], ...]
     actuator_defaults: tuple[tuple[str, str], ...]
     """Attributes that all actuators have in common."""

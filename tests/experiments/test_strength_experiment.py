@@ -8,8 +8,6 @@ from mimoc.experiments.strength import PAPER_MONTHS, REFERENCE_S, TARGET_DEG, ag
 from mimoc.experiments.strength_page import gets_as_far_with_age, is_faster_with_age
 
 HEAD, LEG = BEHAVIOURS
-ON_THE_FLOOR_MONTHS = 18
-"""From this age on, the thighs rub on the floor: they grow faster than the buttocks that keep them off it."""
 each_behaviour = pytest.mark.parametrize("behaviour", BEHAVIOURS, ids=lambda behaviour: behaviour.name)
 
 
@@ -34,9 +32,9 @@ def moved(angle_deg, behaviour=HEAD) -> Effort:
 def test_older_infants_are_faster_to_60_degrees(behaviour):
     found = [effort(behaviour, age_months) for age_months in PAPER_MONTHS]
     times_s = [each.time_to_s(TARGET_DEG) for each in found if each.age_months >= 3]
+    assert times_s == sorted(times_s, reverse=True)
     assert times_s[0] > 1.5 * times_s[-1]
-    assert is_faster_with_age([each for each in found if behaviour == HEAD or each.age_months < ON_THE_FLOOR_MONTHS])
-    assert is_faster_with_age(found, 0.02)
+    assert is_faster_with_age(found)
 
 
 @each_behaviour
@@ -50,11 +48,11 @@ def test_older_infants_get_at_least_as_far(behaviour):
     ("behaviour", "size"), [(each, size) for each in BEHAVIOURS for size in REFERENCE_S[each.name]], ids=str
 )
 def test_parts_as_large_as_the_published_ones_are_as_fast(behaviour, size):
-    """Up to 15 % slower at full size: shoulders and buttocks are deeper than MIMo's, so the head starts 5 degrees
-    lower than there, and the leg rubs on the floor.
+    """Heads take up to 15 % longer, as shoulders and buttocks are deeper than MIMo's and the head starts 5 degrees
+    lower.
     """
     time_s = effort(behaviour, age_of(behaviour, size)).time_to_s(TARGET_DEG)
-    assert -0.06 < time_s / REFERENCE_S[behaviour.name][size] - 1 < (0.16 if behaviour == HEAD else 0.10)
+    assert -0.06 < time_s / REFERENCE_S[behaviour.name][size] - 1 < (0.16 if behaviour == HEAD else 0.06)
 
 
 @each_behaviour
