@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
-from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
 from mimoc.experiments import development_page
 from mimoc.experiments.development_page import LAWS, VARIATIONS, Findings, Varied
 from mimoc.experiments.milestone_searches import Case, forget_searches, run_searches
@@ -33,6 +32,8 @@ NAMES, QUICK_NAMES = tuple(TRIALS), ("prone_head", "no_head_lag")
 VARIED_NAMES = tuple(trial.name for trial in MILESTONES)
 MONTHS: Sequence[float] = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
 QUICK_MONTHS: Sequence[float] = (0, 6, 18)
+COMPARED_MONTHS = 18
+"""Age of the reference body, whose strength is 1; one of `MONTHS` and of `QUICK_MONTHS`."""
 SITTING_MONTHS, QUICK_SITTING_MONTHS = (0, 3, 6, 9, 12, 18, 24), (0, 18)
 OLDEST_SHOWN_MONTHS = 18.0
 COLOURS = 128
@@ -135,7 +136,7 @@ def _strength_panel(found: Sequence[Strength], law: str) -> Panel:
     curves = []
     for group, motor in GROUPS.items():
         own = [each for each in found if each.development == law and (each.actuator, each.direction) == motor]
-        at_18 = next(each.ratio for each in own if each.age_months == REFERENCE_AGE_MONTHS)
+        at_18 = next(each.ratio for each in own if each.age_months == COMPARED_MONTHS)
         ages, ratios = [each.age_months for each in own], [each.ratio / at_18 for each in own]
         curves.append(Curve(group, ages, ratios, marker="."))
     return Panel("Age [months]", "Torque / gravity moment, relative to 18 months", curves, law, level=1.0)
