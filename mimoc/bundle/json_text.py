@@ -2,11 +2,13 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from json.encoder import encode_basestring
 from typing import Any
 
 from mimoc.rounding import num
+
+NUMBERS = {float, int}
 
 
 def render_json(data: Any) -> bytes:
@@ -26,21 +28,15 @@ def _json(data: Any, margin: str = "\n") -> str:
         return encode_basestring(data)
     if isinstance(data, float):
         return _json_number(data)
-    if isinstance(data, Mapping):
-        inner = f"{margin} "
-        return _enclosed("{}", [f"{encode_basestring(key)}: {_json(data[key], inner)}" for key in sorted(data)], margin)
-    if isinstance(data, (list, tuple)):
-        if data and all(type(item) in (float, int) for item in data):
-            return f"[{', '.join(map(_json, data))}]"
-        return _enclosed("[]", [_json(item, f"{margin} ") for item in data], margin)
-    return json.dumps(data)
-
-
-def _enclosed(brackets: str, items: Sequence[str], margin: str) -> str:
-    if not items:
-        return brackets
     inner = f"{margin} "
-    return f"{brackets[0]}{inner}{f',{inner}'.join(items)}{margin}{brackets[1]}"
+    if isinstance(data, (dict, Mapping)):  # Asking for a dict first saves the time of asking for an abstract class.
+        items = [f"{encode_basestring(key)}: {_json(data[key], inner)}" for key in sorted(data)]
+        return f"{{{inner}{f',{inner}'.join(items)}{margin}}}" if items else "{}"
+    if isinstance(data, (list, tuple)):
+        if not data or (type(data[0]) in NUMBERS and NUMBERS.issuperset(map(type, data))):
+            return f"[{', '.join(map(_json, data))}]"
+        return f"[{inner}{f',{inner}'.join([_json(item, inner) for item in data])}{margin}]"
+    return json.dumps(data)
 
 
 def _json_number(number: float) -> str:
