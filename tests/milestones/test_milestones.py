@@ -1,6 +1,5 @@
 """What infants of a few ages can do; the whole table is the command's, and the experiment's."""
 
-import copy
 from functools import lru_cache
 
 import mujoco
@@ -9,7 +8,6 @@ import pytest
 
 from mimoc.milestones import MILESTONES, TRIALS, WINDOWS, Conditions, compile_at, try_out
 from mimoc.milestones.controller import Controller, servo
-from mimoc.milestones.infant import SIDES, Infant
 from mimoc.milestones.trials.sitting import seat
 from mimoc.schema.infant import InfantSpec
 
@@ -140,22 +138,15 @@ def test_a_slack_sitter_with_its_weight_a_fifth_of_the_way_to_its_heels_slumps_f
     assert slumped_forward_deg(body, seat(body, -25.0, 0.2)) > 45
 
 
-@pytest.mark.parametrize("age_months", [0.0, 6.0])
+@pytest.mark.parametrize("age_months", [0.0, 3.0])
 def test_by_the_published_law_a_young_sitter_falls_back_from_there(age_months):
     body = infant(age_months, development="published")
     assert slumped_forward_deg(body, seat(body, -25.0, 0.2)) < -45
 
 
-@pytest.mark.parametrize("age_months", [6.0, 18.0])
-def test_the_pose_sitting_leans_back_and_its_hip_springs_let_it_fall_back(age_months):
-    usual = infant(age_months)
-    without = Infant.of(copy.copy(usual.model))
-    for side in SIDES:
-        without.model.jnt_stiffness[without.model.joint(f"robot:{side}_hip1").id] = 0.0
-    falls = []
-    for body in (usual, without):
-        data = mujoco.MjData(body.model)
-        mujoco.mj_resetDataKeyframe(body.model, data, body.model.key("sitting").id)
-        falls.append(slumped_forward_deg(body, data))
-    assert falls[0] < -45
-    assert falls[1] > 45
+@pytest.mark.parametrize("age_months", [0.0, 6.0, 18.0, 24.0])
+def test_from_the_pose_sitting_a_slack_infant_slumps_forward(age_months):
+    body = infant(age_months)
+    data = mujoco.MjData(body.model)
+    mujoco.mj_resetDataKeyframe(body.model, data, body.model.key("sitting").id)
+    assert slumped_forward_deg(body, data) > 45
