@@ -29,9 +29,9 @@ def check_limbs(dimensions: Dimensions) -> None:
             raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
 
 
-DEEPEST = 0.5
-"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it there is no waist to
-bend."""
+DEEPEST = 1.0
+"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it the upper body would
+begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
 
 
 def check_trunk(dimensions: Dimensions) -> None:
