@@ -62,14 +62,10 @@ def test_random_control_is_calm_from_every_pose(model, hands, age_months):
         assert check.energy_j_per_kg < MAX_ENERGY_J_PER_KG, check
 
 
-@pytest.mark.parametrize(("age_months", "hands"), CHILDREN)
-def test_muscles_move_an_infant_no_faster_than_motors_do(hands, age_months):
-    """Thrice the energy at most: little damping is left to the joints, but muscles that are fast pull less.
-
-    It was twice as long as motors had no activation; theirs now follows random commands as slowly as that of muscles.
-    """
+def test_muscles_move_infants_no_faster_than_motors_do():
+    """Twice the energy at most, over all children: little damping is left to the joints, but fast muscles pull less."""
     fastest = {
-        model: max(check.energy_j_per_kg for check in checks(model, hands, age_months))
+        model: max(check.energy_j_per_kg for age, hands in CHILDREN for check in checks(model, hands, age))
         for model in ("torque", "muscle")
     }
-    assert fastest["muscle"] < 3 * fastest["torque"]
+    assert fastest["muscle"] < 2 * fastest["torque"]

@@ -19,7 +19,7 @@ def test_both_sides_are_as_heavy(hands, apart):
         assert found[joint.replace("left_", "right_")] == pytest.approx((least, largest), rel=apart)
 
 
-def test_mujoco_finds_no_joint_less_than_half_as_heavy_in_any_pose():
+def test_mujoco_finds_no_joint_less_than_a_third_as_heavy_in_any_pose():
     """Few poses are looked at; the diagonal of the mass matrix of others stays near what they give."""
     spec = mimoc.InfantSpec(mimoc=1, name="x", age_months=9)
     model = mujoco.MjModel.from_xml_string(mimoc.build(spec).files["infant.xml"].decode(), assets=_pictures(spec))
@@ -32,7 +32,7 @@ def test_mujoco_finds_no_joint_less_than_half_as_heavy_in_any_pose():
             data.qpos[joint.qposadr[0]] = generator.uniform(*joint.range)
         mujoco.mj_forward(model, data)
         inertia = np.array([_inertia(model, data, joint.dofadr[0]) for joint in joints])
-        assert (inertia > 0.5 * least).all()
+        assert (inertia > least / 3).all()
 
 
 def _pictures(spec: mimoc.InfantSpec) -> dict[str, bytes]:
