@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
+    from mimoc.vector_environments import make_vec
 
 _HOMES = {
     "Align": "mimoc.control",
@@ -40,6 +41,7 @@ _HOMES = {
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.loading",
     "make": "mimoc.environments",
+    "make_vec": "mimoc.vector_environments",
     "read_bundle": "mimoc.bundle.io",
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
@@ -70,6 +72,7 @@ __all__ = [
     "load_policy",
     "load_spec",
     "make",
+    "make_vec",
     "read_bundle",
     "record",
     "register",
