@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
-    from mimoc.vector_environments import make_vec
+    from mimoc.vector_environments import make_vec, sb3_vec_env
 
 _HOMES = {
     "Align": "mimoc.control",
@@ -46,6 +46,7 @@ _HOMES = {
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
     "run_experiment": "mimoc.experiments",
+    "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
     "validate_milestones": "mimoc.milestones",
@@ -77,6 +78,7 @@ __all__ = [
     "record",
     "register",
     "run_experiment",
+    "sb3_vec_env",
     "torque_limits",
     "train",
     "validate_milestones",

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from gymnasium.vector import AutoresetMode
 
@@ -14,6 +14,9 @@ from mimoc.errors import MimocError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.schema.infant import InfantSpec
+
+if TYPE_CHECKING:  # It needs Stable-Baselines3, which not everyone has.
+    from mimoc.training.sb3_infants import InfantVecEnv
 
 Source = Bundle | InfantSpec | str | Path
 RenderMode = Literal["rgb_array"] | None
@@ -60,6 +63,23 @@ def make_vec(
         )
     prepared = [environments.prepared(each) for each in sources]
     return _joined(prepared, count, threads, render_mode, autoreset_mode, options)
+
+
+def sb3_vec_env(source: Source | Sequence[Source], num_envs: int | None = None, **options: Any) -> "InfantVecEnv":
+    """Return many infants as an environment of Stable-Baselines3, to learn from with its `PPO` or any other.
+
+    Args:
+        source: As for `make_vec`.
+        num_envs: Likewise.
+        options: Others of `make_vec`, but for `autoreset_mode`: Stable-Baselines3 wants a reset in the same step.
+
+    Raises:
+        MissingExtraError: If Stable-Baselines3 is not installed.
+        MimocError: As `make_vec` does.
+    """
+    from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
+
+    return InfantVecEnv(make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options))
 
 
 def make_vec_task(

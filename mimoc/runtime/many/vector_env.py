@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.control_step import ControlStep
-from mimoc.runtime.many.infos import Infos
+from mimoc.runtime.many.infos import Infos, joined
 from mimoc.runtime.many.matching import check_mixture
 from mimoc.runtime.many.options import chosen, options_of, seeds_of
 from mimoc.runtime.many.physics import Physics
@@ -21,6 +21,7 @@ from mimoc.runtime.many.spaces import batch_of, covering
 from mimoc.senses.joined import join_all
 from mimoc.senses.sense import FloatArray, Observation
 
+SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
 Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
 
 
@@ -93,13 +94,21 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             UnknownNameError: If there is no such pose or option.
             ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
         """
-        seeds, own, infos = seeds_of(seed, self.num_envs), options_of(options, self.num_envs), Infos(self)
-        for infant in chosen(options, self.num_envs):
-            _, info = self.infants[infant].reset(seed=seeds[infant], options=own[infant])
-            infos.add(infant, info)
+        count = self.num_envs
+        which = chosen(options, count)
+        observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
+        return observation, joined(infos, self)
+
+    def reset_each(
+        self, seeds: Sequence[int | None], options: Sequence[dict[str, Any]], which: Sequence[int] | None = None
+    ) -> tuple[Observation, Infos]:
+        """Reset some infants, or all, each with its own seed and options; see `reset`."""
+        infos: Infos = {}
+        for infant in range(self.num_envs) if which is None else which:
+            _, infos[infant] = self.infants[infant].reset(seed=seeds[infant], options=options[infant])
             self._ended[infant] = False
         self._follow()
-        return self._observe(), infos.joined()
+        return self._observe(), infos
 
     def step(self, actions: npt.NDArray[np.float32]) -> Stepped:
         """Apply an action of each infant for one control step; those whose episode has ended are reset instead.
@@ -111,8 +120,13 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ValueError: If the actions have the wrong shape or are not finite.
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
+        observation, rewards, terminated, truncated, infos = self.step_each(actions)
+        return observation, rewards, terminated, truncated, joined(infos, self)
+
+    def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
+        """Make a step as `step` does, with the info of each infant by itself."""
         self._follow()
-        actions, infos = self._checked(actions), Infos(self)
+        actions, infos = self._checked(actions), dict[int, dict[str, Any]]()
         rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         truncated, unstable = terminated.copy(), []
         anew = np.flatnonzero(self._ended).tolist()
@@ -124,14 +138,13 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             if infant in failed:
                 _mark_unstable(self.infants[infant].data)
             judged = self.infants[infant].judge(actions[infant])
-            rewards[infant], terminated[infant], truncated[infant], info = judged
-            infos.add(infant, info)
-            if info["unstable"]:
+            rewards[infant], terminated[infant], truncated[infant], infos[infant] = judged
+            if infos[infant]["unstable"]:
                 unstable.append(infant)
             if self._max_steps is not None and self.infants[infant].steps >= self._max_steps:
                 truncated[infant] = True
         for infant in anew:
-            infos.add(infant, self.infants[infant].reset()[1])
+            infos[infant] = self.infants[infant].reset()[1]
         self._follow()
         observation = self._observe()
         for readings in observation.values():
@@ -140,7 +153,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._ended = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._reset_ended(observation, infos)
-        return observation, rewards, terminated, truncated, infos.joined()
+        return observation, rewards, terminated, truncated, infos
 
     def render(self) -> Picture | None:  # pyright: ignore[reportIncompatibleMethodOverride] - One picture of all.
         """Return a picture of all infants in rows, in render mode `rgb_array`, otherwise None.
@@ -238,7 +251,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         for infant in np.flatnonzero(self._ended).tolist():
             final = {name: readings[infant].copy() for name, readings in observation.items()}
             first, info = self.infants[infant].reset()
-            infos.replace(infant, final, info)
+            infos[infant] = {"final_obs": final, "final_info": infos[infant], **info}
             for name, reading in first.items():
                 observation[name][infant] = reading
         self._ended[:] = False
