@@ -204,7 +204,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the action has the wrong shape or is not finite.
         """
         self._schedule.step(action, self.data)
-        judged = self.judge(action)
+        judged = self.judge(action, unstable=broke_down(self.data))
         observation = self._observe()
         if judged[-1]["unstable"]:
             for reading in observation.values():
@@ -212,10 +212,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._renderer.show()
         return observation, *judged
 
-    def judge(self, action: npt.NDArray[np.float32]) -> tuple[float, bool, bool, dict[str, Any]]:
+    def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
         """Count a control step that has been made: return reward, terminated, truncated and info."""
         self._steps += 1
-        unstable = broke_down(self.data)
         verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}

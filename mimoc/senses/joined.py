@@ -6,6 +6,7 @@ from typing import Protocol
 import mujoco
 import numpy as np
 
+from mimoc.kinds import function_of
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense, Vector
 
 
@@ -92,6 +93,8 @@ class JoinedVector:
 def join(senses: Sequence[Sense]) -> Joined:
     """Return the sense of many infants, which has the same name for all."""
     first = senses[0]
+    if first.together and all(type(each) is type(first) for each in senses):
+        return function_of(first.together, "join")(senses) or OneByOne(senses)
     if isinstance(first, Vector) and first.expression is not None:
         same = all(
             type(each) is type(first) and getattr(each, "expression", None) == first.expression for each in senses

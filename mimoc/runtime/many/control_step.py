@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from mimoc.delays.schedule import Schedule, Segment
@@ -15,6 +16,9 @@ from mimoc.senses.joined import Joined
 
 Due = list[tuple[int, tuple[Samples, ...]]]
 """Infants whose sense is sampled, with the delays that the sample of each goes into."""
+GROUPS, LEAST = 2, 8
+"""Into how many groups infants are cut, at most, and how many are in each, at least: one group is sampled while others
+make their physics steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +28,10 @@ class Stretch:
     begun: Sequence[tuple[int, Segment]]
     """The segments that begin at its start, with their infants."""
     physics_steps: int
-    samples: Mapping[str, Due]
-    """Senses to be sampled at its end, by name."""
+    groups: Sequence[Sequence[int]]
+    """All infants."""
+    samples: Sequence[Mapping[str, Due]]
+    """Senses of each group to be sampled at its end, by name."""
 
 
 class ControlStep:
@@ -37,24 +43,24 @@ class ControlStep:
         self._segments: dict[int, tuple[Segment, ...]] = {}
         self._stretches: list[Stretch] = []
 
-    def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> set[int]:
-        """Go through a control step of some infants; return those whose simulation MuJoCo could not continue.
+    def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> None:
+        """Go through a control step of some infants.
 
         Args:
             actions: Of all n infants, shape (n, actuators).
-            infants: Those that make a step.
+            infants: Those that make a step; who is alike should stand side by side.
         """
-        schedules, datas, failed = self._schedules, self._physics.datas, set[int]()
+        schedules, datas = self._schedules, self._physics.datas
         segments = {infant: schedules[infant].begin(actions[infant], datas[infant]) for infant in infants}
         if segments != self._segments:  # Without jitter, they are the same objects in each control step.
-            self._segments, self._stretches = segments, side_by_side(segments)
+            self._segments, self._stretches = segments, side_by_side(segments, self._physics.threads)
         for stretch in self._stretches:
             for infant, segment in stretch.begun:
                 schedules[infant].command(segment, datas[infant])
-            failed.update(self._physics.step(infants, stretch.physics_steps))
-            for name, due in stretch.samples.items():
-                self._sample(name, due)
-        return failed
+            stepped = self._physics.step(stretch.groups, stretch.physics_steps)
+            for samples, _ in zip(stretch.samples, stepped, strict=True):
+                for name, due in samples.items():
+                    self._sample(name, due)
 
     def _sample(self, name: str, due: Due) -> None:
         """Sample a sense of some infants."""
@@ -66,7 +72,7 @@ class ControlStep:
                 each.send(disturbed)
 
 
-def side_by_side(segments: Mapping[int, Sequence[Segment]]) -> list[Stretch]:
+def side_by_side(segments: Mapping[int, Sequence[Segment]], threads: int) -> list[Stretch]:
     """Return the segments of some infants, cut wherever one of any infant ends."""
     begun: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
     due: defaultdict[int, dict[str, Due]] = defaultdict(dict)
@@ -78,4 +84,17 @@ def side_by_side(segments: Mapping[int, Sequence[Segment]]) -> list[Stretch]:
             for name, delayed in segment.samples:
                 due[now].setdefault(name, []).append((infant, delayed))
         begun.setdefault(now, [])
-    return [Stretch(begun[start], end - start, due[end]) for start, end in pairwise(sorted(begun))]
+    everyone = list(segments)
+    stretches = []
+    for start, end in pairwise(sorted(begun)):
+        count = min(GROUPS, len(everyone) // LEAST) if threads > 1 and due[end] else 1
+        groups = [part.tolist() for part in np.array_split(everyone, max(count, 1))]
+        stretches.append(Stretch(begun[start], end - start, groups, [_of_group(due[end], group) for group in groups]))
+    return stretches
+
+
+def _of_group(due: Mapping[str, Due], group: Sequence[int]) -> dict[str, Due]:
+    """Return the senses of some infants that are sampled."""
+    inside = set(group)
+    found = {name: [each for each in infants if each[0] in inside] for name, infants in due.items()}
+    return {name: infants for name, infants in found.items() if infants}

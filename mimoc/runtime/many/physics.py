@@ -3,10 +3,13 @@
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from queue import SimpleQueue
+from threading import Lock
 
 import mujoco
 import numpy as np
 
+from mimoc.bundle.model import BREAKDOWNS
 from mimoc.senses.sense import FloatArray
 
 
@@ -28,17 +31,39 @@ class Physics:
         self.threads = threads or usable_threads()
         self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
         self._views: dict[str, list[FloatArray]] = {}
+        self._warnings = [data.warning.number for data in datas]
 
-    def step(self, infants: Sequence[int], steps: int) -> list[int]:
-        """Make physics steps; return the infants for which MuJoCo could not, which are left as they were then."""
-        failed: list[int] = []
-        waiting = iter(infants)
-        helpers = min(self.threads, len(infants)) - 1
-        futures = [self._pool.submit(self._work, waiting, steps, failed) for _ in range(helpers)] if self._pool else []
-        self._work(waiting, steps, failed)
+    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Iterator[Sequence[int]]:
+        """Make physics steps of some infants; yield each group of them as soon as all of it has made them.
+
+        While the caller works on a group, other threads go on with the next ones.
+        """
+        waiting = ((infant, group) for group, infants in enumerate(groups) for infant in infants)
+        turn, done = Lock(), [SimpleQueue[int]() for _ in groups]
+
+        def step_next() -> bool:
+            """Step the next infant that no thread has taken yet; return whether there was one."""
+            with turn:
+                infant, group = next(waiting, (None, 0))
+            if infant is not None:
+                self._step_one(infant, steps)
+                done[group].put(infant)
+            return infant is not None
+
+        def step_all() -> None:
+            while step_next():
+                pass
+
+        helpers = min(self.threads, sum(map(len, groups))) - 1
+        futures = [self._pool.submit(step_all) for _ in range(helpers)] if self._pool else []
+        for finished, infants in zip(done, groups, strict=True):
+            while finished.qsize() < len(infants) and step_next():
+                pass
+            for _ in infants:
+                finished.get()
+            yield infants
         for future in futures:
             future.result()
-        return sorted(failed)
 
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:
         """Return a field of `MjData` whose size never changes, such as `qpos`, of some infants: shape (k, size)."""
@@ -48,9 +73,15 @@ class Physics:
         chosen = views if len(infants) == len(views) else [views[infant] for infant in infants]
         return np.concatenate(chosen).reshape(len(chosen), *views[0].shape)
 
+    def broke_down(self) -> list[bool]:
+        """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
+        counts = np.concatenate(self._warnings).reshape(len(self.datas), -1)
+        return [any(each) for each in counts[:, BREAKDOWNS].tolist()]
+
     def replace(self, infant: int, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Put another model and state in place of an infant's, as when it has grown."""
         self._models[infant], self.datas[infant] = model, data
+        self._warnings[infant] = data.warning.number
         for field, views in self._views.items():
             views[infant] = getattr(data, field)
 
@@ -59,14 +90,13 @@ class Physics:
         if self._pool:
             self._pool.shutdown()
 
-    def _work(self, waiting: Iterator[int], steps: int, failed: list[int]) -> None:
-        """Step the infants that no other thread has taken yet."""
-        models, datas = self._models, self.datas
-        for infant in waiting:
-            try:
-                mujoco.mj_step(models[infant], datas[infant], steps)
-            except mujoco.FatalError:
-                failed.append(infant)
+    def _step_one(self, infant: int, steps: int) -> None:
+        """Make physics steps of one infant; where MuJoCo cannot, it has broken down."""
+        data = self.datas[infant]
+        try:
+            mujoco.mj_step(self._models[infant], data, steps)
+        except mujoco.FatalError:
+            data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number += 1
 
 
 def usable_threads() -> int:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
-import mujoco
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -97,7 +96,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         count = self.num_envs
         which = chosen(options, count)
         observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
-        return observation, joined(infos, self)
+        return observation, joined(infos, self.num_envs)
 
     def reset_each(
         self, seeds: Sequence[int | None], options: Sequence[dict[str, Any]], which: Sequence[int] | None = None
@@ -121,7 +120,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
         observation, rewards, terminated, truncated, infos = self.step_each(actions)
-        return observation, rewards, terminated, truncated, joined(infos, self)
+        return observation, rewards, terminated, truncated, joined(infos, self.num_envs)
 
     def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
         """Make a step as `step` does, with the info of each infant by itself."""
@@ -132,14 +131,13 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         anew = np.flatnonzero(self._ended).tolist()
         if anew and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {anew} have ended; reset them")
-        going = np.flatnonzero(~self._ended).tolist()
-        failed = self._control_step(actions, going)
+        going = [infant for infant in self._order if not self._ended[infant]]
+        self._control_step(actions, going)
+        broken = self._physics.broke_down()
         for infant in going:
-            if infant in failed:
-                _mark_unstable(self.infants[infant].data)
-            judged = self.infants[infant].judge(actions[infant])
+            judged = self.infants[infant].judge(actions[infant], unstable=broken[infant])
             rewards[infant], terminated[infant], truncated[infant], infos[infant] = judged
-            if infos[infant]["unstable"]:
+            if broken[infant]:
                 unstable.append(infant)
             if self._max_steps is not None and self.infants[infant].steps >= self._max_steps:
                 truncated[infant] = True
@@ -207,7 +205,9 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             infant.close()
 
     def _bind(self) -> None:
-        """Join what all infants have now."""
+        """Join what all infants have now; those of one bundle are worked through one after another."""
+        firsts = {id(each.bundle): index for index, each in reversed(list(enumerate(self.infants)))}
+        self._order = sorted(range(self.num_envs), key=lambda index: firsts[id(self.infants[index].bundle)])
         self._senses = join_all([infant.senses for infant in self.infants])
         self._schedules = [infant.schedule for infant in self.infants]
         self._control_step = ControlStep(self._schedules, self._physics, self._senses)
@@ -255,8 +255,3 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             for name, reading in first.items():
                 observation[name][infant] = reading
         self._ended[:] = False
-
-
-def _mark_unstable(data: mujoco.MjData) -> None:
-    """Count a simulation that MuJoCo could not continue among those that broke down."""
-    data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number += 1
