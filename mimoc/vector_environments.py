@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -140,12 +141,13 @@ def _joined(
     """Return the vector environment of some infants, which are repeated in turn."""
     if render_mode not in (None, "rgb_array"):
         raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
-    limit, shared = options.pop("max_episode_steps", None), dict(options)
-    infants = [
-        InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(shared))
-        for index in range(count)
-    ]
-    return ManyInfants(infants, threads, autoreset_mode, limit)
+    limit = options.pop("max_episode_steps", None)
+
+    def open_infant(index: int) -> InfantEnv:
+        """Open one, with copies of a script's objects of its own."""
+        return InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(options))
+
+    return ManyInfants([partial(open_infant, index) for index in range(count)], threads, autoreset_mode, limit)
 
 
 def _listed(source: Any) -> list[Any]:

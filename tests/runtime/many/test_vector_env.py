@@ -217,3 +217,12 @@ def test_each_infant_gets_a_copy_of_a_script_s_task(bundle):
     actions = env.action_space.sample()
     assert env.step(actions)[1][1] == alone.step(actions[1])[1]
     env.close()
+
+
+def test_eyes_of_all_ages_share_one_opengl_context():
+    senses = {"vision": {"width_px": 8, "height_px": 8}}
+    env = mimoc.make_vec([spec(age_months=age, senses=senses) for age in (3, 9, 20)])
+    env.reset(seed=0)
+    assert len(env._renderers) == 1
+    env.close()
+    assert len(env._renderers) == 0
