@@ -1,7 +1,7 @@
 """The physics of many infants, shared among threads: each has its own model and its own state."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from threading import Lock
@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import BREAKDOWNS
-from mimoc.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray, Sample
 
 
 class Physics:
@@ -64,6 +64,30 @@ class Physics:
             yield infants
         for future in futures:
             future.result()
+
+    def each(
+        self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
+    ) -> list[Sample]:
+        """Return what a function returns for some infants, called in any thread; each calls *leave* at its end."""
+        waiting, turn, found = iter(infants), Lock(), dict[int, Sample]()
+
+        def call_all() -> None:
+            try:
+                while True:
+                    with turn:
+                        infant = next(waiting, None)
+                    if infant is None:
+                        return
+                    found[infant] = function(infant)
+            finally:
+                leave()
+
+        helpers = min(self.threads, len(infants)) - 1
+        futures = [self._pool.submit(call_all) for _ in range(helpers)] if self._pool else []
+        call_all()
+        for future in futures:
+            future.result()
+        return [found[infant] for infant in infants]
 
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:
         """Return a field of `MjData` whose size never changes, such as `qpos`, of some infants: shape (k, size)."""
