@@ -1,7 +1,7 @@
 """The physics of many infants, shared among threads: each has its own model and its own state."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from threading import Lock
@@ -33,7 +33,7 @@ class Physics:
         self._views: dict[str, list[FloatArray]] = {}
         self._warnings = [data.warning.number for data in datas]
 
-    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Iterator[Sequence[int]]:
+    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Generator[Sequence[int], None, None]:
         """Make physics steps of some infants; yield each group of them as soon as all of it has made them.
 
         While the caller works on a group, other threads go on with the next ones.
@@ -56,14 +56,16 @@ class Physics:
 
         helpers = min(self.threads, sum(map(len, groups))) - 1
         futures = [self._pool.submit(step_all) for _ in range(helpers)] if self._pool else []
-        for finished, infants in zip(done, groups, strict=True):
-            while finished.qsize() < len(infants) and step_next():
-                pass
-            for _ in infants:
-                finished.get()
-            yield infants
-        for future in futures:
-            future.result()
+        try:
+            for finished, infants in zip(done, groups, strict=True):
+                while finished.qsize() < len(infants) and step_next():
+                    pass
+                for _ in infants:
+                    finished.get()
+                yield infants
+        finally:  # Also if the caller fails meanwhile: nobody steps an infant behind its back.
+            for future in futures:
+                future.result()
 
     def each(
         self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
