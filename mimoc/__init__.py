@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mimoc.schema.infant import InfantSpec
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
+    from mimoc.vector_environments import make_vec, sb3_vec_env
 
 _HOMES = {
     "Align": "mimoc.control",
@@ -40,10 +41,12 @@ _HOMES = {
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.loading",
     "make": "mimoc.environments",
+    "make_vec": "mimoc.vector_environments",
     "read_bundle": "mimoc.bundle.io",
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
     "run_experiment": "mimoc.experiments",
+    "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
     "validate_milestones": "mimoc.milestones",
@@ -70,10 +73,12 @@ __all__ = [
     "load_policy",
     "load_spec",
     "make",
+    "make_vec",
     "read_bundle",
     "record",
     "register",
     "run_experiment",
+    "sb3_vec_env",
     "torque_limits",
     "train",
     "validate_milestones",

@@ -37,13 +37,18 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         ModelError: If MuJoCo rejects the model.
         RenderingError: If the infant has vision, and there is no OpenGL here.
     """
+    return runtime.make(**prepared(source), **options)
+
+
+def prepared(source: Bundle | InfantSpec | str | Path) -> dict[str, Any]:
+    """Return what the environments of an infant are made of; see `make`."""
     is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
     if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
-        return runtime.make(source, **options)
+        return {"bundle": source if isinstance(source, Bundle) else read_bundle(source)}
     from mimoc.compiler import loading
 
     spec = source if isinstance(source, InfantSpec) else loading.load_spec(source)
-    return runtime.make(**_compiled(spec), **options)
+    return _compiled(spec)
 
 
 def make_task(
@@ -70,17 +75,30 @@ def make_task(
         SpecError: If there is no such child, or it cannot do this task.
         MimocError: If a bundle is given, and an age, hands or an actuation model as well.
     """
+    parts, rest = prepared_task(kind, bundle, age_months, hands, actuation, **options)
+    return InfantEnv(**parts, **rest)
+
+
+def prepared_task(
+    kind: str,
+    bundle: Bundle | str | Path | None = None,
+    age_months: float | None = None,
+    hands: str | None = None,
+    actuation: str | None = None,
+    **options: Any,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what the environments of a task are made of, and the options that are not the task's; see `make_task`."""
     load_plugins()
     own = _given(**{key: options.pop(key) for key in TASKS.find(kind).spec.model_fields if key in options})
     task, child = {"kind": kind, **own}, _given(age_months=age_months, hands=hands, actuation=actuation)
     if bundle is None:
-        return InfantEnv(**_compiled(_child(task, **child)), **options)
+        return _compiled(_child(task, **child)), options
     if child:
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     if found.manifest.task.kind == kind and not own:
-        return InfantEnv(found, **options)
-    return InfantEnv(**_compiled(_for_task(found, task)), **options)
+        return {"bundle": found}, options
+    return _compiled(_for_task(found, task)), options
 
 
 def _given(**choices: Any) -> dict[str, Any]:

@@ -16,7 +16,11 @@ def env_name(task: str) -> str:
 def register_envs() -> None:
     """Tell Gymnasium of all environments, those of plug-ins included; calling it again changes nothing."""
     if INFANT not in registry:
-        register(id=INFANT, entry_point="mimoc.runtime.env:InfantEnv")
+        register(
+            id=INFANT,
+            entry_point="mimoc.runtime.env:InfantEnv",
+            vector_entry_point="mimoc.vector_environments:make_vec_infant",
+        )
     for task in (*TASKS, *announced("mimoc.tasks")):
         register_task_env(task)
 
@@ -24,4 +28,9 @@ def register_envs() -> None:
 def register_task_env(task: str) -> None:
     """Tell Gymnasium of the environment of one task."""
     if env_name(task) not in registry:
-        register(id=env_name(task), entry_point="mimoc.environments:make_task", kwargs={"kind": task})
+        register(
+            id=env_name(task),
+            entry_point="mimoc.environments:make_task",
+            vector_entry_point="mimoc.vector_environments:make_vec_task",
+            kwargs={"kind": task},
+        )

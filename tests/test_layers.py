@@ -78,7 +78,7 @@ LAYERS = {
         "gymnasium mujoco stable_baselines3 torch",
     ),
     "mimoc": layer(
-        "__init__ environments registration",
+        "__init__ environments vector_environments registration",
         f"{BUILDING} compiler milestones {RUNNING} rollout recording training",
         "gymnasium",
     ),
@@ -95,8 +95,8 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 """Libraries that are part of another."""
 
 RUN_MODULES = {
-    "senses": "binding custom sense nothing touch.contacts touch.receptors vision.eyes vision.blur vision.foveation "
-    "vision.preview touch.preview touch.noise proprioception.noise",
+    "senses": "binding custom joined sense nothing touch.contacts touch.many touch.receptors vision.eyes "
+    "vision.many vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "line schedule signals jittered timing",

@@ -44,7 +44,7 @@ class Commands:
 
     def drive(self, data: mujoco.MjData) -> FloatArray:
         """Return what each actuator is driven by now, shape (n,)."""
-        return data.ctrl[self.actuators]
+        return data.ctrl.take(self.actuators, -1)
 
     @property
     def bounds_nm(self) -> FloatArray:
@@ -66,7 +66,7 @@ class Activated(Commands):
 
     def drive(self, data: mujoco.MjData) -> FloatArray:
         """Return the activation of each actuator now, shape (n,)."""
-        return data.act[self.activations]
+        return data.act.take(self.activations, -1)
 
 
 def all_commanded(entry: ActuationEntry) -> ActuationEntry:

@@ -23,9 +23,14 @@ Processes = Annotated[
     bool | None,
     typer.Option(
         "--processes/--one-process",
-        help="Run each environment in a process of its own, or all in one; default: whichever is faster.",
+        help="Run each environment in a process of its own, or one after another; default: all together.",
     ),
 ]
+Threads = Annotated[
+    int | None,
+    typer.Option("--threads", min=1, help="Threads that share the work; default: as many as may be used."),
+]
+Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 OwnTask = Annotated[
     str | None,
     typer.Option(
@@ -45,11 +50,10 @@ def train(
     envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
     every: CheckpointEvery = 20_480,
     assignments: Assignments = None,
+    threads: Threads = None,
     processes: Processes = None,
     task: OwnTask = None,
-    force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
-        False
-    ),
+    force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
@@ -67,6 +71,7 @@ def train(
             envs=envs,
             checkpoint_every=every,
             hyper=chosen,
+            threads=threads,
             processes=processes,
             force=force,
             progress=show,

@@ -28,8 +28,8 @@ class Segment:
 
     commands: tuple[Commands, ...]
     physics_steps: int
-    samples: tuple[tuple[Read, tuple[Samples, ...]], ...]
-    """The senses to be sampled at the end, each once, with the delays that the sample goes into."""
+    samples: tuple[tuple[str, tuple[Samples, ...]], ...]
+    """The senses to be sampled at the end, each once, by name, with the delays that the sample goes into."""
 
 
 class Schedule:
@@ -97,28 +97,52 @@ class Schedule:
         Raises:
             ValueError: If the action is not one number for each actuator.
         """
-        controls, noise = self._actuation(action), self._motor_noise
-        commanded = noise.commanded if noise else data.ctrl
+        for segment in self.begin(action, data):
+            self.command(segment, data)
+            mujoco.mj_step(self._model, data, segment.physics_steps)
+            for name, delayed in segment.samples:
+                sample = self.read(name, data)
+                for each in delayed:
+                    each.send(sample)
+
+    def begin(self, action: npt.ArrayLike, data: mujoco.MjData) -> tuple[Segment, ...]:
+        """Take the action of a control step, and return the segments that it consists of.
+
+        Raises:
+            ValueError: If the action is not one number for each actuator.
+        """
+        controls = self._actuation(action)
         for commands in self._commands:
             commands.begin(controls)
         for each in self._jittered:
             each.begin()
-        for segment in self._segments or self._cut():
-            for commands in segment.commands:
-                commands.apply(commanded)
-            if noise:
-                noise(data)
-            mujoco.mj_step(self._model, data, segment.physics_steps)
-            for read, delayed in segment.samples:
-                sample = read(data)
-                for each in delayed:
-                    each.send(sample)
+        return self._segments or self._cut()
+
+    def command(self, segment: Segment, data: mujoco.MjData) -> None:
+        """Apply the commands that arrive at the start of a segment, before its physics steps."""
+        noise = self._motor_noise
+        for commands in segment.commands:
+            commands.apply(noise.commanded if noise else data.ctrl)
+        if noise:
+            noise(data)
+
+    def read(self, name: str, data: mujoco.MjData) -> Sample:
+        """Return the sample of a sense now, with its noise."""
+        return self._reads[name](data)
+
+    def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
+        """Return a sample that was read without noise, with noise; it may be changed in place."""
+        return self._noisy[name].disturb(sample, data) if name in self._noisy else sample
+
+    def arrived(self, name: str) -> Sample:
+        """Return what has arrived of a sense: what is observed now, not to be changed."""
+        return _merged(self._samples[name])
 
     def observe(self) -> Observation:
         """Return the samples that have arrived as an observation of new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe(_merged(self._samples[name])))
+            observation.update(sense.observe(self.arrived(name)))
         return observation
 
     @property
@@ -154,7 +178,7 @@ class Schedule:
                 commands=tuple(commands for commands in self._commands if start in commands.applied_after),
                 physics_steps=end - start,
                 samples=tuple(
-                    (self._reads[name], here)
+                    (name, here)
                     for name, delayed in self._samples.items()
                     if (here := tuple(each for each in delayed if end in each.sampled_after))
                 ),

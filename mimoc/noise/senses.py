@@ -45,8 +45,12 @@ class NoisySense:
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the sample at this physics step, as a new array."""
+        return self.disturb(self._sense(data), data)
+
+    def disturb(self, sample: Sample, data: mujoco.MjData) -> Sample:
+        """Return the sample that the sense took at this physics step, with noise; it may be changed in place."""
         elapsed_s, self._time_s = data.time - self._time_s, data.time
-        return self._noise(self._sense(data), elapsed_s, self._streams[self._name])
+        return self._noise(sample, elapsed_s, self._streams[self._name])
 
     @property
     def state(self) -> list[Any]:

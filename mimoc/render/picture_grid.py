@@ -51,11 +51,16 @@ def captioned_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Pict
         pictures: All of one size.
         captions: One for each.
     """
-    across = math.ceil(math.sqrt(len(pictures) * 4 / 3))
     captioned = [
         tile_pictures([[picture]], columns=[caption]) for picture, caption in zip(pictures, captions, strict=True)
     ]
-    return tile_pictures([captioned[start : start + across] for start in range(0, len(captioned), across)])
+    return in_rows(captioned)
+
+
+def in_rows(pictures: Sequence[Picture]) -> Picture:
+    """Return pictures of one size in rows as one picture, wider than high."""
+    across = math.ceil(math.sqrt(len(pictures) * 4 / 3))
+    return tile_pictures([pictures[start : start + across] for start in range(0, len(pictures), across)])
 
 
 def _label(text: str, width: int, height: int, font_px: int) -> Image.Image:

@@ -28,7 +28,7 @@ from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
-from mimoc.tasks.task import NO_REWARD
+from mimoc.tasks.task import NO_REWARD, Task
 from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
@@ -103,6 +103,26 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def actuation(self) -> Actuation:
         """The mapping from actions to controls: actuators in the order of the action, and their limits."""
         return self._act
+
+    @property
+    def senses(self) -> Mapping[str, Sense]:
+        """What it senses with, by name."""
+        return self._senses
+
+    @property
+    def task(self) -> Task:
+        """What starts its episodes and judges its steps."""
+        return self._task
+
+    @property
+    def schedule(self) -> Schedule:
+        """Its control step, with all signals on their way."""
+        return self._schedule
+
+    @property
+    def steps(self) -> int:
+        """Control steps of this episode so far."""
+        return self._steps
 
     @property
     def max_steps(self) -> int | None:
@@ -184,17 +204,21 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the action has the wrong shape or is not finite.
         """
         self._schedule.step(action, self.data)
-        self._steps += 1
-        unstable = broke_down(self.data)
-        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
+        judged = self.judge(action, unstable=broke_down(self.data))
         observation = self._observe()
-        if unstable:
+        if judged[-1]["unstable"]:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
         self._renderer.show()
+        return observation, *judged
+
+    def judge(self, action: npt.NDArray[np.float32], *, unstable: bool) -> tuple[float, bool, bool, dict[str, Any]]:
+        """Count a control step that has been made: return reward, terminated, truncated and info."""
+        self._steps += 1
+        verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
-        return observation, verdict.reward, verdict.terminated or unstable, truncated, info
+        return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
         """Return the complete state of the environment: physics, delayed signals, noise, task and random generator.

@@ -22,7 +22,7 @@ sample arrives.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -45,6 +45,9 @@ class Sense(ABC):
     bodies: IntArray | None = None
     """The body of the model in which each number of a sample is measured, shape (n,): the legs can have a longer delay.
     None where all are in the head or trunk."""
+    together: str | None = None
+    """The module whose function `join` returns what reads this sense of many infants at once, or None for those that it
+    cannot join (`senses.joined.Joined`); without a module, they are read one after another."""
 
     @property
     @abstractmethod
@@ -92,10 +95,22 @@ class Vector(Sense):
         self.low, self.high = (np.broadcast_to(bound, len(self._layout)).astype(np.float64) for bound in (low, high))
         self.spaces = {name: Box(self.low.astype(np.float32), self.high.astype(np.float32), dtype=np.float32)}
 
+    expression: Hashable | None = None
+    """What is the same for all infants that one call of `measure` can read, such as addresses; None if none can."""
+    constants: tuple[FloatArray, ...] = ()
+    """What `measure` needs besides and what differs between infants, arrays of shape (n,) or of any other."""
+
     @property
     def layout(self) -> tuple[str, ...]:
         """What each number is."""
         return self._layout
+
+    def measure(self, data: Any, *constants: FloatArray) -> Sample:
+        """Return the numbers of one infant, or of k: of fields and constants with a leading axis of k, shape (k, n).
+
+        A sense that has it and an `expression` is read for all infants of a vector environment at once.
+        """
+        raise NotImplementedError
 
     def observe(self, sample: Sample) -> Observation:
         """Return the sample within its bounds; two calls here cost less than `np.clip`."""

@@ -63,6 +63,7 @@ def train(
     envs: int = ENVS,
     checkpoint_every: int = CHECKPOINT_EVERY,
     hyper: Mapping[str, Number] | None = None,
+    threads: int | None = None,
     processes: bool | None = None,
     force: bool = False,
     progress: ProgressCallback | None = None,
@@ -85,7 +86,10 @@ def train(
         envs: Number of parallel environments.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose.
         hyper: Hyperparameters that differ from the defaults in `mimoc.training.hyperparameters`.
-        processes: Whether to run each environment in a process of its own; None chooses what is faster. The result
+        threads: Threads that share the work of all environments; by default, as many as this process may use. The
+            result is the same.
+        processes: Whether to run each environment in a process of its own, which pays for tasks and senses of a
+            script's own that are slow, or one after another; by default all are worked through together. The result
             is the same. A script that passes True needs `if __name__ == "__main__":`.
         force: Discard the training run in the folder and start over.
         progress: Called with the number of steps done and their total.
@@ -112,7 +116,7 @@ def train(
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
-            with _one_thread(), _open(open_env, settings, processes) as (agent, env):
+            with _one_thread(), _open(open_env, settings, threads, processes) as (agent, env):
                 reached = _train_to_end(folder, agent, env, settings, open_env, report)
         folder.write_curve(reached.curve.to_csv())
         folder.write_plot(_plot(reached))
@@ -181,10 +185,10 @@ def _plot(progress: Progress) -> bytes:
 
 @contextmanager
 def _open(
-    open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None
+    open_env: Callable[[], InfantEnv], settings: Settings, threads: int | None, processes: bool | None
 ) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
     """Open the parallel environments and make the agent."""
-    env = make_vector_env(open_env, settings, processes)
+    env = make_vector_env(open_env, settings, threads, processes)
     try:
         yield make_agent(env, settings), env
     finally:

@@ -1,25 +1,28 @@
 """Parallel environments with normalised observations, for Stable-Baselines3."""
 
-import os
 from collections.abc import Callable, Sequence
-from statistics import median
-from time import perf_counter
 from typing import Any
 
 import numpy as np
-from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnvWrapper, VecMonitor, VecNormalize
+from stable_baselines3.common.vec_env import (
+    DummyVecEnv,
+    SubprocVecEnv,
+    VecEnv,
+    VecEnvWrapper,
+    VecMonitor,
+    VecNormalize,
+)
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
 from mimoc.bundle.io import Bundle
 from mimoc.errors import TrainingError
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.many.vector_env import ManyInfants
+from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
 from mimoc.training.settings import Settings
 
 MIN_IMAGE_PX = 36
 """Smallest image that Stable-Baselines3's convolutional network accepts."""
-MIN_STEP_S = 1.5e-3
-"""Shortest control step for which processes are faster, as communication takes a good part of this time."""
-TIMED_STEPS = 20
 
 
 class SinglePrecisionRewards(VecEnvWrapper):
@@ -49,19 +52,21 @@ def check_learnable(bundle: Bundle) -> None:
         raise TrainingError(f"images of {size} px are too small to learn from; give at least {MIN_IMAGE_PX} px")
 
 
-def make_vector_env(open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None) -> VecNormalize:
+def make_vector_env(
+    open_env: Callable[[], InfantEnv], settings: Settings, threads: int | None, processes: bool | None
+) -> VecNormalize:
     """Return the parallel environments of a training run.
 
     Args:
         open_env: Opens one environment.
         settings: Settings of the training run.
-        processes: Whether to run each environment in a process of its own; None chooses what is faster. The result of
-            the training is the same.
+        threads: Threads that share the work; None is as many as there may be. The result of the training is the same.
+        processes: Whether to run each environment in a process of its own, or one after another; None is all together.
+            The result is the same.
     """
-    openers: list[Callable[[], Any]] = [open_env] * settings.envs
-    if processes is None:
-        processes = settings.envs > 1 and (os.cpu_count() or 1) > 1 and _measure_step_s(open_env) > MIN_STEP_S
-    envs = VecMonitor(SinglePrecisionRewards(SubprocVecEnv(openers) if processes else DummyVecEnv(openers)))
+    envs = VecMonitor(
+        _together(open_env, settings.envs, threads) if processes is None else _apart(open_env, settings.envs, processes)
+    )
     return VecNormalize(
         envs,
         gamma=settings.hyper["gamma"],
@@ -101,16 +106,10 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
     return {**env.obs_rms, "return": env.ret_rms}
 
 
-def _measure_step_s(open_env: Callable[[], InfantEnv]) -> float:
-    """Return the median wall time of a control step, in [s]; an overestimate on a busy machine."""
-    env = open_env()
-    env.action_space.seed(0)
-    env.reset(seed=0)
-    durations_s = []
-    for _ in range(TIMED_STEPS):
-        action = env.action_space.sample()
-        start = perf_counter()
-        env.step(action)
-        durations_s.append(perf_counter() - start)
-    env.close()
-    return median(durations_s)
+def _together(open_env: Callable[[], InfantEnv], count: int, threads: int | None) -> VecEnv:
+    return InfantVecEnv(ManyInfants([open_env] * count, threads, RESET_IN_THE_SAME_STEP))
+
+
+def _apart(open_env: Callable[[], InfantEnv], count: int, processes: bool) -> VecEnv:
+    openers: list[Callable[[], Any]] = [open_env] * count
+    return SinglePrecisionRewards(SubprocVecEnv(openers) if processes else DummyVecEnv(openers))

@@ -65,7 +65,7 @@ def learn(bundle, tmp_path) -> Callable[..., Any]:
 
     def train(name: str = "run", steps: int = 2 * EVERY, algo: str = "ppo", **options: Any) -> Any:
         source = options.pop("source", bundle)
-        options = {"envs": 2, "checkpoint_every": EVERY, "hyper": TINY[algo], "processes": False} | options
+        options = {"envs": 2, "checkpoint_every": EVERY, "hyper": TINY[algo]} | options
         return mimoc.train(source, tmp_path / name, steps=steps, algo=algo, **options)
 
     return train
@@ -75,7 +75,7 @@ def learn(bundle, tmp_path) -> Callable[..., Any]:
 def trained(bundle, tmp_path_factory) -> Path:
     """Return the folder of a training, which is only to be read."""
     folder = tmp_path_factory.mktemp("runs") / "trained"
-    mimoc.train(bundle, folder, steps=EVERY, envs=2, checkpoint_every=EVERY, hyper=TINY["ppo"], processes=False)
+    mimoc.train(bundle, folder, steps=EVERY, envs=2, checkpoint_every=EVERY, hyper=TINY["ppo"])
     return folder
 
 

@@ -16,7 +16,7 @@ from mimoc.training.checkpoint import read_progress
 
 EVERY = 128
 """Steps between checkpoints."""
-TOLD = ["--envs", "2", "--checkpoint-every", str(EVERY), "--one-process"]
+TOLD = ["--envs", "2", "--checkpoint-every", str(EVERY), "--threads", "2"]
 for knob in ("n_steps=32", "batch_size=64", "n_epochs=1", "width=8", "layers=1"):
     TOLD += ["--set", knob]
 DEADLINE_S = 60
@@ -63,7 +63,7 @@ def test_train_and_run_print_a_summary(invoke, here):
 
 def test_the_command_and_the_function_have_the_same_defaults():
     told, known = (inspect.signature(each).parameters for each in (cli.train.train, mimoc.train))
-    for name in ("algo", "steps", "seed", "envs", "processes", "force"):
+    for name in ("algo", "steps", "seed", "envs", "threads", "processes", "force"):
         assert told[name].default == known[name].default
     assert told["every"].default == known["checkpoint_every"].default
 

@@ -123,8 +123,9 @@ def test_an_interrupted_and_resumed_run_gives_the_same_policy_as_an_uninterrupte
     assert timeless(whole.curve) == timeless(parts.curve)
 
 
-def test_environments_in_separate_processes_give_the_same_policy(learn, learned, same):
-    assert same(learned(learn("one", EVERY).policy), learned(learn("many", EVERY, processes=True).policy))
+@pytest.mark.parametrize("options", [{"threads": 1}, {"threads": 3}, {"processes": False}, {"processes": True}])
+def test_environments_that_step_elsewhere_give_the_same_policy(learn, learned, same, trained, options):
+    assert same(learned(trained / "policy.zip"), learned(learn("other", EVERY, **options).policy))
 
 
 def test_a_finished_run_with_more_steps_continues_where_it_ended(learn, learned, same):

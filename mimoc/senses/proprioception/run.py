@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -30,12 +31,17 @@ LEAST_BOUND_NM = 1e-6
 class Component:
     """One of the quantities that are sensed, for every joint, sensor or actuator."""
 
-    read: Callable[[mujoco.MjData], FloatArray]
+    read: Callable[..., FloatArray]
+    """Returns it from data and the constants; each may have a leading axis of infants."""
+    addresses: IntArray
+    """Where `read` looks; infants for whom this is the same can be read at once."""
     high: FloatArray
     """Largest value, shape (n,); the least is its negative."""
     layout: tuple[str, ...]
     bodies: IntArray
     """The body in which each number is measured, shape (n,)."""
+    constants: tuple[FloatArray, ...] = ()
+    """What `read` needs of this infant, each of shape (m,)."""
 
 
 class Proprioception(Vector):
@@ -47,11 +53,21 @@ class Proprioception(Vector):
         high = np.concatenate([component.high for component in components])
         bodies = np.concatenate([component.bodies for component in components])
         super().__init__("proprioception", layout, -high, high, bodies)
-        self._reads = [component.read for component in components]
+        self.expression = tuple(tuple(component.addresses.tolist()) for component in components)
+        self.constants = tuple(each for component in components for each in component.constants)
+        ends = np.cumsum([len(component.constants) for component in components]).tolist()
+        self._reads = [
+            (component.read, slice(end - len(component.constants), end))
+            for component, end in zip(components, ends, strict=True)
+        ]
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return all components."""
-        return np.concatenate([read(data) for read in self._reads])
+        return self.measure(data, *self.constants)
+
+    def measure(self, data: Any, *constants: FloatArray) -> Sample:
+        """Return all components of an infant, or of many."""
+        return np.concatenate([read(data, *constants[own]) for read, own in self._reads], -1)
 
 
 def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> Proprioception:
@@ -64,7 +80,8 @@ def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> P
 def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
     addresses = _addresses(model, entry.joints, "qposadr")
     return Component(
-        lambda data: data.qpos[addresses],
+        lambda data: data.qpos.take(addresses, -1),
+        addresses,
         np.full(len(addresses), 4 * np.pi),
         _names(entry.joints, "angle", ANGLE_UNIT),
         _addresses(model, entry.joints, "bodyid"),
@@ -74,7 +91,8 @@ def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
 def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
     addresses = _addresses(model, entry.joints, "dofadr")
     return Component(
-        lambda data: data.qvel[addresses],
+        lambda data: data.qvel.take(addresses, -1),
+        addresses,
         np.full(len(addresses), MAX_SPEED_RAD_S),
         _names(entry.joints, "velocity", VELOCITY_UNIT),
         _addresses(model, entry.joints, "bodyid"),
@@ -85,7 +103,8 @@ def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoc
     addresses = np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name in entry.torque_sensors])
     sensors = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
     return Component(
-        lambda data: data.sensordata[addresses],
+        lambda data: data.sensordata.take(addresses, -1),
+        addresses,
         np.full(len(addresses), MAX_TORQUE_NM),
         _names(sensors, "torque", "N m"),
         np.repeat(model.site_bodyid[[model.sensor(name).objid[0] for name in entry.torque_sensors]], 3),
@@ -97,16 +116,18 @@ def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco
     low, high = np.array([model.joint(name).range for name in entry.joints]).T
     middle, reach = (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD
 
-    def read(data: mujoco.MjData) -> FloatArray:
+    def read(data: Any, middle: FloatArray, reach: FloatArray) -> FloatArray:
         """Return 0 until the margin, 1 at the limit, above 1 beyond."""
-        beyond = np.abs(data.qpos[addresses] - middle) - reach
+        beyond = np.abs(data.qpos.take(addresses, -1) - middle) - reach
         return np.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
 
     return Component(
         read,
+        addresses,
         np.full(len(addresses), MAX_LIMIT),
         _names(entry.joints, "limit", "1 at the limit"),
         _addresses(model, entry.joints, "bodyid"),
+        (middle, reach),
     )
 
 
@@ -116,15 +137,17 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
     ids = bound.actuators
     gears = model.actuator_gear[ids, 0].copy()
 
-    def read(data: mujoco.MjData) -> FloatArray:
+    def read(data: Any, gears: FloatArray) -> FloatArray:
         """Return what drives each actuator, then the torque that it makes of that."""
-        return np.concatenate([bound.drive(data), data.actuator_force[ids] * gears])
+        return np.concatenate([bound.drive(data), data.actuator_force.take(ids, -1) * gears], -1)
 
     return Component(
         read,
+        ids,
         np.concatenate([np.ones(len(ids)), np.maximum(bound.bounds_nm, LEAST_BOUND_NM)]),
         _names(names, bound.drive_name, "1") + _names(names, "torque", "N m"),
         np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
+        (gears,),
     )
 
 

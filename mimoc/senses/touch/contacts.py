@@ -1,9 +1,10 @@
 """The forces of all contacts at once, from both sides, on the bodies that have skin."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.senses.sense import FloatArray, IntArray
 
@@ -24,6 +25,8 @@ class ContactForces(NamedTuple):
     """Shape (m, 3), in the world."""
     normal_forces_n: FloatArray
     """Along the inward normals, shape (m, 1); never negative."""
+    contacts: IntArray
+    """Which contact each is of, shape (m,)."""
 
 
 def skin_body_of_geoms(bodies: IntArray, model: mujoco.MjModel) -> IntArray:
@@ -45,6 +48,35 @@ def contact_forces(data: mujoco.MjData, body_of_geom: IntArray) -> ContactForces
         body_of_geom: What `skin_body_of_geoms` returns.
     """
     contact = data.contact
+    arrays = Contacts(contact.geom, contact.efc_address, contact.frame, contact.dim, contact.dist, contact.pos)
+    return forces_of(arrays, data.efc_force, body_of_geom)
+
+
+class Contacts(NamedTuple):
+    """What MuJoCo tells of n contacts."""
+
+    geom: npt.NDArray[np.integer[Any]]
+    """Shape (n, 2)."""
+    efc_address: npt.NDArray[np.integer[Any]]
+    """Of the first of its forces, shape (n,); -1 for geoms that are near each other, but do not touch."""
+    frame: FloatArray
+    """Shape (n, 9)."""
+    dim: npt.NDArray[np.int32]
+    """Shape (n,)."""
+    dist: FloatArray
+    """Shape (n,)."""
+    pos: FloatArray
+    """Shape (n, 3)."""
+
+
+def forces_of(contact: Contacts, efc_force: FloatArray, body_of_geom: IntArray) -> ContactForces | None:
+    """Return the forces of some contacts on bodies with skin, or None if nothing touches them.
+
+    Args:
+        contact: The contacts, of one infant or of many, one after the other.
+        efc_force: The forces of all constraints that they point at.
+        body_of_geom: What `skin_body_of_geoms` returns, of each infant whose geoms they point at.
+    """
     bodies, addresses = body_of_geom.take(contact.geom), contact.efc_address
     if -1 in addresses.tolist():  # These geoms are near each other, but do not touch.
         bodies[addresses < 0] = 0
@@ -52,12 +84,12 @@ def contact_forces(data: mujoco.MjData, body_of_geom: IntArray) -> ContactForces
     if not index.size:
         return None
     inwards = (contact.frame.take(index, 0) * SIGNS.take(side, 0)).reshape(-1, 3, 3)
-    forces_n = data.efc_force.take(addresses.take(index)[:, None] + AXES, mode="clip")
+    forces_n = efc_force.take(addresses.take(index)[:, None] + AXES, mode="clip")
     if 1 in contact.dim.tolist():  # Without friction, the rows that follow belong to the next contact.
         forces_n[contact.dim[index] == 1, 1:] = 0.0
     half_gaps_m = contact.dist.take(index)[:, None] * 0.5  # A contact lies midway between the two surfaces.
     places_m = contact.pos.take(index, 0) + half_gaps_m * inwards[:, 0]
-    return ContactForces(bodies[index, side], places_m, rotated(forces_n, inwards), forces_n[:, :1])
+    return ContactForces(bodies[index, side], places_m, rotated(forces_n, inwards), forces_n[:, :1], index)
 
 
 def rotated(vectors: FloatArray, axes: FloatArray) -> FloatArray:

@@ -1,5 +1,6 @@
 """Touch receptors: the points of the skin, and how a contact force is shared among those around it."""
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -86,14 +87,29 @@ def bind_receptors(skin: Sequence[SkinEntry], points_m: FloatArray, model: mujoc
     by_body = zip(skin, np.split(points_m, ends[:-1]), strict=True)
     found = [(model.body(part.body).id, part, points) for part, points in by_body if part.points]
     parts = sorted(found, key=lambda part: part[0])
-    names = np.repeat([part.body for _, part, _ in parts], [part.points for _, part, _ in parts])
-    names.flags.writeable = False
-    points_m = np.concatenate([points for *_, points in parts])
-    bodies = np.repeat([body for body, *_ in parts], [part.points for _, part, _ in parts])
-    scale_per_m = np.zeros((model.nbody, 1))
-    for body, part, _ in parts:
-        scale_per_m[body] = 1 / (FIELD_RADIUS * part.spacing_m)
-    offsets = np.arange(model.nbody)[:, None] * BODY_OFFSET
+    described = tuple((body, part.body, part.points, part.spacing_m) for body, part, _ in parts)
+    return _receptors(described, np.concatenate([points for *_, points in parts]).tobytes(), model.nbody)
+
+
+@functools.lru_cache(maxsize=16)
+def _receptors(parts: tuple[tuple[int, str, int, float], ...], points: bytes, nbody: int) -> Receptors:
+    """Return the receptors of some bodies, which all infants of one bundle share.
+
+    Args:
+        parts: Number and name of each body, how many points it has, and their spacing in [m].
+        points: The points of all of them, as the bytes of an array of shape (n, 3).
+        nbody: Number of bodies of the model.
+    """
+    points_m = np.frombuffer(points).reshape(-1, 3)
+    counts = [count for _, _, count, _ in parts]
+    names = np.repeat([name for _, name, _, _ in parts], counts)
+    bodies = np.repeat([body for body, *_ in parts], counts)
+    for array in (names, bodies):
+        array.flags.writeable = False
+    scale_per_m = np.zeros((nbody, 1))
+    for body, _, _, spacing_m in parts:
+        scale_per_m[body] = 1 / (FIELD_RADIUS * spacing_m)
+    offsets = np.arange(nbody, dtype=float)[:, None] * BODY_OFFSET
     scaled = points_m * scale_per_m[bodies] + offsets[bodies]
     cells, neighbours = _neighbours(scaled)
     padded = np.ascontiguousarray(np.vstack([scaled, np.full(3, np.inf)]).T)

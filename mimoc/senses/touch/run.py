@@ -58,10 +58,12 @@ class Quantity:
 class Touch(Sense):
     """What the receptors of the skin measure: one after another, all numbers of each, [N]."""
 
+    together = "mimoc.senses.touch.many"
+
     def __init__(self, receptors: Receptors, model: mujoco.MjModel, quantity: Quantity, response: Response):
         """Measure a quantity of the contacts with the bodies that have receptors."""
-        self.receptors, self._quantity, self._response = receptors, quantity, response
-        self._body_of_geom = skin_body_of_geoms(receptors.bodies, model)
+        self.receptors, self.quantity, self.response = receptors, quantity, response
+        self.body_of_geom = skin_body_of_geoms(receptors.bodies, model)
         self.width = len(quantity.numbers)
         """How many numbers each point has."""
         self.bodies = np.repeat(receptors.bodies, self.width)
@@ -73,11 +75,11 @@ class Touch(Sense):
         """What each number is: a body, which of its points, and what that measures."""
         indices: defaultdict[str, count[int]] = defaultdict(count)
         points = [f"{body} {next(indices[body])}" for body in self.receptors.names.tolist()]
-        return tuple(f"{point} {number} [N]" for point in points for number in self._quantity.numbers)
+        return tuple(f"{point} {number} [N]" for point in points for number in self.quantity.numbers)
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the sample now."""
-        return self._measure(data, self._quantity)
+        return self._measure(data, self.quantity)
 
     def skin_state(self, data: mujoco.MjData) -> SkinState:
         """Return where the points are now and the forces on them, whatever quantity the agent observes."""
@@ -88,21 +90,26 @@ class Touch(Sense):
 
     def observe(self, sample: Sample) -> Observation:
         """Return the sample within its bounds."""
-        observed, low_n = sample.astype(np.float32), self._quantity.low_n
+        observed = sample.astype(np.float32)
+        self.limit(observed)
+        return {"touch": observed}
+
+    def limit(self, observed: npt.NDArray[np.float32]) -> None:
+        """Put an observation, shape (n,), within its bounds, in place."""
+        low_n = self.quantity.low_n
         if np.maximum.reduce(observed) > MAX_FORCE_N or np.minimum.reduce(observed) < low_n:
             np.clip(observed, low_n, MAX_FORCE_N, out=observed)
-        return {"touch": observed}
 
     def _measure(self, data: mujoco.MjData, quantity: Quantity) -> FloatArray:
         width = len(quantity.numbers)
         size = len(self.receptors.bodies) * width
-        forces = contact_forces(data, self._body_of_geom)
+        forces = contact_forces(data, self.body_of_geom)
         if forces is None:
             return np.zeros(size)
         world_from_body = data.xmat.take(forces.bodies, 0).reshape(-1, 3, 3)
         places_m = rotated(forces.places_m - data.xpos.take(forces.bodies, 0), world_from_body)
         loads = quantity.read(forces, world_from_body)
-        receptors, shares = self._response(self.receptors, forces.bodies, places_m, loads)
+        receptors, shares = self.response(self.receptors, forces.bodies, places_m, loads)
         numbers = receptors * width + quantity.columns
         return np.bincount(numbers.ravel(), shares.ravel(), size)[:size]  # pyright: ignore[reportReturnType] - Sums.
 

@@ -1,6 +1,7 @@
 """Balance: specific force and angular velocity of the head."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -22,10 +23,15 @@ class Vestibular(Vector):
         """Read MuJoCo's sensor data at some addresses."""
         super().__init__("vestibular", layout, -high, high, bodies)
         self._addresses = addresses
+        self.expression = tuple(addresses.tolist())
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the readings of its sensors."""
-        return data.sensordata[self._addresses]
+        return self.measure(data)
+
+    def measure(self, data: Any, *constants: FloatArray) -> Sample:
+        """Return the readings of the sensors of an infant, or of many."""
+        return data.sensordata.take(self._addresses, -1)
 
 
 def bind(entry: VestibularEntry, model: mujoco.MjModel, bundle: Bundle) -> Vestibular:

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Collection, Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.render.renderer import Renderer
+from mimoc.render.shared import assets_of, shared_renderers
 from mimoc.render.visual_settings import Setting
 
 Drawn = npt.NDArray[np.uint8]
@@ -19,6 +21,8 @@ SLICES_PER_ROOT_PX = 2.0
 the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
 `benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
 STACKS_PER_SLICE = 2 / 3
+PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]
+"""What eyes do without."""
 HIDDEN_GROUP = 5
 """One of the groups of geoms that MuJoCo does not draw unless asked to."""
 
@@ -44,16 +48,29 @@ class Eyes:
         self._names, self._unseen_bodies = tuple(cameras), unseen
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
-        self._renderer = Renderer(model, width_px, height_px * len(cameras), lambda model: _lean(model, height_px))
+        self._size_px, self._shared = (width_px, height_px * len(cameras)), shared_renderers()
+        self._settings = partial(_lean, height_px=height_px)
+        self._assets = b"" if self._shared is None else assets_of(model)
+        self._model = model
+        self._renderer = self._open()
         self._find_names(model)
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
         """Return what the cameras draw."""
-        self._renderer.make_current()
+        renderer = self._renderer
+        if self._shared is not None:
+            renderer = self._open()
+            renderer.show_model(self._model)
+        renderer.make_current()
         for camera, part in zip(self._cameras, self._parts, strict=True):
-            self._compose(camera, data)
-            self._renderer.draw(part)
-        return self._renderer.read().reshape(self._shape)[:, ::-1]
+            self._compose(renderer, camera, data)
+            renderer.draw(part)
+        return renderer.read().reshape(self._shape)[:, ::-1]
+
+    @property
+    def shares(self) -> bool:
+        """Whether it draws with what other eyes draw with, a renderer in each thread."""
+        return self._shared is not None
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in which cameras and bodies have the same names.
@@ -61,12 +78,22 @@ class Eyes:
         Raises:
             RenderingError: If OpenGL has no room for it.
         """
-        self._renderer.change_model(model)
+        self._model = model
+        if self._shared is None:
+            self._renderer.change_model(model)
+        else:
+            self._assets = assets_of(model)
         self._find_names(model)
 
     def close(self) -> None:
-        """Free the OpenGL context; closing twice is fine."""
-        self._renderer.close()
+        """Free the OpenGL context, unless it is shared; closing twice is fine."""
+        if self._shared is None:
+            self._renderer.close()
+
+    def _open(self) -> Renderer:
+        """Return a renderer of its own, or the shared one of this thread for the model's meshes and textures."""
+        make = partial(Renderer, self._model, *self._size_px, self._settings)
+        return make() if self._shared is None else self._shared.of(self._assets, self._size_px, make)
 
     def _find_names(self, model: mujoco.MjModel) -> None:
         """Find cameras and unseen geoms in the model that is drawn now."""
@@ -74,15 +101,14 @@ class Eyes:
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
-        for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
-            self._renderer.scene.flags[flag] = 0
 
-    def _compose(self, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
+    def _compose(self, renderer: Renderer, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
         """Fill the scene for a camera, whose light goes with it."""
         usual = self._groups[self._unseen]
         self._groups[self._unseen] = HIDDEN_GROUP
         try:
-            self._renderer.compose(data, camera)
+            renderer.compose(data, camera)
+            renderer.scene.flags[PLAIN] = 0
         finally:
             self._groups[self._unseen] = usual
 

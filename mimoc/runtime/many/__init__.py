@@ -1,0 +1,1 @@
+"""Many infants at once."""

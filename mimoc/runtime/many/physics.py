@@ -1,0 +1,131 @@
+"""The physics of many infants, shared among threads: each has its own model and its own state."""
+
+import os
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from queue import SimpleQueue
+from threading import Lock
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.model import BREAKDOWNS
+from mimoc.senses.sense import FloatArray, Sample
+
+
+class Physics:
+    """The simulations of n infants.
+
+    MuJoCo lets go of Python's lock while it steps, so threads of one process use all cores.
+    """
+
+    def __init__(self, models: Sequence[mujoco.MjModel], datas: Sequence[mujoco.MjData], threads: int | None = None):
+        """Simulate infants.
+
+        Args:
+            models: The model of each; they may differ, and may change at any time.
+            datas: The state of each, likewise.
+            threads: How many to use, or all that this process may use.
+        """
+        self.models, self.datas = list(models), list(datas)
+        self.threads = threads or usable_threads()
+        self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
+        self._views: dict[str, list[FloatArray]] = {}
+        self._warnings = [data.warning.number for data in datas]
+
+    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Generator[Sequence[int], None, None]:
+        """Make physics steps of some infants; yield each group of them as soon as all of it has made them.
+
+        While the caller works on a group, other threads go on with the next ones.
+        """
+        waiting = ((infant, group) for group, infants in enumerate(groups) for infant in infants)
+        turn, done = Lock(), [SimpleQueue[int]() for _ in groups]
+
+        def step_next() -> bool:
+            """Step the next infant that no thread has taken yet; return whether there was one."""
+            with turn:
+                infant, group = next(waiting, (None, 0))
+            if infant is not None:
+                self._step_one(infant, steps)
+                done[group].put(infant)
+            return infant is not None
+
+        def step_all() -> None:
+            while step_next():
+                pass
+
+        helpers = min(self.threads, sum(map(len, groups))) - 1
+        futures = [self._pool.submit(step_all) for _ in range(helpers)] if self._pool else []
+        try:
+            for finished, infants in zip(done, groups, strict=True):
+                while finished.qsize() < len(infants) and step_next():
+                    pass
+                for _ in infants:
+                    finished.get()
+                yield infants
+        finally:  # Also if the caller fails meanwhile: nobody steps an infant behind its back.
+            for future in futures:
+                future.result()
+
+    def each(
+        self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
+    ) -> list[Sample]:
+        """Return what a function returns for some infants, called in any thread; each calls *leave* at its end."""
+        waiting, turn, found = iter(infants), Lock(), dict[int, Sample]()
+
+        def call_all() -> None:
+            try:
+                while True:
+                    with turn:
+                        infant = next(waiting, None)
+                    if infant is None:
+                        return
+                    found[infant] = function(infant)
+            finally:
+                leave()
+
+        helpers = min(self.threads, len(infants)) - 1
+        futures = [self._pool.submit(call_all) for _ in range(helpers)] if self._pool else []
+        call_all()
+        for future in futures:
+            future.result()
+        return [found[infant] for infant in infants]
+
+    def array(self, field: str, infants: Sequence[int]) -> FloatArray:
+        """Return a field of `MjData` whose size never changes, such as `qpos`, of some infants: shape (k, size)."""
+        if field not in self._views:
+            self._views[field] = [getattr(data, field) for data in self.datas]
+        views = self._views[field]
+        return np.concatenate([views[infant] for infant in infants]).reshape(len(infants), *views[0].shape)
+
+    def broke_down(self) -> list[bool]:
+        """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
+        counts = np.concatenate(self._warnings).reshape(len(self.datas), -1)
+        return [any(each) for each in counts[:, BREAKDOWNS].tolist()]
+
+    def replace(self, infant: int, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Put another model and state in place of an infant's, as when it has grown."""
+        self.models[infant], self.datas[infant] = model, data
+        self._warnings[infant] = data.warning.number
+        for field, views in self._views.items():
+            views[infant] = getattr(data, field)
+
+    def close(self) -> None:
+        """End the threads; closing twice is fine."""
+        if self._pool:
+            self._pool.shutdown()
+
+    def _step_one(self, infant: int, steps: int) -> None:
+        """Make physics steps of one infant; where MuJoCo cannot, it has broken down."""
+        data = self.datas[infant]
+        try:
+            mujoco.mj_step(self.models[infant], data, steps)
+        except mujoco.FatalError:
+            data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number += 1
+
+
+def usable_threads() -> int:
+    """Return how many threads this process may run at once: in a container, fewer than there are cores."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,263 @@
+"""The Gymnasium vector environment of many infants."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from mimoc.render.picture_grid import Picture, in_rows
+from mimoc.render.shared import SharedRenderers, sharing
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.many.control_step import ControlStep
+from mimoc.runtime.many.infos import Infos, joined
+from mimoc.runtime.many.matching import check_mixture
+from mimoc.runtime.many.options import chosen, options_of, seeds_of
+from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.spaces import batch_of, covering
+from mimoc.senses.joined import join_all
+from mimoc.senses.sense import FloatArray, Observation
+
+SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
+Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
+
+
+class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[Any]]):
+    """Infants that live side by side, each in a world of its own.
+
+    Infant i observes and earns, step for step and bit for bit, what it would alone with the same seed: `infants[i]` is
+    its `InfantEnv`, whose physics, senses and signals are worked through together with those of the others. They may
+    be of different ages, strengths and scenes.
+    """
+
+    def __init__(
+        self,
+        openers: Sequence[Callable[[], InfantEnv]],
+        threads: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
+    ):
+        """Open infants and join them.
+
+        Args:
+            openers: What opens each, at least one; their eyes share OpenGL contexts.
+            threads: How many to use, or all that this process may use.
+            autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
+            max_episode_steps: Control steps after which any episode is truncated, as by Gymnasium's `TimeLimit`.
+
+        Raises:
+            MixtureError: If they do not sense and command the same.
+        """
+        self._renderers, self.num_envs = SharedRenderers(), len(openers)
+        with sharing(self._renderers):
+            infants = self.infants = tuple(open_infant() for open_infant in openers)
+        check_mixture(infants)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.render_mode = infants[0].render_mode
+        self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
+        self.single_action_space = infants[0].action_space
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        spaces: list[Any] = [infant.observation_space for infant in infants]
+        self.single_observation_space = covering(spaces)
+        self.observation_space = batch_of(spaces)
+        self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
+        self._physics = Physics([each.model for each in infants], [each.data for each in infants], threads)
+        self._bind()
+
+    @property
+    def np_random_seed(self) -> tuple[int, ...]:  # pyright: ignore[reportIncompatibleMethodOverride] - One for each.
+        """The seed of each infant's random numbers."""
+        return self.get_attr("np_random_seed")
+
+    @property
+    def np_random(self) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride] - A generator for each.
+        """The random numbers of each infant."""
+        return self.get_attr("np_random")
+
+    @property
+    def threads(self) -> int:
+        """How many threads the physics is shared among."""
+        return self._physics.threads
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Start an episode of each infant, or of those in the option `reset_mask`.
+
+        Args:
+            seed: Infant i is reset with `seed + i`, or with the i-th of a list.
+            options: Those of `InfantEnv.reset`; a value is for all infants, or, as a list or an array, one for each,
+                where None is none.
+
+        Raises:
+            UnknownNameError: If there is no such pose or option.
+            ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
+        """
+        count = self.num_envs
+        which = chosen(options, count)
+        observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
+        return observation, joined(infos, self.num_envs)
+
+    def reset_each(
+        self, seeds: Sequence[int | None], options: Sequence[dict[str, Any]], which: Sequence[int] | None = None
+    ) -> tuple[Observation, Infos]:
+        """Reset some infants, or all, each with its own seed and options; see `reset`."""
+        infos: Infos = {}
+        for infant in range(self.num_envs) if which is None else which:
+            with sharing(self._renderers):
+                _, infos[infant] = self.infants[infant].reset(seed=seeds[infant], options=options[infant])
+            self._ended[infant] = False
+        self._follow()
+        return self._observe(), infos
+
+    def step(self, actions: npt.NDArray[np.float32]) -> Stepped:
+        """Apply an action of each infant for one control step; those whose episode has ended are reset instead.
+
+        Args:
+            actions: Shape (n, actuators); values outside the action space are clipped.
+
+        Raises:
+            ValueError: If the actions have the wrong shape or are not finite.
+            ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
+        """
+        observation, rewards, terminated, truncated, infos = self.step_each(actions)
+        return observation, rewards, terminated, truncated, joined(infos, self.num_envs)
+
+    def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
+        """Make a step as `step` does, with the info of each infant by itself."""
+        self._follow()
+        actions, infos = self._checked(actions), dict[int, dict[str, Any]]()
+        rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
+        truncated, unstable = terminated.copy(), []
+        anew = np.flatnonzero(self._ended).tolist()
+        if anew and self.autoreset_mode == AutoresetMode.DISABLED:
+            raise gymnasium.error.ResetNeeded(f"the episodes of infants {anew} have ended; reset them")
+        going = [infant for infant in self._order if not self._ended[infant]]
+        self._control_step(actions, going)
+        broken = self._physics.broke_down()
+        for infant in going:
+            judged = self.infants[infant].judge(actions[infant], unstable=broken[infant])
+            rewards[infant], terminated[infant], truncated[infant], infos[infant] = judged
+            if broken[infant]:
+                unstable.append(infant)
+            if self._max_steps is not None and self.infants[infant].steps >= self._max_steps:
+                truncated[infant] = True
+        for infant in anew:
+            infos[infant] = self.infants[infant].reset()[1]
+        self._follow()
+        observation = self._observe()
+        for readings in observation.values():
+            for infant in unstable:
+                np.nan_to_num(readings[infant], copy=False)
+        self._ended = terminated | truncated
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            self._reset_ended(observation, infos)
+        return observation, rewards, terminated, truncated, infos
+
+    def render(self) -> Picture | None:  # pyright: ignore[reportIncompatibleMethodOverride] - One picture of all.
+        """Return a picture of all infants in rows, in render mode `rgb_array`, otherwise None.
+
+        `call("render")` returns those of the single infants.
+
+        Raises:
+            RenderingError: If OpenGL is not available.
+        """
+        return in_rows(self.call("render")) if self.render_mode == "rgb_array" else None
+
+    def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
+        """Return what a method of each infant returns, or an attribute of each."""
+        found = [getattr(infant, name) for infant in self.infants]
+        return tuple(each(*arguments, **keywords) if callable(each) else each for each in found)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Return an attribute of each infant."""
+        return tuple(getattr(infant, name) for infant in self.infants)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each infant, to its value of a list or a tuple, or to the same value.
+
+        Raises:
+            ValueError: If a list has not one value for each.
+        """
+        values = values if isinstance(values, (list, tuple)) else [values] * self.num_envs
+        for infant, value in zip(self.infants, values, strict=True):
+            setattr(infant, name, value)
+
+    def get_state(self) -> list[dict[str, Any]]:
+        """Return the state of each infant; see `InfantEnv.get_state`."""
+        return [infant.get_state() for infant in self.infants]
+
+    def set_state(self, states: Sequence[dict[str, Any]]) -> Observation:
+        """Restore the state of each infant, whose episode has not ended; return what they observe.
+
+        Raises:
+            ValueError: If there are not as many states as infants, or one is that of a different infant.
+        """
+        for infant, state in zip(self.infants, states, strict=True):
+            infant.set_state(state)
+        self._ended[:] = False
+        self._follow()
+        return self._observe()
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close all infants and end the threads."""
+        self._physics.close()
+        for infant in self.infants:
+            infant.close()
+        self._renderers.close()
+
+    def _bind(self) -> None:
+        """Join what all infants have now; those of one bundle are worked through one after another."""
+        firsts = {id(each.bundle): index for index, each in reversed(list(enumerate(self.infants)))}
+        self._order = sorted(range(self.num_envs), key=lambda index: firsts[id(self.infants[index].bundle)])
+        self._senses = join_all([infant.senses for infant in self.infants])
+        self._schedules = [infant.schedule for infant in self.infants]
+        self._control_step = ControlStep(self._schedules, self._physics, self._senses)
+
+    def _follow(self) -> None:
+        """Take over what infants have now that got another model, in another scene or by growing."""
+        pairs = enumerate(zip(self.infants, self._physics.models, self._physics.datas, strict=True))
+        found = [index for index, (each, model, data) in pairs if each.data is not data or each.model is not model]
+        for index in found:
+            self._physics.replace(index, self.infants[index].model, self.infants[index].data)
+        if found:
+            self._bind()
+
+    def _checked(self, actions: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        """Return actions as an array; no infant has moved if those of one are wrong.
+
+        Raises:
+            ValueError: If they have the wrong shape or are not finite.
+        """
+        actions = np.asarray(actions)
+        if actions.shape != self.action_space.shape:
+            raise ValueError(f"expected finite actions of shape {self.action_space.shape}, got shape {actions.shape}")
+        if not np.isfinite(actions).all():
+            infant = int(np.flatnonzero(~np.isfinite(actions).all(axis=1))[0])
+            raise ValueError(
+                f"expected finite actions, got {actions[infant][~np.isfinite(actions[infant])][0]} for infant {infant}"
+            )
+        return actions
+
+    def _observe(self) -> Observation:
+        """Return what all infants observe, as new arrays."""
+        observation: Observation = {}
+        for name, sense in self._senses.items():
+            observation.update(sense.observe([schedule.arrived(name) for schedule in self._schedules]))
+        if self.infants[0].task.spaces:
+            own = [infant.task.observe() for infant in self.infants]
+            observation |= {name: np.stack([each[name] for each in own]) for name in own[0]}
+        return observation
+
+    def _reset_ended(self, observation: Observation, infos: Infos) -> None:
+        """Reset the infants whose episodes have just ended, and put what they observe then in its place."""
+        for infant in np.flatnonzero(self._ended).tolist():
+            final = {name: readings[infant].copy() for name, readings in observation.items()}
+            first, info = self.infants[infant].reset()
+            infos[infant] = {"final_obs": final, "final_info": infos[infant], **info}
+            for name, reading in first.items():
+                observation[name][infant] = reading
+        self._ended[:] = False

@@ -1,0 +1,155 @@
+"""The shortest ways to many environments in one: from specs and bundles, or from the name of a task."""
+
+import math
+from collections.abc import Sequence
+from copy import deepcopy
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from gymnasium.vector import AutoresetMode
+
+from mimoc import environments
+from mimoc.bundle.io import Bundle
+from mimoc.errors import MimocError, UnknownNameError
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.many.vector_env import ManyInfants
+from mimoc.schema.infant import InfantSpec
+
+if TYPE_CHECKING:  # It needs Stable-Baselines3, which not everyone has.
+    from mimoc.training.sb3_infants import InfantVecEnv
+
+Source = Bundle | InfantSpec | str | Path
+RenderMode = Literal["rgb_array"] | None
+
+
+def make_vec(
+    source: Source | Sequence[Source],
+    num_envs: int | None = None,
+    threads: int | None = None,
+    device: str = "cpu",
+    render_mode: RenderMode = None,
+    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    **options: Any,
+) -> ManyInfants:
+    """Return the vector environment of many infants, as `gymnasium.make_vec("mimoc/Infant-v0", ...)` does.
+
+    Infant i gives, step for step and bit for bit, what `mimoc.make` of it gives with the same seed.
+
+    Args:
+        source: A bundle, the folder of one, a spec or the path of one, as for `mimoc.make`; or a list of them, which
+            may differ in age, measures, strength and scene, and are repeated in turn if there are fewer than infants.
+        num_envs: Number of infants; by default, as many as sources.
+        threads: Threads that share the work; by default, as many as this process may use.
+        device: Where the infants live; so far, only `cpu`.
+        render_mode: `rgb_array` for pictures of all infants from `render()`.
+        autoreset_mode: When an infant whose episode has ended is reset: in the next step (Gymnasium's default), in the
+            same one (`SameStep`), or by the caller (`Disabled`).
+        options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task` and `senses`, of
+            which each infant gets a copy; and `max_episode_steps`.
+
+    Raises:
+        SpecError: If a spec cannot be built.
+        BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
+        MixtureError: If the infants do not sense and command the same; it names what differs.
+        MimocError: If there is no such device, or there are more sources than infants.
+    """
+    if device != "cpu":
+        raise DeviceError(device)
+    sources = _listed(source)
+    count = len(sources) if num_envs is None else num_envs
+    if count < max(len(sources), 1):
+        raise MimocError(
+            f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
+        )
+    prepared = [environments.prepared(each) for each in sources]
+    return _joined(prepared, count, threads, render_mode, autoreset_mode, options)
+
+
+def sb3_vec_env(source: Source | Sequence[Source], num_envs: int | None = None, **options: Any) -> "InfantVecEnv":
+    """Return many infants as an environment of Stable-Baselines3, to learn from with its `PPO` or any other.
+
+    Args:
+        source: As for `make_vec`.
+        num_envs: Likewise.
+        options: Others of `make_vec`, but for `autoreset_mode`: Stable-Baselines3 wants a reset in the same step.
+
+    Raises:
+        MissingExtraError: If Stable-Baselines3 is not installed.
+        MimocError: As `make_vec` does.
+    """
+    from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
+
+    return InfantVecEnv(make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options))
+
+
+def make_vec_task(
+    kind: str,
+    num_envs: int = 1,
+    threads: int | None = None,
+    device: str = "cpu",
+    render_mode: RenderMode = None,
+    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    **options: Any,
+) -> ManyInfants:
+    """Return the vector environment of a task, as `gymnasium.make_vec("mimoc/Reach-v0", ...)` does.
+
+    Args:
+        kind: Name of the task.
+        num_envs: Number of infants.
+        threads: As for `make_vec`, as are the next three.
+        device: See there.
+        render_mode: See there.
+        autoreset_mode: See there.
+        options: Those of `mimoc.environments.make_task`; `bundle` and `age_months` can be lists, whose values are
+            repeated in turn.
+    """
+    if device != "cpu":
+        raise DeviceError(device)
+    lists = {name: _listed(options[name]) for name in ("bundle", "age_months") if name in options}
+    prepared, rest = [], options
+    for index in range(min(num_envs, math.lcm(*map(len, lists.values())))):
+        own = {name: values[index % len(values)] for name, values in lists.items()}
+        parts, rest = environments.prepared_task(kind, **{**options, **own})
+        prepared.append(parts)
+    return _joined(prepared, num_envs, threads, render_mode, autoreset_mode, rest)
+
+
+def make_vec_infant(num_envs: int = 1, bundle: Any = None, source: Any = None, **options: Any) -> ManyInfants:
+    """Return what `make_vec` does, for Gymnasium, where the infants are called `bundle` as in `gymnasium.make`."""
+    return make_vec(bundle if source is None else source, num_envs, **options)
+
+
+class DeviceError(MimocError):
+    """Infants cannot live on a device."""
+
+    def __init__(self, device: str):
+        super().__init__(
+            f"device '{device}': infants live on the CPU only; on a GPU they need MuJoCo Warp, which this version of "
+            "mimoc does not use yet; leave device out, or pass device='cpu'"
+        )
+
+
+def _joined(
+    prepared: Sequence[dict[str, Any]],
+    count: int,
+    threads: int | None,
+    render_mode: RenderMode,
+    autoreset_mode: AutoresetMode | str,
+    options: dict[str, Any],
+) -> ManyInfants:
+    """Return the vector environment of some infants, which are repeated in turn."""
+    if render_mode not in (None, "rgb_array"):
+        raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
+    limit = options.pop("max_episode_steps", None)
+
+    def open_infant(index: int) -> InfantEnv:
+        """Open one, with copies of a script's objects of its own."""
+        return InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(options))
+
+    return ManyInfants([partial(open_infant, index) for index in range(count)], threads, autoreset_mode, limit)
+
+
+def _listed(source: Any) -> list[Any]:
+    """Return what was given for each of some infants, or for all of them, as a list."""
+    return list(source) if isinstance(source, Sequence) and not isinstance(source, str) else [source]

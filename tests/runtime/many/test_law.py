@@ -1,0 +1,111 @@
+"""Infant i of a vector environment gives, step for step and bit for bit, what it gives alone."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from support.same import assert_same
+
+import mimoc
+
+CONFIGS = sorted((Path(mimoc.__file__).parents[1] / "configs").glob("*.yaml"))
+NEXT_STEP, SAME_STEP = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
+AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
+NOISY = {"motor": 0.1, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10}
+
+
+def live_alike(
+    sources: list[Any], count: int, steps: int, mode: AutoresetMode = NEXT_STEP, scale: float = 1.0, **options: Any
+) -> int:
+    """Run infants together and, as Gymnasium does it, one after another; return how many episodes ended."""
+    openers = [partial(mimoc.make, sources[index % len(sources)]) for index in range(count)]
+    alone = SyncVectorEnv(openers, autoreset_mode=mode, observation_mode="different")
+    together = mimoc.make_vec(sources, count, autoreset_mode=mode, **options)
+    assert_same(together.reset(seed=5), alone.reset(seed=5), "reset")
+    together.action_space.seed(0)
+    ended = 0
+    for step in range(steps):
+        actions = scale * together.action_space.sample()
+        ours = together.step(actions)
+        assert_same(ours, alone.step(actions), f"step {step}")
+        ended += int((ours[2] | ours[3]).sum())
+    alone.close()
+    together.close()
+    return ended
+
+
+def of_config(path: Path, episode_steps: int) -> mimoc.Bundle:
+    spec = mimoc.load_spec(path)
+    return mimoc.build(spec.with_(task={"steps": episode_steps}) if spec.task else spec)
+
+
+def at_ages(ages_months: tuple[float, ...], **keys: Any) -> list[mimoc.Bundle]:
+    spec = {"mimoc": 1, "name": "infant", "senses": {"proprioception": {}, "vestibular": {}}, **keys}
+    return [mimoc.build(mimoc.InfantSpec.model_validate({**spec, "age_months": age})) for age in ages_months]
+
+
+@pytest.mark.parametrize("config", [each for each in CONFIGS if each.stem != "all_senses"], ids=lambda each: each.stem)
+def test_an_infant_gives_what_it_gives_alone(config):
+    mode = NEXT_STEP if CONFIGS.index(config) % 2 else SAME_STEP
+    spec = mimoc.load_spec(config)
+    ended = live_alike([of_config(config, 4)], 2, 10, mode)
+    assert ended >= 2 * bool(spec.task)
+
+
+@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
+def test_so_does_one_with_eyes(mode):
+    senses = {"vision": {"width_px": 16, "height_px": 16}, "touch": {}}
+    assert live_alike(at_ages((3, 9), senses=senses, task={"kind": "reach", "steps": 3}), 3, 8, mode) == 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda each: each.stem)
+def test_so_it_does_for_300_steps(config):
+    mode = SAME_STEP if CONFIGS.index(config) % 2 else NEXT_STEP
+    live_alike([of_config(config, 70)], 2, 300, mode)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_seven_ages_live_side_by_side_with_delays_noise_and_touch(threads):
+    senses = {"proprioception": {}, "vestibular": {}, "touch": {}}
+    infants = at_ages(AGES_MONTHS, senses=senses, delays={"preset": "physiological"}, noise=NOISY)
+    live_alike(infants, 9, 12, threads=threads)
+
+
+def test_delays_that_differ_by_age_need_no_jitter():
+    live_alike(at_ages((0, 6, 24), delays={"preset": "physiological"}), 3, 20)
+
+
+@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
+@pytest.mark.parametrize("kind", ["catch", "reach"])
+def test_balls_that_change_their_size_and_locked_joints_stay_those_of_their_infant(kind, mode):
+    infants = at_ages((9, 18), task={"kind": kind, "steps": 6})
+    assert live_alike(infants, 4, 20, mode) >= 8
+
+
+def test_scenes_and_strengths_may_differ():
+    room = {"kind": "room", "toys": {"count": [2, 2]}}
+    scenes = [at_ages((9,), scene={**room, "seed": seed})[0] for seed in (1, 2)]
+    strong = at_ages((9,), scene={**room, "seed": 3}, actuation={"strength": {"neck": 0.5}})
+    live_alike([*scenes, *strong], 4, 5)
+
+
+@pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
+def test_an_infant_that_becomes_unstable_ends_its_own_episode_only(mode):
+    infants = at_ages((9, 12), task={"kind": "standup"})
+    together = mimoc.make_vec(infants, 4, autoreset_mode=mode)
+    together.reset(seed=0)
+    together.infants[1].data.qvel[:] = 1e12
+    actions = np.zeros(together.action_space.shape, np.float32)
+    observation, rewards, terminated, truncated, info = together.step(actions)
+    assert terminated.tolist() == [False, True, False, False]
+    assert not truncated.any()
+    assert rewards[1] == 0
+    assert all(np.isfinite(readings).all() for readings in observation.values())
+    told = info["final_info"] if mode is SAME_STEP else info
+    assert told["unstable"].tolist() == terminated.tolist()
+    assert not together.step(actions)[2].any()
+    together.close()
