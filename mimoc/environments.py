@@ -1,14 +1,14 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
-from functools import partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
-from mimoc import runtime
 from mimoc.bundle.io import Bundle, read_bundle
-from mimoc.errors import MimocError
+from mimoc.bundle.variants import Variant, Variants
+from mimoc.errors import BundleError, MimocError
 from mimoc.plugins import load_plugins
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
@@ -23,6 +23,7 @@ RESOLVED = "resolved.yaml"
 def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
     """Return the environment of an infant, as `gymnasium.make("mimoc/Infant-v0", bundle=..., **options)` does.
 
+    The infant can have another age whenever wanted: `env.unwrapped.grow(to=9.5)`, `reset(options={"age_months": 9.5})`.
     Made from a spec, it can be given another scene whenever it is reset: `reset(options={"scene_seed": 7})`.
 
     Args:
@@ -37,13 +38,22 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         ModelError: If MuJoCo rejects the model.
         RenderingError: If the infant has vision, and there is no OpenGL here.
     """
-    is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
-    if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
-        return runtime.make(source, **options)
-    from mimoc.compiler import loading
+    return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
 
-    spec = source if isinstance(source, InfantSpec) else loading.load_spec(source)
-    return runtime.make(**_compiled(spec), **options)
+
+def open_infant(bundle: Bundle | InfantSpec | str | Path, **options: Any) -> InfantEnv:
+    """Return the environment of an infant, without Gymnasium's wrappers; see `make`."""
+    if isinstance(bundle, InfantSpec):
+        return InfantEnv(**_compiled(bundle), **options)
+    if isinstance(bundle, (str, Path)) and Path(bundle).suffix.lower() in (".yaml", ".yml"):
+        from mimoc.compiler import loading
+
+        return InfantEnv(**_compiled(loading.load_spec(bundle)), **options)
+    found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+    return InfantEnv(found, variants=BundleVariants(found), **options)
+
+
+open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
 
 
 def make_task(
@@ -79,7 +89,7 @@ def make_task(
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     if found.manifest.task.kind == kind and not own:
-        return InfantEnv(found, **options)
+        return open_infant(found, **options)
     return InfantEnv(**_compiled(_for_task(found, task)), **options)
 
 
@@ -90,12 +100,43 @@ def _given(**choices: Any) -> dict[str, Any]:
 
 
 def _compiled(spec: InfantSpec) -> dict[str, Any]:
-    """Return what an environment is made of: the bundle of a spec, and what makes it in another scene."""
-    from mimoc.compiler import building
+    """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
+    from mimoc.compiler.variants import SpecVariants
 
-    builder = building.builder(spec)
-    scenes = partial(builder, check=False)
-    return {"bundle": scenes(builder.spec.scene.seed), "next_bundle": scenes}
+    variants = SpecVariants(spec)
+    return {"bundle": variants.own, "variants": variants}
+
+
+class BundleVariants:
+    """The infant of a bundle at other ages: built from the spec that the bundle contains, when first asked for."""
+
+    has_other_scenes = False
+
+    def __init__(self, bundle: Bundle):
+        """Take a bundle."""
+        self._bundle = bundle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle only the bundle."""
+        return BundleVariants, (self._bundle,)
+
+    def __call__(self, age_months: float, scene_seed: int) -> Variant:
+        """Return the infant at an age, in the scene of the bundle.
+
+        Raises:
+            BundleError: If the bundle cannot be built again.
+        """
+        try:
+            return self._of_spec(age_months, scene_seed)
+        except MimocError as error:
+            name, problem = self._bundle.manifest.name, str(error).replace("\n", "; ")
+            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problem}") from None
+
+    @cached_property
+    def _of_spec(self) -> Variants:
+        from mimoc.compiler.variants import SpecVariants
+
+        return SpecVariants(_spec_of(self._bundle))
 
 
 def _child(
@@ -117,5 +158,11 @@ def _child(
 
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
     """Return the spec of a bundle with another task."""
-    spec = read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))
-    return spec.with_(task=None).with_(task=task)
+    return _spec_of(bundle).with_(task=None).with_(task=task)
+
+
+def _spec_of(bundle: Bundle) -> InfantSpec:
+    """Return the whole spec of a bundle."""
+    if RESOLVED not in bundle.files:
+        raise BundleError(f"the bundle has no {RESOLVED}")
+    return read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))

@@ -16,7 +16,7 @@ def env_name(task: str) -> str:
 def register_envs() -> None:
     """Tell Gymnasium of all environments, those of plug-ins included; calling it again changes nothing."""
     if INFANT not in registry:
-        register(id=INFANT, entry_point="mimoc.runtime.env:InfantEnv")
+        register(id=INFANT, entry_point="mimoc.environments:open_infant")
     for task in (*TASKS, *announced("mimoc.tasks")):
         register_task_env(task)
 
