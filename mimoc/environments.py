@@ -8,16 +8,13 @@ import gymnasium
 
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.errors import BundleError, MimocError
+from mimoc.errors import MimocError
 from mimoc.plugins import load_plugins
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.yaml_scalars import dump
 from mimoc.tasks import TASKS
-
-RESOLVED = "resolved.yaml"
-"""The file of a bundle that holds its whole spec."""
 
 
 def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
@@ -50,7 +47,7 @@ def open_infant(bundle: Bundle | InfantSpec | str | Path, **options: Any) -> Inf
 
         return InfantEnv(**_compiled(loading.load_spec(bundle)), **options)
     found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
-    return InfantEnv(found, variants=BundleVariants(found), **options)
+    return InfantEnv(found, variants=LaterVariants(found), **options)
 
 
 open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
@@ -107,8 +104,8 @@ def _compiled(spec: InfantSpec) -> dict[str, Any]:
     return {"bundle": variants.own, "variants": variants}
 
 
-class BundleVariants:
-    """The infant of a bundle at other ages: built from the spec that the bundle contains, when first asked for."""
+class LaterVariants:
+    """The infant of a bundle at other ages; the compiler is imported when one is first asked for."""
 
     has_other_scenes = False
 
@@ -118,25 +115,17 @@ class BundleVariants:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle only the bundle."""
-        return BundleVariants, (self._bundle,)
+        return LaterVariants, (self._bundle,)
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
-        """Return the infant at an age, in the scene of the bundle.
-
-        Raises:
-            BundleError: If the bundle cannot be built again.
-        """
-        try:
-            return self._of_spec(age_months, scene_seed)
-        except MimocError as error:
-            name, problem = self._bundle.manifest.name, str(error).replace("\n", "; ")
-            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problem}") from None
+        """Return the infant at an age, in the scene of the bundle; see `BundleVariants`."""
+        return self._variants(age_months, scene_seed)
 
     @cached_property
-    def _of_spec(self) -> Variants:
-        from mimoc.compiler.variants import SpecVariants
+    def _variants(self) -> Variants:
+        from mimoc.compiler.variants import BundleVariants
 
-        return SpecVariants(_spec_of(self._bundle))
+        return BundleVariants(self._bundle)
 
 
 def _child(
@@ -158,11 +147,6 @@ def _child(
 
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
     """Return the spec of a bundle with another task."""
-    return _spec_of(bundle).with_(task=None).with_(task=task)
+    from mimoc.compiler.variants import spec_of
 
-
-def _spec_of(bundle: Bundle) -> InfantSpec:
-    """Return the whole spec of a bundle."""
-    if RESOLVED not in bundle.files:
-        raise BundleError(f"the bundle has no {RESOLVED}")
-    return read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))
+    return spec_of(bundle).with_(task=None).with_(task=task)

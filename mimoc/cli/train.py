@@ -32,6 +32,17 @@ OwnTask = Annotated[
         "--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."
     ),
 ]
+Grow = Annotated[
+    str | None,
+    typer.Option("--grow", metavar="A:B", help="Let the infant grow from A to B months over the training, as in 6:12."),
+]
+Schedule = Annotated[
+    str, typer.Option("--schedule", help="Order of these ages: grown, adult (only the oldest), reversed or shuffled.")
+]
+GrowSteps = Annotated[
+    int | None,
+    typer.Option("--grow-steps", min=1, help="Control steps that growth takes; default: all."),
+]
 
 
 def train(
@@ -47,6 +58,9 @@ def train(
     assignments: Assignments = None,
     processes: Processes = None,
     task: OwnTask = None,
+    grow: Grow = None,
+    schedule: Schedule = "grown",
+    grow_steps: GrowSteps = None,
     force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
         False
     ),
@@ -71,6 +85,9 @@ def train(
             force=force,
             progress=show,
             task=import_object(task) if task else None,
+            grow=grow,
+            schedule=schedule,
+            grow_steps=grow_steps,
         )
     console.print_training(done)
     print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")

@@ -8,8 +8,12 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.aged import aged
 from mimoc.compiler.building import Builder, builder
-from mimoc.schema.infant import InfantSpec
+from mimoc.errors import BundleError, MimocError
+from mimoc.schema import source
+from mimoc.schema.infant import InfantSpec, read_spec
 
+RESOLVED = "resolved.yaml"
+"""The file of a bundle that holds its whole spec."""
 KEPT_BUILDERS = 8
 """Ages whose infants are kept, since environments return to them."""
 
@@ -61,3 +65,45 @@ class SpecVariants:
         while len(self._builders) > KEPT_BUILDERS:
             del self._builders[next(iter(self._builders))]
         return found
+
+
+class BundleVariants:
+    """Builds the infant of a bundle at any age, in the bundle's own scene, from the spec that the bundle contains."""
+
+    has_other_scenes = False
+
+    def __init__(self, bundle: Bundle):
+        """Take a bundle; it is built again when an age is first asked for."""
+        self._bundle = bundle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle only the bundle."""
+        return BundleVariants, (self._bundle,)
+
+    def __call__(self, age_months: float, scene_seed: int) -> Variant:
+        """Return the infant at an age, in months as they stand in manifests.
+
+        Raises:
+            BundleError: If the bundle cannot be built at this age.
+        """
+        try:
+            return self._of_spec(age_months, scene_seed)
+        except MimocError as error:
+            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
+            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
+
+    @cached_property
+    def _of_spec(self) -> SpecVariants:
+        return SpecVariants(spec_of(self._bundle))
+
+
+def spec_of(bundle: Bundle) -> InfantSpec:
+    """Return the whole spec of a bundle.
+
+    Raises:
+        BundleError: If the bundle does not contain it.
+        SpecError: If this version of mimoc does not read it.
+    """
+    if RESOLVED not in bundle.files:
+        raise BundleError(f"there is no {RESOLVED} in it")
+    return read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))

@@ -6,7 +6,7 @@ import numpy as np
 from mimoc.bundle.manifest import ConstraintsEntry
 from mimoc.model_fields import ModelField
 from mimoc.mujoco_layout import LOCK_ANGLE, WELD_ANCHOR, WELD_PLACE, WELD_TURN
-from mimoc.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray, IntArray
 
 
 class Constraints:
@@ -17,6 +17,7 @@ class Constraints:
         self._targets = model.eq_data
         self._locks = np.array([model.equality(lock.equality).id for lock in entry.locks], np.intp)
         self._angles = np.array([model.joint(lock.joint).qposadr[0] for lock in entry.locks], np.intp)
+        self._dofs = np.array([model.joint(lock.joint).dofadr[0] for lock in entry.locks], np.intp)
         self._at_zero = model.qpos0[self._angles]
         self._ranges = model.jnt_range[[model.joint(lock.joint).id for lock in entry.locks]].reshape(-1, 2)
         self._welds = [(model.equality(weld.equality).id, model.body(weld.body).id) for weld in entry.welds]
@@ -26,6 +27,11 @@ class Constraints:
         """What they change in the model."""
         welds = [weld for weld, _ in self._welds]
         return (ModelField("eq_data", np.array([*self._locks.tolist(), *welds], np.intp)),)
+
+    @property
+    def fixed_dofs(self) -> IntArray:
+        """Degrees of freedom of what is locked, shape (n,)."""
+        return self._dofs
 
     def keep(self, data: mujoco.MjData) -> None:
         """Lock joints and weld parts where they are in a state whose kinematics have been computed."""

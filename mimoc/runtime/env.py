@@ -107,7 +107,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act)
-        self.observation_space: gymnasium.spaces.Dict = observation_space(self._senses, self._task)
+        self.observation_space = observation_space(self._senses, self._task)
 
     @property
     def manifest(self) -> Manifest:

@@ -18,7 +18,7 @@ from mimoc.model_fields import ModelFields
 from mimoc.rounding import rounded
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.physics_state import STATE, physics_of
-from mimoc.runtime.settling import settle
+from mimoc.runtime.settling import clip_angles, settle
 from mimoc.tasks.task import Task
 
 OLDEST_MONTHS = 24.0
@@ -119,8 +119,8 @@ def carry_on(former: Living, now: Living) -> None:
     mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
     now.fields.inherit(former.fields)
     now.task.state = copy.deepcopy(former.task.state)
-    _clip_angles(now.model, now.data)
-    settle(now.model, now.data, now.manifest.root_body)
+    clip_angles(now.model, now.data)
+    settle(now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs)
     mujoco.mj_kinematics(former.model, former.data)
     mujoco.mj_kinematics(now.model, now.data)
     now.constraints.carry_on(former.constraints, former.data, now.data)
@@ -149,10 +149,3 @@ def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
     """Return the sizes of a model's state and the names of all its elements but keyframes, which are last."""
     names = model.names[: model.name_keyadr[0]] if model.nkey else model.names
     return model.nq, model.nv, model.na, model.nu, names
-
-
-def _clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Bring the angles of all hinges into their ranges."""
-    hinges = np.flatnonzero((model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE) & (model.jnt_limited != 0))
-    addresses = model.jnt_qposadr[hinges]
-    data.qpos[addresses] = np.clip(data.qpos[addresses], *model.jnt_range[hinges].T)

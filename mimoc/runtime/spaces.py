@@ -1,6 +1,7 @@
 """The spaces of an environment, which never change."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Dict
@@ -11,7 +12,7 @@ from mimoc.senses.sense import Sense
 from mimoc.tasks.task import Task
 
 
-def action_space(actuation: Actuation) -> Box:
+def action_space(actuation: Actuation) -> Any:
     """Return the space of actions: one command for each commanded actuator."""
     return Box(actuation.low.astype(np.float32), actuation.high.astype(np.float32), dtype=np.float32)
 
@@ -21,7 +22,7 @@ def observation_space(senses: Mapping[str, Sense], task: Task) -> Dict:
     return Dict({name: space for part in (*senses.values(), task) for name, space in part.spaces.items()})
 
 
-def check_same_space(wanted: Dict, found: Dict) -> None:
+def check_same_space(wanted: Any, found: Dict) -> None:
     """Check that observations have kept their space.
 
     Raises:

@@ -14,14 +14,17 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
+from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
 from mimoc.render.plots.figure import require_matplotlib
 from mimoc.render.plots.learning import curves_png
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing_env import Growing
 from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import make_agent, start_interval
 from mimoc.training.checkpoint import Progress, pack, read_progress, restore
 from mimoc.training.curve import Curve
+from mimoc.training.growth import growing_opener, growth_settings, seek
 from mimoc.training.hyperparameters import Number
 from mimoc.training.policies import pack_policy
 from mimoc.training.recorder import Recorder
@@ -68,6 +71,9 @@ def train(
     progress: ProgressCallback | None = None,
     task: Any = None,
     senses: Mapping[str, Any] | None = None,
+    grow: str | None = None,
+    schedule: str = "grown",
+    grow_steps: int | None = None,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -92,6 +98,9 @@ def train(
         task: An object whose rewards replace those of the task in the bundle, as for `mimoc.make`.
         senses: Objects to sense with, by name, as for `mimoc.make`. The folder keeps only the names of the classes of
             these objects: pass them again to resume the run.
+        grow: Ages in months between which the infant grows over the training, such as `6:12`; None is not at all.
+        schedule: In which order it has these ages: `grown`, `adult` (only the oldest), `reversed` or `shuffled`.
+        grow_steps: Control steps that growth takes, summed over all environments; None is all of *steps*.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -100,11 +109,12 @@ def train(
         TrainingError: If a setting is out of range, or the folder holds another training run or anything else.
         OutputError: If a file cannot be written.
         MissingExtraError: If matplotlib is not installed.
+        MimocError: If the infant cannot grow between these ages.
     """
-    custom = _class_names(task, senses or {})
-    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom)
+    custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
+    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     bundle = pipeline.compiled(source)
-    open_env = partial(_open_one, bundle, task, senses or {})
+    open_one = partial(_open_one, bundle, task, senses or {})
     check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     report = progress or (lambda done, total: None)
@@ -112,16 +122,19 @@ def train(
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
+            open_env = growing_opener(open_one, bundle, settings)
             with _one_thread(), _open(open_env, settings, processes) as (agent, env):
-                reached = _train_to_end(folder, agent, env, settings, open_env, report)
+                reached = _train_to_end(folder, agent, env, settings, open_one, report)
         folder.write_curve(reached.curve.to_csv())
         folder.write_plot(_plot(reached))
     return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
-def _open_one(bundle: Bundle, task: Any, senses: Mapping[str, Any]) -> InfantEnv:
+def _open_one(
+    bundle: Bundle, task: Any, senses: Mapping[str, Any], variants: BundleVariants | None = None
+) -> InfantEnv:
     """Open one of the parallel environments, with copies of a script's objects of its own."""
-    return InfantEnv(bundle, task=deepcopy(task), senses=deepcopy(dict(senses)))
+    return InfantEnv(bundle, variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
@@ -153,6 +166,7 @@ def _train_to_end(
     infant = open_env()
     try:
         while reached.steps < settings.steps:
+            seek(env, settings, reached.steps)
             reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
             policy = pack_policy(agent, env, settings, infant)
             folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
@@ -181,7 +195,7 @@ def _plot(progress: Progress) -> bytes:
 
 @contextmanager
 def _open(
-    open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None
+    open_env: Callable[[], InfantEnv | Growing], settings: Settings, processes: bool | None
 ) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
     """Open the parallel environments and make the agent."""
     env = make_vector_env(open_env, settings, processes)

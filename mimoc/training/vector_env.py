@@ -12,7 +12,6 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 
 from mimoc.bundle.io import Bundle
 from mimoc.errors import TrainingError
-from mimoc.runtime.env import InfantEnv
 from mimoc.training.settings import Settings
 
 MIN_IMAGE_PX = 36
@@ -49,7 +48,7 @@ def check_learnable(bundle: Bundle) -> None:
         raise TrainingError(f"images of {size} px are too small to learn from; give at least {MIN_IMAGE_PX} px")
 
 
-def make_vector_env(open_env: Callable[[], InfantEnv], settings: Settings, processes: bool | None) -> VecNormalize:
+def make_vector_env(open_env: Callable[[], Any], settings: Settings, processes: bool | None) -> VecNormalize:
     """Return the parallel environments of a training run.
 
     Args:
@@ -101,7 +100,7 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
     return {**env.obs_rms, "return": env.ret_rms}
 
 
-def _measure_step_s(open_env: Callable[[], InfantEnv]) -> float:
+def _measure_step_s(open_env: Callable[[], Any]) -> float:
     """Return the median wall time of a control step, in [s]; an overestimate on a busy machine."""
     env = open_env()
     env.action_space.seed(0)
