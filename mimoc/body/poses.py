@@ -72,6 +72,8 @@ CONTACT_DEPTH_M = 1e-4
 
 _STEP_DEG = 0.5
 """Step of pitch in the search for the resting pitch."""
+_STEPS = 16
+"""Number of steps that are tried at once."""
 _PRECISION_RAD = 1e-9
 
 
@@ -141,19 +143,24 @@ def _resting_pitch(posed: Posed, start_rad: float) -> float:
     """Return the pitch at which a body that starts at *start_rad* comes to rest: the next minimum downhill."""
     centre, solid = posed.centre_of_mass, posed.solid
 
-    def height(pitch: float) -> float:
-        down = _down(pitch)
-        return solid.extent(down) - float(centre @ down)
+    def heights(pitches_rad: FloatArray) -> FloatArray:
+        downs = _downs(pitches_rad)
+        return solid.extents_along(downs) - downs @ centre
 
     step = deg_to_rad(_STEP_DEG)
-    if height(start_rad - step) < height(start_rad + step):
-        step = -step
-    while height(start_rad + step) < height(start_rad):
-        start_rad += step
-    low, high = sorted((start_rad - step, start_rad + step))
-    return round(minimum(height, low, high, _PRECISION_RAD), 6)  # Further digits are numerical noise.
+    behind, ahead = heights(np.array([start_rad - step, start_rad + step])).tolist()
+    path_rad = start_rad + (-step if behind < ahead else step) * np.arange(_STEPS + 1)
+    while not (rising := np.flatnonzero(np.diff(heights(path_rad)) >= 0)).size:
+        path_rad += path_rad[-1] - path_rad[0]
+    lowest = path_rad[rising[0]]
+    return round(minimum(heights, lowest - step, lowest + step, _PRECISION_RAD), 6)  # Further digits are noise.
 
 
 def _down(pitch_rad: float) -> FloatArray:
     """Return the direction of gravity in the frame of a hip that is rotated about y, shape (3,)."""
-    return np.array([math.sin(pitch_rad), 0.0, -math.cos(pitch_rad)])
+    return _downs(np.array([pitch_rad]))[0]
+
+
+def _downs(pitches_rad: FloatArray) -> FloatArray:
+    """Return the directions of gravity in the frame of a hip that is rotated about y by n angles, shape (n, 3)."""
+    return np.stack([np.sin(pitches_rad), np.zeros_like(pitches_rad), -np.cos(pitches_rad)], axis=1)

@@ -1,21 +1,31 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them."""
 
+from collections.abc import Callable
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
+import mujoco
+
+from mimoc.bundle.arrays import ARRAYS
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.model import load_model
+from mimoc.bundle.later_files import LaterFiles
+from mimoc.bundle.model import load_model, prepare
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.aged import aged
 from mimoc.compiler.building import Builder, builder
+from mimoc.compiler.mould import DifferenceError, Mould
 from mimoc.errors import BundleError, MimocError
+from mimoc.mjcf.scene import SceneTree
+from mimoc.rounding import rounded
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
 
 RESOLVED = "resolved.yaml"
 """The file of a bundle that holds its whole spec."""
-KEPT_BUILDERS = 8
+KEPT = 8
 """Ages whose infants are kept, since environments return to them."""
+
+Value = TypeVar("Value")
 
 
 class SpecVariants:
@@ -30,7 +40,10 @@ class SpecVariants:
             SpecError: If it cannot be built.
         """
         self._spec = spec
-        self._builders: dict[float, Builder] = {spec.age_months: builder(spec)}
+        self._builders: dict[float, Builder] = {}
+        self._mould: Mould | None = None
+        self._own = self._builder(rounded(spec.age_months))
+        self._own_scene = self._own.furnished(spec.scene.seed)
 
     def __repr__(self) -> str:
         """Return the name of the infant."""
@@ -42,12 +55,8 @@ class SpecVariants:
 
     @cached_property
     def own(self) -> Bundle:
-        """The infant of the spec itself.
-
-        Raises:
-            SpecError: If it cannot be built.
-        """
-        return self._builder(self._spec.age_months)(self._spec.scene.seed, check=False)
+        """The infant of the spec itself."""
+        return self._own.print(self._spec.scene.seed, self._own_scene)
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
@@ -56,15 +65,38 @@ class SpecVariants:
             SpecError: If there is no such infant.
             ModelError: If MuJoCo rejects it.
         """
-        bundle = self._builder(age_months)(scene_seed, check=False)
-        return Variant(bundle, load_model(bundle))
+        built = self._builder(age_months)
+        furnished = built.furnished(scene_seed)
+        files = LaterFiles(built.arrays, ARRAYS, lambda: built.print(scene_seed, furnished).files)
+        bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
+        return Variant(bundle, self._model(bundle, scene_seed, furnished.scene))
 
     def _builder(self, age_months: float) -> Builder:
-        found = self._builders.pop(age_months, None) or builder(aged(self._spec, age_months))
-        self._builders[age_months] = found
-        while len(self._builders) > KEPT_BUILDERS:
-            del self._builders[next(iter(self._builders))]
-        return found
+        return _kept(self._builders, age_months, lambda: builder(aged(self._spec, age_months)))
+
+    def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> mujoco.MjModel:
+        """Return the model of a bundle: in the scene of the spec, it is cast from the infant of another age."""
+        if scene_seed != self._spec.scene.seed:
+            return load_model(bundle)
+        self._mould = self._mould or Mould(self.own.files, self._own_scene.scene)
+        try:
+            model = self._mould.cast(scene)
+        except DifferenceError:  # Such as other poses, since some do not suit every age.
+            return load_model(bundle)
+        except ValueError:  # MuJoCo rejects it, and says more of what is printed.
+            self._mould = None
+            return load_model(bundle)
+        prepare(model)
+        return model
+
+
+def _kept(found: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:
+    """Return what is kept under a key, or make it; what was not asked for lately is forgotten."""
+    value = found.pop(key) if key in found else make()
+    found[key] = value
+    if len(found) > KEPT:
+        del found[next(iter(found))]
+    return value
 
 
 class BundleVariants:
