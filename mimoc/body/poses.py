@@ -74,6 +74,8 @@ _STEP_DEG = 0.5
 """Step of pitch in the search for the resting pitch."""
 _STEPS = 16
 """Number of steps that are tried at once."""
+_NEAR_M = 0.05
+"""Within a step, no other geom becomes the lowest: no part of an infant is farther than 1.5 m from another."""
 _PRECISION_RAD = 1e-9
 
 
@@ -142,18 +144,22 @@ def pitched(pitch_rad: float) -> Quaternion:
 def _resting_pitch(posed: Posed, start_rad: float) -> float:
     """Return the pitch at which a body that starts at *start_rad* comes to rest: the next minimum downhill."""
     centre, solid = posed.centre_of_mass, posed.solid
-
-    def heights(pitches_rad: FloatArray) -> FloatArray:
-        downs = _downs(pitches_rad)
-        return solid.extents_along(downs) - downs @ centre
-
     step = deg_to_rad(_STEP_DEG)
+
+    def heights(pitches_rad: FloatArray, of: Posed = solid) -> FloatArray:
+        downs = _downs(pitches_rad)
+        return of.extents_along(downs) - downs @ centre
+
     behind, ahead = heights(np.array([start_rad - step, start_rad + step])).tolist()
-    path_rad = start_rad + (-step if behind < ahead else step) * np.arange(_STEPS + 1)
+    path_rad = np.array([start_rad + (-step if behind < ahead else step) * number for number in range(_STEPS + 1)])
     while not (rising := np.flatnonzero(np.diff(heights(path_rad)) >= 0)).size:
         path_rad += path_rad[-1] - path_rad[0]
-    lowest = path_rad[rising[0]]
-    return round(minimum(heights, lowest - step, lowest + step, _PRECISION_RAD), 6)  # Further digits are noise.
+    lowest = float(path_rad[rising[0]])
+    reaches_m = solid.reaches(_down(lowest))
+    near = solid.only(np.flatnonzero(reaches_m > reaches_m.max() - _NEAR_M).tolist())
+    low, high = lowest - step, lowest + step
+    found = minimum(lambda pitches_rad: heights(pitches_rad, near), low, high, _PRECISION_RAD)
+    return round(found, 6)  # Further digits are noise.
 
 
 def _down(pitch_rad: float) -> FloatArray:
@@ -163,4 +169,6 @@ def _down(pitch_rad: float) -> FloatArray:
 
 def _downs(pitches_rad: FloatArray) -> FloatArray:
     """Return the directions of gravity in the frame of a hip that is rotated about y by n angles, shape (n, 3)."""
-    return np.stack([np.sin(pitches_rad), np.zeros_like(pitches_rad), -np.cos(pitches_rad)], axis=1)
+    downs = np.zeros((len(pitches_rad), 3))
+    downs[:, 0], downs[:, 2] = np.sin(pitches_rad), -np.cos(pitches_rad)
+    return downs

@@ -33,6 +33,13 @@ def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
     return spec.with_(age_months=age_months, **({"body": body} if body else {}))
 
 
+def quickly_aged(spec: InfantSpec, age_months: float) -> InfantSpec:
+    """Return a spec with the same values as `aged`; where one number changes, it is not written as a file is."""
+    if spec.body.measurements or spec.body.individual:
+        return aged(spec, age_months)
+    return spec if age_months == rounded(spec.age_months) else spec.model_copy(update={"age_months": age_months})
+
+
 def _grown_body(spec: InfantSpec, age_months: float) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the keys of the body that say something in cm or kg, with what they say at another age."""
     if spec.body.measurements:

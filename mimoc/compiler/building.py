@@ -186,16 +186,22 @@ class Builder:
         }
 
 
-def builder(spec: InfantSpec, target: str | None = None) -> Builder:
+def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None = None) -> Builder:
     """Return a builder of a spec; the infant, which does not depend on the seed, is built at once.
+
+    Args:
+        spec: The spec.
+        target: Name of the other software that it is built for, if any.
+        younger: A builder of the same valid spec at another age, from which this takes what does not depend on age.
 
     Raises:
         UnknownNameError: If the target does not exist.
         SpecError: As `build`.
     """
     compatibility = find_target(target)
-    spec = validated(spec)
-    refuse_unavailable(spec)
+    if younger is None:
+        spec = validated(spec)
+        refuse_unavailable(spec)
     anatomy, measurements, tree = _grow(spec, compatibility)
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
     return Builder(
@@ -205,7 +211,7 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
         infant=infant,
         task_setup=task_setup,
         footprint=covered_floor(infant, spec.scene, tree),
-        scene_assets=load_scene_assets(spec, as_written(spec)),
+        scene_assets=younger.scene_assets if younger else load_scene_assets(spec, as_written(spec)),
         manifest=manifest,
         sources=Sources(anatomy, measurements, actuation, senses),
     )

@@ -25,6 +25,18 @@ STATISTICS = ("meaninertia", "meanmass", "meansize", "extent", "center")
 XML_NAMES = {"user": "userdata"}
 """Attributes of MJCF that MuJoCo's elements have under another name."""
 
+JOINT = (
+    ("axis", "axis"),
+    ("pos", "pos_m"),
+    ("range", "range_rad"),
+    ("stiffness", "stiffness_nm_per_rad"),
+    ("damping", "damping_nms_per_rad"),
+    ("frictionloss", "frictionloss_nm"),
+    ("armature", "armature_kgm2"),
+    ("springref", "springref_rad"),
+)
+"""Attributes of a joint, and the numbers that are printed as them."""
+
 Numbers = float | Sequence[float]
 Change = tuple[Any, str, Numbers]
 """An element, one of its attributes, and the numbers that this begins with."""
@@ -62,7 +74,7 @@ class Mould:
         changes = [*_of_infant(self._scene, scene, self._elements), *_of_world(self._scene, scene, self._elements)]
         for element, attribute, numbers in changes:
             _write(element, attribute, numbers)
-        _replace_keyframes(self._spec, scene.keyframes)
+        _write_keyframes(self._spec, scene.keyframes)
         self._scene = scene
         compiled, model = self._spec.compile(), copy.copy(self._model)
         for name in self._arrays:
@@ -144,14 +156,10 @@ def _of_place(old: Any, new: Any, element: Any) -> Iterator[Change]:
 
 def _of_joint(old: PrintedJoint, new: PrintedJoint, element: Any) -> Iterator[Change]:
     _check(old.name == new.name)
-    yield element, "axis", new.axis
-    yield element, "pos", new.pos_m
-    yield element, "range", new.range_rad
-    yield element, "stiffness", new.stiffness_nm_per_rad
-    yield element, "damping", new.damping_nms_per_rad
-    yield element, "frictionloss", new.frictionloss_nm
-    yield element, "armature", new.armature_kgm2
-    yield element, "springref", new.springref_rad
+    for attribute, field in JOINT:
+        numbers = getattr(new, field)
+        if numbers != getattr(old, field):
+            yield element, attribute, numbers
 
 
 def _of_geom(old: PrintedGeom, new: PrintedGeom, element: Any) -> Iterator[Change]:
@@ -177,9 +185,11 @@ def _of_actuator(old: Actuator, new: Actuator, element: Any) -> Iterator[Change]
     _check(replace(old, gear=new.gear, control_range=new.control_range, settings=new.settings) == new)
     _check([name for name, _ in old.settings] == [name for name, _ in new.settings])
     yield element, "gear", new.gear
-    yield element, "ctrlrange", new.control_range
-    for name, numbers in new.settings:
-        yield element, XML_NAMES.get(name, name), numbers
+    if old.control_range != new.control_range:
+        yield element, "ctrlrange", new.control_range
+    for (name, numbers), (_, before) in zip(new.settings, old.settings, strict=True):
+        if numbers != before:
+            yield element, XML_NAMES.get(name, name), numbers
 
 
 def _of_world(old: SceneTree, new: SceneTree, elements: _Elements) -> Iterator[Change]:
@@ -207,12 +217,11 @@ def _fixed(world: World) -> World:
     return replace(world, furniture=replace(world.furniture, geoms=()), objects=(), locks=(), welds=())
 
 
-def _replace_keyframes(spec: mujoco.MjSpec, keyframes: Sequence[Keyframe]) -> None:
-    for key in list(spec.keys):
-        spec.delete(key)
-    for keyframe in keyframes:
-        numbers = {name: _printed(values) for name, values in keyframe.settings}
-        spec.add_key(name=keyframe.name, qpos=_printed(keyframe.qpos), **numbers)
+def _write_keyframes(spec: mujoco.MjSpec, keyframes: Sequence[Keyframe]) -> None:
+    for key, keyframe in zip(spec.keys, keyframes, strict=True):
+        key.qpos = _printed(keyframe.qpos)
+        for name, numbers in keyframe.settings:
+            setattr(key, name, _printed(numbers))
 
 
 def _write(element: Any, attribute: str, numbers: Numbers) -> None:
@@ -226,7 +235,8 @@ def _write(element: Any, attribute: str, numbers: Numbers) -> None:
 
 def _printed(numbers: Numbers) -> list[float]:
     """Return numbers as they are read from where they are printed."""
-    return [float(each) for each in num(numbers).split(" ")]
+    several = (numbers,) if isinstance(numbers, (float, int)) else numbers
+    return [float(num(number)) for number in several]
 
 
 def _changed(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[Any, Any]]:

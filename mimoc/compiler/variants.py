@@ -1,6 +1,6 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -11,12 +11,11 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.later_files import LaterFiles
 from mimoc.bundle.model import load_model, prepare
 from mimoc.bundle.variants import Variant
-from mimoc.compiler.aged import aged
+from mimoc.compiler.aged import aged, quickly_aged
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.mould import DifferenceError, Mould
 from mimoc.errors import BundleError, MimocError
 from mimoc.mjcf.scene import SceneTree
-from mimoc.rounding import rounded
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
 
@@ -42,7 +41,7 @@ class SpecVariants:
         self._spec = spec
         self._builders: dict[float, Builder] = {}
         self._mould: Mould | None = None
-        self._own = self._builder(rounded(spec.age_months))
+        self._own = builder(spec)
         self._own_scene = self._own.furnished(spec.scene.seed)
 
     def __repr__(self) -> str:
@@ -67,12 +66,16 @@ class SpecVariants:
         """
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
-        files = LaterFiles(built.arrays, ARRAYS, lambda: built.print(scene_seed, furnished).files)
+        files = LaterFiles(built.arrays, ARRAYS, lambda: self._files(age_months, scene_seed))
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
         return Variant(bundle, self._model(bundle, scene_seed, furnished.scene))
 
     def _builder(self, age_months: float) -> Builder:
-        return _kept(self._builders, age_months, lambda: builder(aged(self._spec, age_months)))
+        return _kept(self._builders, age_months, lambda: builder(quickly_aged(self._spec, age_months), None, self._own))
+
+    def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
+        """Return the files of an infant, among them its spec."""
+        return builder(aged(self._spec, age_months))(scene_seed, check=False).files
 
     def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> mujoco.MjModel:
         """Return the model of a bundle: in the scene of the spec, it is cast from the infant of another age."""

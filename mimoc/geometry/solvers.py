@@ -8,8 +8,8 @@ import numpy.typing as npt
 
 Function = Callable[[float], float]
 
-TRIED = 33
-"""Places that are tried at once for a minimum."""
+SHARES = np.linspace(0.0, 1.0, 41)
+"""Places between the ends of a bracket that are tried at once for a minimum."""
 
 
 def root(
@@ -43,7 +43,7 @@ def minimum(
         precision: Largest error of the result.
     """
     while high - low > precision:
-        tried = np.linspace(low, high, TRIED)
+        tried = low + (high - low) * SHARES
         least = int(function(tried).argmin())
-        low, high = float(tried[max(least - 1, 0)]), float(tried[min(least + 1, TRIED - 1)])
+        low, high = float(tried[max(least - 1, 0)]), float(tried[min(least + 1, len(tried) - 1)])
     return (low + high) / 2
