@@ -65,14 +65,20 @@ def _spec(hands: str, senses: dict[str, Any]) -> mimoc.InfantSpec:
     return mimoc.InfantSpec.model_validate(keys)
 
 
+def infant_of(spec: mimoc.InfantSpec) -> mimoc.InfantEnv:
+    """Return the environment of a spec, without Gymnasium's wrappers."""
+    variants = SpecVariants(spec)
+    return mimoc.InfantEnv(variants.own, variants=variants)
+
+
 def compare(name: str, spec: mimoc.InfantSpec, rounds: int) -> None:
     """Print the median CPU times of several ways to another age, taken in turn."""
-    variants, env = SpecVariants(spec), mimoc.make(spec)
-    infant, still = env.unwrapped, np.zeros(env.action_space.shape, np.float32)
+    variants, env = SpecVariants(spec), infant_of(spec)
+    still = np.zeros(env.model.nu, np.float32)
     env.reset(seed=0)
 
     def live(age_months: float) -> None:
-        infant.grow(to=age_months)
+        env.grow(to=age_months)
         env.step(still)
 
     ways: dict[str, Callable[[float], object]] = {
@@ -92,8 +98,7 @@ def compare(name: str, spec: mimoc.InfantSpec, rounds: int) -> None:
 
 def sweep(spec: mimoc.InfantSpec, seeds: int, months: float) -> None:
     """Print the deepest penetration after growth in quarter months and in one jump."""
-    env = mimoc.make(spec)
-    infant: mimoc.InfantEnv = env.unwrapped
+    infant = infant_of(spec)
     stages = np.arange(STAGE_MONTHS, months + STAGE_MONTHS / 2, STAGE_MONTHS).tolist()
     courses = {"quarter months": stages, "one jump": [months], "one jump back": [0.0]}
     for name, ages_months in courses.items():
@@ -101,10 +106,10 @@ def sweep(spec: mimoc.InfantSpec, seeds: int, months: float) -> None:
         for pose, seed in itertools.product(infant.manifest.poses, range(seeds)):
             generator = np.random.default_rng(seed)
             start = months if ages_months == [0.0] else 0.0
-            env.reset(seed=seed, options={"pose": pose, "age_months": start})
+            infant.reset(seed=seed, options={"pose": pose, "age_months": start})
             for age_months in ages_months:
                 for _ in range(STEPS_BETWEEN):
-                    env.step(generator.uniform(-1, 1, env.action_space.shape).astype(np.float32))
+                    infant.step(generator.uniform(-1, 1, infant.model.nu).astype(np.float32))
                 infant.grow(to=age_months)
                 tally.add(infant)
         report(name, tally)
