@@ -2,14 +2,13 @@
 
     python benchmarks/resting.py [--rounds 15]
 
-Each control step is two physics steps of 5 ms with the same random commands, from the same pose, in models that differ in
-MuJoCo's flags only; times are CPU times taken in turn. Beside them: whether the infant itself moves as it does without,
-to the bit; whether a hand that pushes a sleeping toy wakes it; and whether a saved state goes on to the bit.
+Each control step is two physics steps of 5 ms with the same random commands, from the same pose, in models that differ
+in MuJoCo's flags only; times are CPU times taken in turn. Beside them: by how much the infant moves otherwise than
+without the flag; whether a run repeats to the bit; and whether a saved and restored state goes on to the bit.
 """
 
 import argparse
 from functools import partial
-from statistics import median
 from typing import Any
 
 import mujoco

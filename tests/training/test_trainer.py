@@ -259,3 +259,26 @@ def test_stable_baselines_loads_the_policy_too(trained, learned, same):
     agent = PPO.load(trained / "policy.zip", device="cpu")
     assert agent.num_timesteps == EVERY
     assert same(agent.policy.state_dict(), learned(trained / "policy.zip")[0])
+
+
+def test_a_training_of_an_infant_that_grows_resumes_to_the_bit(tmp_path, bundle):
+    """Growth goes on from where it was, also if the steps were only asked for later."""
+    options = {"envs": 2, "checkpoint_every": EVERY, "hyper": TINY["ppo"], "processes": False}
+    growth = {"grow": "6:7", "schedule": "shuffled", "grow_steps": 3 * EVERY}
+    mimoc.train(bundle, tmp_path / "whole", steps=3 * EVERY, **options, **growth)
+    mimoc.train(bundle, tmp_path / "parts", steps=EVERY, **options, **growth)
+    mimoc.train(bundle, tmp_path / "parts", steps=3 * EVERY, **options, **growth)
+    whole, parts = (weights(tmp_path / name / "policy.zip") for name in ("whole", "parts"))
+    assert whole == parts
+    with pytest.raises(TrainingError, match="schedule shuffled, not grown"):
+        mimoc.train(bundle, tmp_path / "parts", steps=3 * EVERY, **options, **growth | {"schedule": "grown"})
+    settings = json.loads((tmp_path / "whole" / "run.json").read_text())
+    assert "--grow 6:7 --schedule shuffled --grow-steps 384" in settings["command"]
+
+
+def test_growth_needs_a_range_of_ages(tmp_path, bundle):
+    with pytest.raises(MimocError, match="range of ages"):
+        mimoc.train(bundle, tmp_path / "run", grow="12:6")
+    with pytest.raises(TrainingError, match="needs a range of ages"):
+        mimoc.train(bundle, tmp_path / "run", grow_steps=10)
+    assert not (tmp_path / "run").exists()
