@@ -32,6 +32,8 @@ OwnTask = Annotated[
         "--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."
     ),
 ]
+Steps = Annotated[int, typer.Option("--steps", min=1, help="Control steps to train for, summed over all environments.")]
+Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 Grow = Annotated[
     str | None,
     typer.Option("--grow", metavar="A:B", help="Let the infant grow from A to B months over the training, as in 6:12."),
@@ -49,9 +51,7 @@ def train(
     infant: InfantPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training run.")],
     algo: Annotated[str, typer.Option("--algo", help="Learning algorithm: ppo or sac.")] = "ppo",
-    steps: Annotated[
-        int, typer.Option("--steps", min=1, help="Control steps to train for, summed over all environments.")
-    ] = 500_000,
+    steps: Steps = 500_000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed; the same seed gives the same result.")] = 0,
     envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
     every: CheckpointEvery = 20_480,
@@ -61,9 +61,7 @@ def train(
     grow: Grow = None,
     schedule: Schedule = "grown",
     grow_steps: GrowSteps = None,
-    force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
-        False
-    ),
+    force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
