@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from mimoc.plugins import register
     from mimoc.recording import record
     from mimoc.runtime import InfantEnv, torque_limits
+    from mimoc.runtime.growing_env import Growing
+    from mimoc.runtime.growth_schedule import growth_schedule
     from mimoc.schema.infant import InfantSpec
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
@@ -27,6 +29,7 @@ _HOMES = {
     "Align": "mimoc.control",
     "Bundle": "mimoc.bundle.io",
     "Gains": "mimoc.control",
+    "Growing": "mimoc.runtime.growing_env",
     "InfantEnv": "mimoc.runtime",
     "InfantSpec": "mimoc.schema.infant",
     "InverseDynamics": "mimoc.control",
@@ -38,6 +41,7 @@ _HOMES = {
     "Verdict": "mimoc.tasks.task",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
+    "growth_schedule": "mimoc.runtime.growth_schedule",
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.loading",
     "make": "mimoc.environments",
@@ -58,6 +62,7 @@ __all__ = [
     "Align",
     "Bundle",
     "Gains",
+    "Growing",
     "InfantEnv",
     "InfantSpec",
     "InverseDynamics",
@@ -70,6 +75,7 @@ __all__ = [
     "__version__",
     "build",
     "evaluate",
+    "growth_schedule",
     "load_policy",
     "load_spec",
     "make",

@@ -1,13 +1,13 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
-from functools import partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
-from mimoc import runtime
 from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.variants import Variant, Variants
 from mimoc.errors import MimocError
 from mimoc.plugins import load_plugins
 from mimoc.runtime.env import InfantEnv
@@ -16,13 +16,11 @@ from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.yaml_scalars import dump
 from mimoc.tasks import TASKS
 
-RESOLVED = "resolved.yaml"
-"""The file of a bundle that holds its whole spec."""
-
 
 def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
     """Return the environment of an infant, as `gymnasium.make("mimoc/Infant-v0", bundle=..., **options)` does.
 
+    The infant can have another age whenever wanted: `env.unwrapped.grow(to=9.5)`, `reset(options={"age_months": 9.5})`.
     Made from a spec, it can be given another scene whenever it is reset: `reset(options={"scene_seed": 7})`.
 
     Args:
@@ -37,18 +35,26 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         ModelError: If MuJoCo rejects the model.
         RenderingError: If the infant has vision, and there is no OpenGL here.
     """
-    return runtime.make(**prepared(source), **options)
+    return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
+
+
+def open_infant(bundle: Bundle | InfantSpec | str | Path, **options: Any) -> InfantEnv:
+    """Return the environment of an infant, without Gymnasium's wrappers; see `make`."""
+    return InfantEnv(**prepared(bundle), **options)
+
+
+open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
 
 
 def prepared(source: Bundle | InfantSpec | str | Path) -> dict[str, Any]:
     """Return what the environments of an infant are made of; see `make`."""
-    is_spec_file = isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml")
-    if isinstance(source, Bundle) or not (is_spec_file or isinstance(source, InfantSpec)):
-        return {"bundle": source if isinstance(source, Bundle) else read_bundle(source)}
-    from mimoc.compiler import loading
+    if isinstance(source, InfantSpec):
+        return _compiled(source)
+    if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):
+        from mimoc.compiler import loading
 
-    spec = source if isinstance(source, InfantSpec) else loading.load_spec(source)
-    return _compiled(spec)
+        return _compiled(loading.load_spec(source))
+    return _opened(source if isinstance(source, Bundle) else read_bundle(source))
 
 
 def make_task(
@@ -97,7 +103,7 @@ def prepared_task(
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     if found.manifest.task.kind == kind and not own:
-        return {"bundle": found}, options
+        return _opened(found), options
     return _compiled(_for_task(found, task)), options
 
 
@@ -107,13 +113,41 @@ def _given(**choices: Any) -> dict[str, Any]:
     return {name: value.item() if hasattr(value, "item") else value for name, value in chosen.items()}
 
 
-def _compiled(spec: InfantSpec) -> dict[str, Any]:
-    """Return what an environment is made of: the bundle of a spec, and what makes it in another scene."""
-    from mimoc.compiler import building
+def _opened(bundle: Bundle) -> dict[str, Any]:
+    """Return what an environment is made of: a bundle, and its variants of other ages."""
+    return {"bundle": bundle, "variants": LaterVariants(bundle)}
 
-    builder = building.builder(spec)
-    scenes = partial(builder, check=False)
-    return {"bundle": scenes(builder.spec.scene.seed), "next_bundle": scenes}
+
+def _compiled(spec: InfantSpec) -> dict[str, Any]:
+    """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
+    from mimoc.compiler.variants import SpecVariants
+
+    variants = SpecVariants(spec)
+    return {"bundle": variants.own, "variants": variants}
+
+
+class LaterVariants:
+    """The infant of a bundle at other ages; the compiler is imported when one is first asked for."""
+
+    has_other_scenes = False
+
+    def __init__(self, bundle: Bundle):
+        """Take a bundle."""
+        self._bundle = bundle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle only the bundle."""
+        return LaterVariants, (self._bundle,)
+
+    def __call__(self, age_months: float, scene_seed: int) -> Variant:
+        """Return the infant at an age, in the scene of the bundle; see `BundleVariants`."""
+        return self._variants(age_months, scene_seed)
+
+    @cached_property
+    def _variants(self) -> Variants:
+        from mimoc.compiler.variants import BundleVariants
+
+        return BundleVariants(self._bundle)
 
 
 def _child(
@@ -135,5 +169,6 @@ def _child(
 
 def _for_task(bundle: Bundle, task: dict[str, Any]) -> InfantSpec:
     """Return the spec of a bundle with another task."""
-    spec = read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))
-    return spec.with_(task=None).with_(task=task)
+    from mimoc.compiler.variants import spec_of
+
+    return spec_of(bundle).with_(task=None).with_(task=task)

@@ -1,11 +1,15 @@
 """What an episode changes in a model, declared, so that a state of an environment includes it."""
 
+import copy
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
+
+WORLD = 0
+"""The body that everything hangs on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +26,10 @@ class ModelFields:
     """All that episodes change in a model."""
 
     def __init__(self, model: mujoco.MjModel, fields: Iterable[ModelField]):
-        """Find the arrays in *model*."""
-        self._arrays = [(getattr(model, field.name), field.rows) for field in fields]
+        """Find the arrays in *model*, in which no episode has changed anything yet."""
+        self._model, self._fields = model, tuple(fields)
+        self._arrays = [(getattr(model, field.name), field.rows) for field in self._fields]
+        self._as_built = self.state
 
     @property
     def state(self) -> list[npt.NDArray[np.generic]]:
@@ -34,3 +40,21 @@ class ModelFields:
     def state(self, state: list[npt.NDArray[np.generic]]) -> None:
         for (array, rows), values in zip(self._arrays, state, strict=True):
             array[rows] = values
+
+    def model_as_built(self) -> mujoco.MjModel:
+        """Return a copy of the model in which no episode has changed anything."""
+        built = copy.copy(self._model)
+        ModelFields(built, self._fields).state = self._as_built
+        return built
+
+    def inherit(self, former: "ModelFields") -> None:
+        """Take over what an episode has changed in the model of the same infant at another age.
+
+        What it has left as it was built stays as it is built at this age.
+        """
+        for (array, rows), built, now in zip(self._arrays, former._as_built, former.state, strict=True):
+            array[rows] = np.where(now == built, array[rows], now)
+        if any(
+            field.name == "body_mass" for field in self._fields
+        ):  # The mass of all bodies follows from those that were taken over.
+            self._model.body_subtreemass[WORLD] = self._model.body_mass.sum()

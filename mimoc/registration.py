@@ -18,7 +18,7 @@ def register_envs() -> None:
     if INFANT not in registry:
         register(
             id=INFANT,
-            entry_point="mimoc.runtime.env:InfantEnv",
+            entry_point="mimoc.environments:open_infant",
             vector_entry_point="mimoc.vector_environments:make_vec_infant",
         )
     for task in (*TASKS, *announced("mimoc.tasks")):

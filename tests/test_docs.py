@@ -49,6 +49,13 @@ def test_the_programs_that_run_many_infants_work(here, capsys):
     assert capsys.readouterr().out.startswith("(8, ")
 
 
+def test_the_programs_on_growing_work(here):
+    session: dict[str, object] = {}
+    for program in blocks("docs/growing.md", "python"):
+        exec(program, session)
+    assert session["schedule"](0) == 6  # pyright: ignore[reportCallIssue]
+
+
 def test_every_file_that_a_page_links_to_exists():
     pages = [CHECKOUT / "README.md", CHECKOUT / "CONTRIBUTING.md", *(CHECKOUT / "docs").rglob("*.md")]
     pages += (CHECKOUT / "examples").rglob("*.md")

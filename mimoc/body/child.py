@@ -4,7 +4,7 @@ from functools import partial
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.damping import scale_damping
-from mimoc.body.growth import grow
+from mimoc.body.growth import grow, grow_average
 from mimoc.body.individual import individualise
 from mimoc.body.prune import prune
 from mimoc.body.strength import scale_strength
@@ -40,7 +40,10 @@ def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -
         GeometryError: If no body has these measurements.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
-    grown = grow(measurements, anatomy, scales, spec.development)
+    if spec.body.individual or spec.body.measurements or scales:
+        grown = grow(measurements, anatomy, scales, spec.development)
+    else:
+        grown = grow_average(spec.age_months, anatomy, spec.development)
     return prune(scale_damping(scale_strength(grown, anatomy, spec.actuation), anatomy), spec.body.remove)
 
 

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mimoc.body.assembly import Anatomy
-from mimoc.body.growth import grow
+from mimoc.body.growth import grow_average
 from mimoc.body.tree import Body, BodyTree, Joint
-from mimoc.fits import measure
 
 NOISE = 1e-9
 """Relative difference below which two strengths count as equal."""
@@ -30,7 +29,7 @@ def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
 
 def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, tuple[float, float]]]:
     """Yield the joints whose motors are too strong for their damping or armature, with the factors of both."""
-    average = grow(measure(tree.age_months), anatomy, development=tree.development)
+    average = grow_average(tree.age_months, anatomy, tree.development)
     at_18 = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     for motor, usual, (_, figures) in zip(tree.motors, average.motors, anatomy.motors, strict=True):
         here, there = average.joints[motor.joint], at_18[motor.joint]

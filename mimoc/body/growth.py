@@ -1,7 +1,7 @@
 """Construction of a body from measurements and an anatomy."""
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from types import MappingProxyType
 
 from mimoc.body.anatomy import REFERENCE_AGE_MONTHS, TENDONS
@@ -67,10 +67,16 @@ def _matured(tree: BodyTree, anatomy: Anatomy, measurements: Measurements, heavi
     return mature(tree, anatomy, growth)
 
 
+@lru_cache(maxsize=8)
+def grow_average(age_months: float, anatomy: Anatomy, development: Development = "maturing") -> BodyTree:
+    """Return the body of the average child of an age."""
+    return grow(measure(age_months), anatomy, development=development)
+
+
 @cache
 def grow_reference(hands: str, development: Development = "maturing") -> BodyTree:
     """Return the body of the average child of 18 months."""
-    return grow(measure(REFERENCE_AGE_MONTHS), assemble(hands, False), development=development)
+    return grow_average(REFERENCE_AGE_MONTHS, assemble(hands, False), development)
 
 
 def _growth(solids: Solids, hands: str) -> dict[str, float]:

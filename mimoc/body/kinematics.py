@@ -50,6 +50,11 @@ class Posed:
         local = np.einsum("nij,i->nj", self.rotations, direction)
         return self.centres @ direction + self.extents.along(local)
 
+    def extents_along(self, directions: FloatArray) -> FloatArray:
+        """Return the body's extent from the hip along unit vectors of the hip frame, shape (n, 3), as (n,), [m]."""
+        local = np.swapaxes(directions @ self.rotations, 0, 1)
+        return (directions @ self.centres.T + self.extents.along(local)).max(axis=1)
+
     def extent(self, direction: FloatArray) -> float:
         """Return the body's extent from the hip along a unit vector of the hip frame, in [m]."""
         return float(self.reaches(direction).max())
@@ -58,14 +63,12 @@ class Posed:
 def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
     """Return the body with some joint angles; joints that are not named are at zero."""
     placed = frames(tree, angles_rad)
-    geoms, centres, turns = [], [], []
-    for body in tree.bodies:
-        origin, turn = placed[body.name]
-        for geom in body.geoms:
-            geoms.append(geom)
-            centres.append(origin + turn @ geom.pos_m)
-            turns.append(turn @ matrix_from_euler(geom.euler_deg))
-    return Posed(tuple(geoms), np.array(centres), np.array(turns))
+    geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
+    homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
+    origins, turns = np.array([origin for origin, _ in homes]), np.array([turn for _, turn in homes])
+    places = np.array([geom.pos_m for geom in geoms])
+    own = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
+    return Posed(geoms, origins + (turns @ places[:, :, None])[:, :, 0], turns @ own)
 
 
 def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:

@@ -72,6 +72,10 @@ CONTACT_DEPTH_M = 1e-4
 
 _STEP_DEG = 0.5
 """Step of pitch in the search for the resting pitch."""
+_STEPS = 16
+"""Number of steps that are tried at once."""
+_NEAR_M = 0.05
+"""Within a step, no other geom becomes the lowest: no part of an infant is farther than 1.5 m from another."""
 _PRECISION_RAD = 1e-9
 
 
@@ -140,20 +144,31 @@ def pitched(pitch_rad: float) -> Quaternion:
 def _resting_pitch(posed: Posed, start_rad: float) -> float:
     """Return the pitch at which a body that starts at *start_rad* comes to rest: the next minimum downhill."""
     centre, solid = posed.centre_of_mass, posed.solid
-
-    def height(pitch: float) -> float:
-        down = _down(pitch)
-        return solid.extent(down) - float(centre @ down)
-
     step = deg_to_rad(_STEP_DEG)
-    if height(start_rad - step) < height(start_rad + step):
-        step = -step
-    while height(start_rad + step) < height(start_rad):
-        start_rad += step
-    low, high = sorted((start_rad - step, start_rad + step))
-    return round(minimum(height, low, high, _PRECISION_RAD), 6)  # Further digits are numerical noise.
+
+    def heights(pitches_rad: FloatArray, of: Posed = solid) -> FloatArray:
+        downs = _downs(pitches_rad)
+        return of.extents_along(downs) - downs @ centre
+
+    behind, ahead = heights(np.array([start_rad - step, start_rad + step])).tolist()
+    path_rad = np.array([start_rad + (-step if behind < ahead else step) * number for number in range(_STEPS + 1)])
+    while not (rising := np.flatnonzero(np.diff(heights(path_rad)) >= 0)).size:
+        path_rad += path_rad[-1] - path_rad[0]
+    lowest = float(path_rad[rising[0]])
+    reaches_m = solid.reaches(_down(lowest))
+    near = solid.only(np.flatnonzero(reaches_m > reaches_m.max() - _NEAR_M).tolist())
+    low, high = lowest - step, lowest + step
+    found = minimum(lambda pitches_rad: heights(pitches_rad, near), low, high, _PRECISION_RAD)
+    return round(found, 6)  # Further digits are noise.
 
 
 def _down(pitch_rad: float) -> FloatArray:
     """Return the direction of gravity in the frame of a hip that is rotated about y, shape (3,)."""
-    return np.array([math.sin(pitch_rad), 0.0, -math.cos(pitch_rad)])
+    return _downs(np.array([pitch_rad]))[0]
+
+
+def _downs(pitches_rad: FloatArray) -> FloatArray:
+    """Return the directions of gravity in the frame of a hip that is rotated about y by n angles, shape (n, 3)."""
+    downs = np.zeros((len(pitches_rad), 3))
+    downs[:, 0], downs[:, 2] = np.sin(pitches_rad), -np.cos(pitches_rad)
+    return downs

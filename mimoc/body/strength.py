@@ -6,9 +6,8 @@ from math import prod
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body.assembly import Anatomy
-from mimoc.body.growth import grow
+from mimoc.body.growth import grow_average
 from mimoc.body.tree import BodyTree
-from mimoc.fits import measure
 from mimoc.schema.names import PAIRED_GROUPS
 
 STRENGTH_KEY = "spec.actuation.strength"
@@ -23,6 +22,8 @@ def scale_strength(tree: BodyTree, anatomy: Anatomy, spec: ActuationSpec) -> Bod
         anatomy: Of that body.
         spec: The factors, and the age that strength is taken from.
     """
+    if not spec.strength and spec.strength_age_months is None:
+        return tree
     groups = muscle_groups(tree)
     if spec.strength_age_months is not None:
         tree = _of_another_age(tree, anatomy, spec.strength_age_months)
@@ -58,7 +59,7 @@ def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, 
 def _of_another_age(tree: BodyTree, anatomy: Anatomy, age_months: float) -> BodyTree:
     """Return a body as strong as it would be at another age, by as much as the average child is then."""
     ages_months = (tree.age_months, age_months)
-    now, then = (grow(measure(age), anatomy, development=tree.development).motors for age in ages_months)
+    now, then = (grow_average(age, anatomy, tree.development).motors for age in ages_months)
     motors = []
     for motor, here, there in zip(tree.motors, now, then, strict=True):
         factor = there.gear_nm / here.gear_nm

@@ -2,7 +2,7 @@
 
 import logging
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -15,6 +15,8 @@ from mimoc.errors import ModelError
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
+NOT_MJCF = (".json", ".yaml", ".md", ".npz")
+"""Endings of the files of a bundle that are not MuJoCo's."""
 BREAKDOWNS = tuple(
     int(kind)
     for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
@@ -29,9 +31,20 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
         ModelError: If MuJoCo rejects it.
     """
     try:
-        model = mujoco.MjModel.from_xml_string(bundle.files[bundle.manifest.scene].decode(), assets=dict(bundle.files))
+        model = mujoco.MjModel.from_xml_string(*mjcf_of(bundle.files, bundle.manifest.scene))
     except ValueError as error:
         raise ModelError(f"MuJoCo {mujoco.__version__} rejects the bundle: {' '.join(str(error).split())}") from None
+    prepare(model)
+    return model
+
+
+def mjcf_of(files: Mapping[str, bytes], scene: str) -> tuple[str, dict[str, bytes]]:
+    """Return the MJCF of a scene and the files that it can refer to; of others, MuJoCo would take sums all the same."""
+    return files[scene].decode(), {name: files[name] for name in files if not name.endswith(NOT_MJCF)}
+
+
+def prepare(model: mujoco.MjModel) -> None:
+    """Prepare a compiled model for simulation with this release of MuJoCo."""
     if mujoco.__version__ == FAULTY_SPARSE_SOLVER:
         warnings.warn(
             f"the sparse solver of MuJoCo {FAULTY_SPARSE_SOLVER} gives wrong contact forces in rare states; mimoc uses "
@@ -39,8 +52,11 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
             stacklevel=2,
         )
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    if (
+        model.ntree == 1
+    ):  # Faster, and the same to the bit; with other things that move, neither (benchmarks/resting.py).
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
     _keep_mujoco_quiet()
-    return model
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:

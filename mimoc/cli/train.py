@@ -30,12 +30,24 @@ Threads = Annotated[
     int | None,
     typer.Option("--threads", min=1, help="Threads that share the work; default: as many as may be used."),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 OwnTask = Annotated[
     str | None,
     typer.Option(
         "--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, in a module of this folder."
     ),
+]
+Steps = Annotated[int, typer.Option("--steps", min=1, help="Control steps to train for, summed over all environments.")]
+Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
+Grow = Annotated[
+    str | None,
+    typer.Option("--grow", metavar="A:B", help="Let the infant grow from A to B months over the training, as in 6:12."),
+]
+Schedule = Annotated[
+    str, typer.Option("--schedule", help="Order of these ages: grown, adult (only the oldest), reversed or shuffled.")
+]
+GrowSteps = Annotated[
+    int | None,
+    typer.Option("--grow-steps", min=1, help="Control steps that growth takes; default: all."),
 ]
 
 
@@ -43,9 +55,7 @@ def train(
     infant: InfantPath,
     out: Annotated[Path, typer.Option("-o", "--out", metavar="RUN", help="Folder of the training run.")],
     algo: Annotated[str, typer.Option("--algo", help="Learning algorithm: ppo or sac.")] = "ppo",
-    steps: Annotated[
-        int, typer.Option("--steps", min=1, help="Control steps to train for, summed over all environments.")
-    ] = 500_000,
+    steps: Steps = 500_000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed; the same seed gives the same result.")] = 0,
     envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
     every: CheckpointEvery = 20_480,
@@ -53,6 +63,9 @@ def train(
     threads: Threads = None,
     processes: Processes = None,
     task: OwnTask = None,
+    grow: Grow = None,
+    schedule: Schedule = "grown",
+    grow_steps: GrowSteps = None,
     force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
@@ -76,6 +89,9 @@ def train(
             force=force,
             progress=show,
             task=import_object(task) if task else None,
+            grow=grow,
+            schedule=schedule,
+            grow_steps=grow_steps,
         )
     console.print_training(done)
     print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,17 @@ from mimoc.units import ms_to_s
 from mimoc.version import __version__
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """What an infant was built from, for its provenance."""
+
+    anatomy: body.Anatomy
+    measurements: fits.Measurements
+    actuation: ActuationSetup
+    senses: Mapping[str, Placed]
+
+
+@dataclass(frozen=True, repr=False)
 class Builder:
     """A spec whose infant has been built, and whose scene is built for each seed."""
 
@@ -70,12 +81,37 @@ class Builder:
     """The floor area that it covers in all its poses: discs by x, y and radius, shape (n, 3), [m]."""
     scene_assets: SceneAssets
     """The toys and wallpapers that scenes choose from."""
-    files: Mapping[str, bytes]
-    """The infant's files, by path in the bundle."""
     manifest: Manifest
     """The manifest, without the fields that depend on the seed."""
-    origins: Mapping[str, Any]
-    """Provenance of the infant's numbers, by key in `provenance.json`."""
+    sources: Sources
+    """What the infant was built from."""
+
+    @cached_property
+    def files(self) -> Mapping[str, bytes]:
+        """The infant's files, by path in the bundle."""
+        return {**printing.render_infant(self.infant), **self.arrays}
+
+    @cached_property
+    def arrays(self) -> Mapping[str, bytes]:
+        """The file with the large arrays of all senses, if there are any."""
+        return _arrays(self.sources.senses)
+
+    @cached_property
+    def origins(self) -> Mapping[str, Any]:
+        """Provenance of the infant's numbers, by key in `provenance.json`."""
+        spec, tree, manifest = self.spec, self.tree, self.manifest
+        anatomy, actuation = self.sources.anatomy, self.sources.actuation
+        written = replace(actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
+        return {
+            **trace_body(self.sources.measurements, anatomy, tree, _scaled_parts(spec, tree)),
+            **trace_actuation(spec.actuation.model, anatomy, tree, written),
+            **dict(trace_delays(spec, manifest.delays)),
+            **dict(trace_noise(spec, manifest.noise)),
+            **{key: entry for placed in self.sources.senses.values() for key, entry in placed.origins.items()},
+            **trace_task(manifest.task),
+            **trace_plugins(manifest.plugins),
+            **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
+        }
 
     def __repr__(self) -> str:
         """Return name and age of its infant."""
@@ -96,10 +132,17 @@ class Builder:
             SpecError: If there is not enough space for the toys, or a mesh cannot be used.
             ModelError: If MuJoCo rejects the model.
         """
+        return self.print(seed, self.furnished(seed), check=check)
+
+    def print(self, seed: int, furnished: FurnishedScene, *, check: bool = False) -> Bundle:
+        """Return the bundle of a seed, whose scene is furnished already; see `__call__`.
+
+        Raises:
+            ModelError: If MuJoCo rejects the model.
+        """
         spec = _with_seed(self.spec, seed)
-        furnished = self.furnished(seed)
         world_origins = {**trace_spec(spec, as_written(spec)), **trace_world(spec, furnished)}
-        manifest = self._manifest_of(spec, furnished)
+        manifest = self.manifest_of(seed, furnished)
         files = self._files(spec, furnished, manifest, world_origins)
         try:
             if check:
@@ -122,7 +165,9 @@ class Builder:
             raise SpecError(written.problem(("scene", "toys"), line) for line in str(error).splitlines()) from None
         return replace(found, scene=find_target(self.target).world(found.scene))
 
-    def _manifest_of(self, spec: InfantSpec, furnished: FurnishedScene) -> Manifest:
+    def manifest_of(self, seed: int, furnished: FurnishedScene) -> Manifest:
+        """Return the manifest of a seed."""
+        spec = _with_seed(self.spec, seed)
         toys = tuple(ToyEntry.model_validate(rounded(toy.model_dump())) for toy in describe_toys(furnished.toys))
         told = notes(spec, self.scene_assets.toybox, self.manifest.plugins, self.target)
         return self.manifest.model_copy(update={"seed": spec.scene.seed, "toys": toys, "notes": told})
@@ -141,29 +186,24 @@ class Builder:
         }
 
 
-def builder(spec: InfantSpec, target: str | None = None) -> Builder:
+def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None = None) -> Builder:
     """Return a builder of a spec; the infant, which does not depend on the seed, is built at once.
+
+    Args:
+        spec: The spec.
+        target: Name of the other software that it is built for, if any.
+        younger: A builder of the same valid spec at another age, from which this takes what does not depend on age.
 
     Raises:
         UnknownNameError: If the target does not exist.
         SpecError: As `build`.
     """
     compatibility = find_target(target)
-    spec = validated(spec)
-    refuse_unavailable(spec)
+    if younger is None:
+        spec = validated(spec)
+        refuse_unavailable(spec)
     anatomy, measurements, tree = _grow(spec, compatibility)
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
-    written = replace(actuation, actuators=infant.actuators, defaults=infant.actuator_defaults)
-    origins = {
-        **trace_body(measurements, anatomy, tree, _scaled_parts(spec, tree)),
-        **trace_actuation(spec.actuation.model, anatomy, tree, written),
-        **dict(trace_delays(spec, manifest.delays)),
-        **dict(trace_noise(spec, manifest.noise)),
-        **{key: entry for placed in senses.values() for key, entry in placed.origins.items()},
-        **trace_task(manifest.task),
-        **trace_plugins(manifest.plugins),
-        **trace_child(tree, manifest.child, who_percentiles(manifest.child)),
-    }
     return Builder(
         spec=spec,
         target=target,
@@ -171,10 +211,9 @@ def builder(spec: InfantSpec, target: str | None = None) -> Builder:
         infant=infant,
         task_setup=task_setup,
         footprint=covered_floor(infant, spec.scene, tree),
-        scene_assets=load_scene_assets(spec, as_written(spec)),
-        files={**printing.render_infant(infant), **_arrays(senses)},
+        scene_assets=younger.scene_assets if younger else load_scene_assets(spec, as_written(spec)),
         manifest=manifest,
-        origins=origins,
+        sources=Sources(anatomy, measurements, actuation, senses),
     )
 
 

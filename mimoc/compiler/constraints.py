@@ -94,6 +94,8 @@ def keeps(
     joints: Collection[str], held: Collection[Hold], tree: BodyTree, start: Sequence[float], state: Sequence[float]
 ) -> bool:
     """Return whether a state (qpos) has locked hinges and held parts at their starting poses."""
+    if not joints and not held:
+        return True
     here, there = lock(joints, tree, state), lock(joints, tree, start)
     if any(abs(mine.angle_rad - theirs.angle_rad) > SAME for mine, theirs in zip(here, there, strict=True)):
         return False

@@ -6,6 +6,7 @@ from typing import Any
 
 import mujoco
 
+from mimoc.bundle.model import mjcf_of
 from mimoc.errors import ModelError
 from mimoc.schema.source import Source
 
@@ -17,7 +18,7 @@ def compile_model(files: Mapping[str, bytes]) -> mujoco.MjModel:
         ModelError: If MuJoCo rejects it.
     """
     try:
-        return mujoco.MjModel.from_xml_string(files["scene.xml"].decode(), assets=dict(files))
+        return mujoco.MjModel.from_xml_string(*mjcf_of(files, "scene.xml"))
     except ValueError as error:
         message = _refusal(files) or " ".join(str(error).split())
         raise ModelError(f"MuJoCo rejects the model: {message}", _element(message, files)) from None
@@ -53,7 +54,7 @@ def _sources(element: str, provenance: Mapping[str, Mapping[str, Any]]) -> set[s
 def _refusal(files: Mapping[str, bytes]) -> str | None:
     """Return MuJoCo's message for `infant.xml` alone, whose line numbers are those of this file."""
     try:
-        mujoco.MjModel.from_xml_string(files["infant.xml"].decode(), assets=dict(files))
+        mujoco.MjModel.from_xml_string(*mjcf_of(files, "infant.xml"))
     except ValueError as error:
         return " ".join(str(error).split())
     return None

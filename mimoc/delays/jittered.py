@@ -41,7 +41,11 @@ class JitteredSamples:
         while self._due[-1][0] <= end:
             observed = start + len(self._due) * self._period
             taken = observed - self._delay - self._wander.advance(self._period)[-1]
-            self._due.append((taken, self.arrived if taken <= 0 else None))
+            latest, sample = self._due[-1]
+            if taken <= latest > 0:  # The delay was shorter until now; what was taken last is observed for longer.
+                self._due.append((latest, sample))
+            else:
+                self._due.append((taken, self.arrived if taken <= 0 else None))
         self._due.popleft()
         self._now = end
         self.sampled_after = tuple(

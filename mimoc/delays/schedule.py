@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
 from mimoc.bundle.model import in_subtrees
+from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
 from mimoc.noise.motor import MotorNoise
@@ -166,6 +167,24 @@ class Schedule:
             noise.state = state["noise"][name]
         if self._motor_noise:
             self._motor_noise.state = state["motor_noise"]
+
+    def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
+        """Go on with the signals that are on their way in the same infant at another age, in place of a reset.
+
+        Args:
+            former: Its schedule so far, which is left as it is.
+            data: Its state now.
+        """
+        for name, delayed in self._samples.items():
+            carry_samples(delayed, former._samples[name])
+        carry_commands(self._commands, former._commands)
+        for name, noise in self._noisy.items():
+            if name in former._noisy:
+                noise.state = former._noisy[name].state
+        if self._motor_noise and former._motor_noise:
+            self._motor_noise.state = former._motor_noise.state
+        elif self._motor_noise:
+            self._motor_noise.reset(data)
 
     def _cut(self) -> tuple[Segment, ...]:
         """Return the segments of a control step; noise of commands is drawn for each physics step."""

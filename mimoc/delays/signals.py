@@ -23,12 +23,13 @@ class DelayedSamples:
         self.sampled_after = (control_steps - delay_steps % control_steps,)
         """Physics steps of a control step after which the sense is sampled, to arrive at the end of a control step."""
         self.part = part
-        self._length = delay_steps // control_steps
+        self.length = delay_steps // control_steps
+        """Number of samples on their way."""
 
     def reset(self, sample: Sample) -> None:
         """Forget all samples; this one is observed until a later one arrives."""
         self.arrived = sample
-        self._line = DelayLine(self._length, sample)
+        self._line = DelayLine(self.length, sample)
 
     def send(self, sample: Sample) -> None:
         """Take a new sample; an earlier one arrives."""
@@ -41,7 +42,8 @@ class DelayedSamples:
 
     @state.setter
     def state(self, samples: list[Sample]) -> None:
-        self.arrived, *self._line.held = samples
+        self.reset(samples[0])
+        self._line.held = samples[1:]
 
 
 class DelayedCommands:
@@ -58,12 +60,14 @@ class DelayedCommands:
         """
         self.applied_after = (delay_steps % control_steps,)
         """Physics steps of a control step after which commands arrive."""
-        self._length = delay_steps // control_steps
+        self.length = delay_steps // control_steps
+        """Number of commands on their way."""
         self._part, self._actuators = part, actuators
+        self.reset()
 
     def reset(self) -> None:
         """Forget all commands; the actuators keep their controls until a new one arrives."""
-        self._line: DelayLine[FloatArray | None] = DelayLine(self._length, None)
+        self._line: DelayLine[FloatArray | None] = DelayLine(self.length, None)
 
     def begin(self, controls: FloatArray) -> None:
         """Take the controls of all actuators for the next control step; earlier ones arrive during it."""

@@ -70,8 +70,9 @@ class Extents:
         Args:
             directions: Unit vectors, shape (..., n, 3).
         """
-        by_edges = (np.abs(directions) * self.half_edges).sum(axis=-1)
-        return by_edges + np.sqrt(((directions * self.half_axes) ** 2).sum(axis=-1))
+        by_edges = np.einsum("...i,...i->...", np.abs(directions), self.half_edges)
+        by_axes = directions * self.half_axes
+        return by_edges + np.sqrt(np.einsum("...i,...i->...", by_axes, by_axes))
 
 
 def extents(primitives: Iterable[tuple[Kind, Size]]) -> Extents:

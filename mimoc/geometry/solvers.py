@@ -1,12 +1,15 @@
 """Roots and minima of functions of one number."""
 
-import math
 from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
+import numpy.typing as npt
+
 Function = Callable[[float], float]
 
-GOLDEN = (math.sqrt(5) - 1) / 2
+SHARES = np.linspace(0.0, 1.0, 41)
+"""Places between the ends of a bracket that are tried at once for a minimum."""
 
 
 def root(
@@ -26,12 +29,21 @@ def root(
     return float(root_scalar(function, bracket=(low, high), xtol=precision, method=method).root)
 
 
-def minimum(function: Function, low: float, high: float, precision: float) -> float:
-    """Return where *function*, which has one minimum between *low* and *high*, is least.
+def minimum(
+    function: Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]], low: float, high: float, precision: float
+) -> float:
+    """Return where a function, which has one minimum between *low* and *high*, is least.
 
-    By golden sections: every infant is built with it, and SciPy's solvers take longer to import than that.
+    Every infant is built with it, and SciPy's solvers take longer to import than that.
+
+    Args:
+        function: From n numbers to its n values.
+        low: One end of the bracket.
+        high: The other end.
+        precision: Largest error of the result.
     """
     while high - low > precision:
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        low, high = (low, right) if function(left) < function(right) else (left, high)
+        tried = low + (high - low) * SHARES
+        least = int(function(tried).argmin())
+        low, high = float(tried[max(least - 1, 0)]), float(tried[min(least + 1, len(tried) - 1)])
     return (low + high) / 2

@@ -71,6 +71,15 @@ class BodyCamera:
         larger = self._supersample * width_px, self._supersample * height_px
         self._renderer = Renderer(model, *larger, partial(_multisampling, 0 if self._supersample > 1 else SAMPLES))
 
+    def use_model(self, model: mujoco.MjModel) -> None:
+        """Draw another model of the same parts from now on.
+
+        Raises:
+            RenderingError: If OpenGL has no room for it.
+        """
+        self._model = model
+        self._renderer.change_model(model)
+
     def spheres(self, data: mujoco.MjData) -> Spheres:
         """Return what it looks at."""
         return bounding_spheres(self._model, data, self._seen)

@@ -41,6 +41,19 @@ class EnvRenderer:
         self._camera: BodyCamera | None = None
         self._window = self._open_window() if mode == "human" else None
 
+    def follow(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Show another model of the same parts from now on, such as that of the infant at another age.
+
+        Raises:
+            RenderingError: If OpenGL has no room for it.
+        """
+        self._model, self._data = model, data
+        if self._camera is not None:
+            self._camera.use_model(model)
+        if self._window is not None:
+            self._window.close()
+            self._window = self._open_window()
+
     def show(self) -> None:
         """Show the state in the window, if there is one."""
         if self._window is not None:

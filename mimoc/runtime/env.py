@@ -1,7 +1,7 @@
 """The Gymnasium environment around a compiled infant."""
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,15 +16,29 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import broke_down, load_model
 from mimoc.bundle.poses import pose_of
+from mimoc.bundle.variants import Variant, Variants
 from mimoc.delays.schedule import Schedule
-from mimoc.delays.timing import Timing
 from mimoc.errors import UnknownNameError
 from mimoc.model_fields import ModelFields
 from mimoc.noise.streams import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes
 from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.expression import expression_fields, set_expression
+from mimoc.runtime.growing import (
+    AGE,
+    POSE,
+    SEED,
+    Living,
+    carry_on,
+    check_options,
+    check_same_body,
+    find_variant,
+    variant_of_state,
+)
+from mimoc.runtime.physics_state import check_physics, physics_of, set_physics
+from mimoc.runtime.spaces import action_space, check_same_space, observation_space
+from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
-from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
@@ -33,9 +47,6 @@ from mimoc.units import ms_to_s
 
 if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
-
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""The complete state of MuJoCo's integration."""
 
 
 class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
@@ -57,7 +68,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         render_mode: Literal["human", "rgb_array"] | None = None,
         width: int = 480,
         height: int = 480,
-        next_bundle: Callable[[int], Bundle] | None = None,
+        variants: Variants | None = None,
         task: Any = None,
         senses: Mapping[str, Any] = MappingProxyType({}),
     ):
@@ -68,7 +79,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             render_mode: `human` for a window that is updated at every step, `rgb_array` for images from `render()`.
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
-            next_bundle: Function that returns the same infant in the scene of another seed, for `reset`.
+            variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
             task: Object that replaces the bundle's task; see `tasks.custom.CustomTask`.
             senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
 
@@ -89,10 +100,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         }
         self.model = load_model(self.bundle)
         self._picture_size = width, height
-        self._next_bundle = next_bundle
+        self._variants = variants
         self._custom_task, self._custom_senses = task, dict(senses)
         self._noise = NoiseStreams(self.np_random_seed)
         self._bind()
+        self._start(self.manifest.pose)
+        self._renderer = self._open_renderer()
+        self.action_space = action_space(self._act)
+        self.observation_space = observation_space(self._senses, self._task)
 
     @property
     def manifest(self) -> Manifest:
@@ -129,6 +144,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Control steps after which an episode is truncated; None is never."""
         return self._task.steps
 
+    @property
+    def age_months(self) -> float:
+        """The infant's age."""
+        return self.manifest.child.age_months
+
     def layout(self, sense: str) -> tuple[str, ...]:
         """Return the name and unit of each element of a sense's observation, in order.
 
@@ -153,11 +173,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If there is no such expression.
         """
-        face = self.manifest.face
-        materials = face.materials if face else {}
-        if face is None or expression not in materials:
-            raise UnknownNameError("facial expression of this infant", expression, materials)
-        self.model.geom(face.geom).matid = self.model.material(materials[expression]).id
+        set_expression(expression, self.manifest, self.model)
 
     def effort(self) -> float:
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
@@ -177,25 +193,53 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
 
-        An environment made from a spec can also change its scene: `options={"scene_seed": N}`.
+        The infant can also have another age from now on: `options={"age_months": 9.5}`. An environment made from a spec
+        can also change its scene: `options={"scene_seed": N}`.
 
         Raises:
             UnknownNameError: If there is no such pose or option.
-            ValueError: If the seed is not a non-negative integer.
+            ValueError: If the seed is not a non-negative integer, or the age is not one from 0 to 24.
+            MimocError: If there is no such infant; nothing has changed then.
         """
+        options = options or {}
+        check_options(options, self._variants)
+        variant = find_variant(self._variants, self.manifest, options)
+        pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(POSE))
         super().reset(seed=seed)
         if seed is not None:
             self._noise.restart(seed)
-        options = options or {}
-        known = ["pose", *(["scene_seed"] if self._next_bundle else [])]
-        for key in options.keys() - known:
-            raise UnknownNameError("reset option", str(key), known)
-        pose = pose_of(self.manifest, options.get("pose", self.manifest.pose))
-        if "scene_seed" in options:
-            self._change_scene(options["scene_seed"])
+        if variant:
+            self._become(variant)
         observation = self._start(pose)
+        if variant:
+            self._renderer.close()
+            self._renderer = self._open_renderer()
         self._renderer.show()
-        return observation, {"is_success": False, "reward_terms": {}, "unstable": False}
+        return observation, {"is_success": False, "reward_terms": {}, "unstable": False, AGE: self.age_months}
+
+    def grow(self, to: float) -> Observation:
+        """Let the infant have another age from now on, in the midst of its episode; return the observation.
+
+        It stays where it is and moves on as it moved: joint angles are kept as far as its joints reach now, and so are
+        velocities, what lies around it, its task, signals on their way, its expression and all chance. Size, strength,
+        joints, delays, acuity, skin and face are those of its new age. It is lifted out of what it would sink into.
+
+        Args:
+            to: The new age, in months, from 0 to 24; a younger one, too.
+
+        Raises:
+            ValueError: If this is not such an age.
+            MimocError: If there is no such infant, or this environment cannot make it; nothing has changed then.
+        """
+        variant = find_variant(self._variants, self.manifest, {AGE: to})
+        if variant:
+            check_same_body(self.model, variant.model)
+            former = self._living()
+            self._become(variant)
+            carry_on(former, self._living())
+            self._renderer.follow(self.model, self.data)
+            self._renderer.show()
+        return self._observe()
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Apply an action for one control step; values outside the action space are clipped.
@@ -218,6 +262,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
+        info[AGE] = self.age_months
         return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
@@ -225,18 +270,17 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
         The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
-        physics = np.empty(mujoco.mj_stateSize(self.model, STATE))
-        mujoco.mj_getState(self.model, self.data, physics, STATE)
         return copy.deepcopy(
             {
-                "physics": physics,
+                "physics": physics_of(self.model, self.data),
                 "signals": self._schedule.state,
                 "model": self._model_fields.state,
                 "task": self._task.state,
                 "steps": self._steps,
                 "random": self.np_random.bit_generator.state,
                 "noise": self._noise.state,
-                "scene_seed": self.manifest.seed,
+                SEED: self.manifest.seed,
+                AGE: self.age_months,
             }
         )
 
@@ -246,28 +290,24 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         All later steps are exactly as they would have been from there. Derived quantities (contacts, positions of
         bodies) are those of the restored state, whereas after a step MuJoCo leaves those of one physics step before.
 
-        An environment made from a spec also restores the scene of the state.
+        The age of the state is restored, and in an environment made from a spec, so is its scene.
 
         Raises:
-            ValueError: If the state is that of a different infant, or of a scene that this environment cannot restore.
+            ValueError: If the state is that of a different infant, or of an age or scene that cannot be restored here.
+            MimocError: If there is no such infant.
         """
-        if state["scene_seed"] != self.manifest.seed:
-            if self._next_bundle is None:
-                raise ValueError(
-                    f"state has scene_seed {state['scene_seed']}, but this environment has {self.manifest.seed} and was"
-                    " not made from a spec, so it cannot change its scene"
-                )
-            self._change_scene(state["scene_seed"])
-        if np.shape(state["physics"]) != (mujoco.mj_stateSize(self.model, STATE),):
-            raise ValueError("state does not fit this infant: the size of its model's state is different")
+        variant = variant_of_state(self._variants, self.manifest, state)
+        check_physics(state["physics"], variant.model if variant else self.model)
+        if variant:
+            self._become(variant)
         state = copy.deepcopy(state)
         self._model_fields.state, self._task.state, self._steps = state["model"], state["task"], state["steps"]
-        mujoco.mj_resetData(self.model, self.data)
-        mujoco.mj_setState(self.model, self.data, state["physics"], STATE)
-        mujoco.mj_forward(self.model, self.data)
-        mujoco.mj_setState(self.model, self.data, state["physics"], STATE)  # The solver's warm start, as it was.
+        set_physics(self.model, self.data, state["physics"])
         self._schedule.state = state["signals"]
         self.np_random.bit_generator.state, self._noise.state = state["random"], state["noise"]
+        if variant:
+            self._renderer.close()
+            self._renderer = self._open_renderer()
         return self._observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
@@ -287,7 +327,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out everything that is bound to this environment's model."""
         kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
-        return {**kept, "model": copy.copy(self.model), "state": self.get_state()}
+        return {**kept, "model": self._model_fields.model_as_built(), "state": self.get_state()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         """Bind the copy to its own model and restore the state of the original."""
@@ -296,6 +336,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._noise = NoiseStreams(self.np_random_seed)
         self._bind()
         self.set_state(state)
+        self._renderer = self._open_renderer()
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
         """Look up in the model everything the manifest names, reusing resources of *former* senses, and reset."""
@@ -308,36 +349,39 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             if self._custom_task is None
             else CustomTask(self._custom_task, self.model, self.bundle)
         )
-        fields = (*self._constraints.model_fields, *self._task.model_fields)
+        fields = (
+            *self._constraints.model_fields,
+            *self._task.model_fields,
+            *expression_fields(self.manifest, self.model),
+        )
         self._model_fields = ModelFields(self.model, fields)
-        self._schedule = Schedule(self._senses, self._act, self.model, self._timing(), self._noise)
+        self._schedule = Schedule(
+            self._senses, self._act, self.model, timing_of(self.manifest, self._senses), self._noise
+        )
         site = mujoco.mjtObj.mjOBJ_SITE
         self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
-        self._start(self.manifest.pose)
-        root_body = self.manifest.root_body
-        self._renderer = EnvRenderer(self.render_mode, self.model, self.data, root_body, self._picture_size)
-        low, high = (bound.astype(np.float32) for bound in (self._act.low, self._act.high))
-        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float32)
-        spaces = {name: space for part in (*self._senses.values(), self._task) for name, space in part.spaces.items()}
-        self.observation_space = gymnasium.spaces.Dict(spaces)
 
-    def _timing(self) -> Timing:
-        """Return the time base, the noise, and the delays of the bundle's signals and of senses passed as objects."""
-        delays = {name: delay for name, delay in self.manifest.delays if name != "legs"}
-        custom = {name: sense.delay for name, sense in self._senses.items() if isinstance(sense, CustomSense)}
-        manifest = self.manifest
-        return Timing(manifest.step_ms, manifest.timestep_ms, delays | custom, manifest.delays.legs, manifest.noise)
+    def _open_renderer(self) -> EnvRenderer:
+        return EnvRenderer(self.render_mode, self.model, self.data, self.manifest.root_body, self._picture_size)
 
-    def _change_scene(self, seed: int) -> None:
-        """Put the infant into another scene."""
-        if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-            raise ValueError(f"expected a non-negative integer as scene_seed, got {seed!r}")
-        if self._next_bundle is not None and seed != self.manifest.seed:
-            bundle = self._next_bundle(int(seed))
-            model = load_model(bundle)
-            self._renderer.close()
-            self.bundle, self.model = bundle, model
+    def _living(self) -> Living:
+        """Return what lives of the infant."""
+        parts = self._constraints, self._model_fields, self._task, self._schedule
+        return Living(self.manifest, self.model, self.data, *parts)
+
+    def _become(self, variant: Variant) -> None:
+        """Bind to the infant at another age or in another scene, where nothing is started yet."""
+        former, fields, state = self.bundle, self._model_fields, self.get_state()
+        try:
+            self.bundle, self.model = variant.bundle, variant.model
             self._bind(self._senses)
+            check_same_space(self.observation_space, observation_space(self._senses, self._task))
+        except Exception:
+            self.bundle, self.model = former, fields.model_as_built()
+            self._bind(self._senses)
+            self.set_state(state)
+            self._renderer.follow(self.model, self.data)
+            raise
 
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""
@@ -361,21 +405,6 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._senses[name]
 
 
-BOUND = {
-    "_noise",
-    "data",
-    "_act",
-    "_senses",
-    "_constraints",
-    "_task",
-    "_model_fields",
-    "_schedule",
-    "_keypoints",
-    "_renderer",
-}
+PARTS = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
+BOUND = PARTS | {"_noise"}
 """Attributes that are not copied but bound anew."""
-
-
-def make(bundle: Bundle | str | Path, **options: Any) -> gymnasium.Env:
-    """Return the environment of a bundle, as `gymnasium.make("mimoc/Infant-v0", bundle=..., **options)` does."""
-    return gymnasium.make("mimoc/Infant-v0", bundle=bundle, **options)

@@ -25,17 +25,18 @@ def bind_senses(
     Args:
         bundle: The infant.
         model: Its model.
-        former: Its senses in the scene that it was in before; they are kept where they can be, or closed.
+        former: Its senses in the scene or at the age that it had before; they are kept where they can be, or closed.
         custom: Objects to sense with besides, by name; see `CustomSense`.
 
     Raises:
         KindError: If two senses have the same name, or give the observation arrays of the same name.
         RenderingError: If it sees, and there is no OpenGL here.
     """
-    kept = {name: sense for name, sense in former.items() if sense.follow(model)}
+    entries = dict(bundle.manifest.senses)
+    kept = {name: sense for name, sense in former.items() if sense.follow(entries.get(name), model)}
     for name in former.keys() - kept.keys():
         former[name].close()
-    names = [name for name, entry in bundle.manifest.senses if entry is not None]
+    names = [name for name, entry in entries.items() if entry is not None]
     if taken := sorted(custom.keys() & set(names)):
         raise KindError(f"this infant has a sense '{taken[0]}' already; pass yours under another name")
     senses: dict[str, Sense] = {name: kept.get(name) or bind_sense(name, bundle, model) for name in names}

@@ -62,8 +62,13 @@ class Sense(ABC):
     def observe(self, sample: Sample) -> Observation:
         """Return what an agent sees of a sample that has arrived, as new arrays within `spaces`."""
 
-    def follow(self, model: mujoco.MjModel) -> bool:
-        """Read another scene of the same infant from now on, or return False: then the sense is bound anew."""
+    def follow(self, entry: Any, model: mujoco.MjModel) -> bool:
+        """Read the same infant at another age or in another scene from now on, or return False: it is bound anew then.
+
+        Args:
+            entry: What the manifest says of this sense there.
+            model: The infant's model there.
+        """
         return False
 
     def close(self) -> None:

@@ -11,6 +11,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.many.growing import GrowingInfants
 from mimoc.runtime.many.vector_env import ManyInfants
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
@@ -56,6 +57,11 @@ class InfantVecEnv(VecEnv):
             info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
             told.append(info)
         return observation, rewards.astype(np.float32), done, told
+
+    def seek(self, steps_done: int) -> None:
+        """Let growing infants go on as after a number of control steps of each; a reset must follow."""
+        if isinstance(self.infants, GrowingInfants):
+            self.infants.seek(steps_done)
 
     def close(self) -> None:
         """Close all infants; closing twice is fine."""

@@ -24,6 +24,9 @@ class Settings:
     hyper: Mapping[str, Number] = field(default_factory=dict)
     custom: Mapping[str, str] = field(default_factory=dict)
     """Classes of the objects that a script passed, as `module:Class`, by `task` or `senses.<name>`."""
+    growth: Mapping[str, Any] = field(default_factory=dict)
+    """If the infant grows: its `schedule`, its youngest and oldest age as `grow`, and `grow_steps`, the control steps
+    that growth takes, summed over all environments."""
 
     @classmethod
     def choose(
@@ -35,6 +38,7 @@ class Settings:
         checkpoint_every: int,
         hyper: Mapping[str, Number],
         custom: Mapping[str, str] = MappingProxyType({}),
+        growth: Mapping[str, Any] = MappingProxyType({}),
     ) -> Self:
         """Return settings with defaults for the hyperparameters that are not given.
 
@@ -47,7 +51,7 @@ class Settings:
                 raise TrainingError(f"{name}: expected at least 1, got {value}")
         if seed < 0:
             raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
-        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom))
+        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom), dict(growth))
         if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
                 f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
@@ -85,6 +89,7 @@ class Settings:
         options = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
         options += ["--checkpoint-every", str(self.checkpoint_every)]
         options += ["--task", self.custom["task"]] if "task" in self.custom else []
+        options += [part for name, value in self.growth.items() for part in (f"--{name.replace('_', '-')}", str(value))]
         defaults = HYPERPARAMETERS[self.algo]
         changed = {name: value for name, value in self.hyper.items() if value != defaults[name].default}
         return options + [part for name, value in changed.items() for part in ("--set", f"{name}={value!r}")]
@@ -93,4 +98,4 @@ class Settings:
 def _flat(settings: Settings) -> dict[str, Any]:
     data = settings.data()
     del data["steps"]
-    return {**data.pop("hyper"), **data.pop("custom"), **data}
+    return {**data.pop("hyper"), **data.pop("custom"), **data.pop("growth"), **data}

@@ -14,6 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
+from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
 from mimoc.render.plots.figure import require_matplotlib
 from mimoc.render.plots.learning import curves_png
@@ -22,6 +23,7 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import make_agent, start_interval
 from mimoc.training.checkpoint import Progress, pack, read_progress, restore
 from mimoc.training.curve import Curve
+from mimoc.training.growth import Growth, growth_of, growth_settings, seek
 from mimoc.training.hyperparameters import Number
 from mimoc.training.policies import pack_policy
 from mimoc.training.recorder import Recorder
@@ -69,6 +71,9 @@ def train(
     progress: ProgressCallback | None = None,
     task: Any = None,
     senses: Mapping[str, Any] | None = None,
+    grow: str | None = None,
+    schedule: str = "grown",
+    grow_steps: int | None = None,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -96,6 +101,9 @@ def train(
         task: An object whose rewards replace those of the task in the bundle, as for `mimoc.make`.
         senses: Objects to sense with, by name, as for `mimoc.make`. The folder keeps only the names of the classes of
             these objects: pass them again to resume the run.
+        grow: Ages in months between which the infant grows over the training, such as `6:12`; None is not at all.
+        schedule: In which order it has these ages: `grown`, `adult` (only the oldest), `reversed` or `shuffled`.
+        grow_steps: Control steps that growth takes, summed over all environments; None is all of *steps*.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -104,11 +112,12 @@ def train(
         TrainingError: If a setting is out of range, or the folder holds another training run or anything else.
         OutputError: If a file cannot be written.
         MissingExtraError: If matplotlib is not installed.
+        MimocError: If the infant cannot grow between these ages.
     """
-    custom = _class_names(task, senses or {})
-    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom)
+    custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
+    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     bundle = pipeline.compiled(source)
-    open_env = partial(_open_one, bundle, task, senses or {})
+    open_one = partial(_open_one, bundle, task, senses or {})
     check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     report = progress or (lambda done, total: None)
@@ -116,16 +125,19 @@ def train(
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
-            with _one_thread(), _open(open_env, settings, threads, processes) as (agent, env):
-                reached = _train_to_end(folder, agent, env, settings, open_env, report)
+            growth = growth_of(bundle, settings)
+            with _one_thread(), _open(open_one, settings, growth, threads, processes) as (agent, env):
+                reached = _train_to_end(folder, agent, env, settings, open_one, report)
         folder.write_curve(reached.curve.to_csv())
         folder.write_plot(_plot(reached))
     return Training(reached.curve, folder.path / POLICY, before.steps)
 
 
-def _open_one(bundle: Bundle, task: Any, senses: Mapping[str, Any]) -> InfantEnv:
+def _open_one(
+    bundle: Bundle, task: Any, senses: Mapping[str, Any], variants: BundleVariants | None = None
+) -> InfantEnv:
     """Open one of the parallel environments, with copies of a script's objects of its own."""
-    return InfantEnv(bundle, task=deepcopy(task), senses=deepcopy(dict(senses)))
+    return InfantEnv(bundle, variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
@@ -157,6 +169,7 @@ def _train_to_end(
     infant = open_env()
     try:
         while reached.steps < settings.steps:
+            seek(env, settings, reached.steps)
             reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
             policy = pack_policy(agent, env, settings, infant)
             folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
@@ -185,10 +198,14 @@ def _plot(progress: Progress) -> bytes:
 
 @contextmanager
 def _open(
-    open_env: Callable[[], InfantEnv], settings: Settings, threads: int | None, processes: bool | None
+    open_env: Callable[..., InfantEnv],
+    settings: Settings,
+    growth: Growth | None,
+    threads: int | None,
+    processes: bool | None,
 ) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
     """Open the parallel environments and make the agent."""
-    env = make_vector_env(open_env, settings, threads, processes)
+    env = make_vector_env(open_env, settings, growth, threads, processes)
     try:
         yield make_agent(env, settings), env
     finally:

@@ -1,6 +1,7 @@
 """Parallel environments with normalised observations, for Stable-Baselines3."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,10 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 from mimoc.bundle.io import Bundle
 from mimoc.errors import TrainingError
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing_env import Growing
+from mimoc.runtime.many.growing import GrowingInfants
 from mimoc.runtime.many.vector_env import ManyInfants
+from mimoc.training.growth import Growth
 from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
 from mimoc.training.settings import Settings
 
@@ -53,20 +57,24 @@ def check_learnable(bundle: Bundle) -> None:
 
 
 def make_vector_env(
-    open_env: Callable[[], InfantEnv], settings: Settings, threads: int | None, processes: bool | None
+    open_env: Callable[..., InfantEnv],
+    settings: Settings,
+    growth: Growth | None,
+    threads: int | None,
+    processes: bool | None,
 ) -> VecNormalize:
     """Return the parallel environments of a training run.
 
     Args:
         open_env: Opens one environment.
         settings: Settings of the training run.
+        growth: How the infants grow, if they do.
         threads: Threads that share the work; None is as many as there may be. The result of the training is the same.
         processes: Whether to run each environment in a process of its own, or one after another; None is all together.
             The result is the same.
     """
-    envs = VecMonitor(
-        _together(open_env, settings.envs, threads) if processes is None else _apart(open_env, settings.envs, processes)
-    )
+    openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
+    envs = VecMonitor(_together(openers, growth, threads) if processes is None else _apart(openers, growth, processes))
     return VecNormalize(
         envs,
         gamma=settings.hyper["gamma"],
@@ -106,10 +114,16 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
     return {**env.obs_rms, "return": env.ret_rms}
 
 
-def _together(open_env: Callable[[], InfantEnv], count: int, threads: int | None) -> VecEnv:
-    return InfantVecEnv(ManyInfants([open_env] * count, threads, RESET_IN_THE_SAME_STEP))
+def _together(openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None) -> VecEnv:
+    if growth is None:
+        return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP))
+    return InfantVecEnv(GrowingInfants(openers, growth.schedule, threads, RESET_IN_THE_SAME_STEP))
 
 
-def _apart(open_env: Callable[[], InfantEnv], count: int, processes: bool) -> VecEnv:
-    openers: list[Callable[[], Any]] = [open_env] * count
-    return SinglePrecisionRewards(SubprocVecEnv(openers) if processes else DummyVecEnv(openers))
+def _apart(openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, processes: bool) -> VecEnv:
+    alone: list[Callable[[], Any]] = [partial(_open_alone, open_env, growth) for open_env in openers]
+    return SinglePrecisionRewards(SubprocVecEnv(alone) if processes else DummyVecEnv(alone))
+
+
+def _open_alone(open_env: Callable[[], InfantEnv], growth: Growth | None) -> InfantEnv | Growing:
+    return Growing(open_env(), growth.schedule) if growth else open_env()

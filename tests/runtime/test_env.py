@@ -229,11 +229,12 @@ def test_a_simulation_that_breaks_down_ends_the_episode_quietly(open_env, state,
     getattr(env.data, state)[20] = value
     observation, reward, terminated, truncated, info = env.step(commands[0])
     assert (terminated, truncated) == (True, False)
-    assert info == {"is_success": False, "reward_terms": {}, "unstable": True}
+    assert info == {"is_success": False, "reward_terms": {}, "unstable": True, "age_months": 9}
     assert np.isfinite(reward)
     assert observation in env.observation_space
     assert same(rollout(env, commands), rollout(new, commands))
-    assert env.step(commands[0])[2:] == (False, False, {"is_success": False, "reward_terms": {}, "unstable": False})
+    calm = {"is_success": False, "reward_terms": {}, "unstable": False, "age_months": 9}
+    assert env.step(commands[0])[2:] == (False, False, calm)
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
 

@@ -10,7 +10,7 @@ from stable_baselines3 import PPO
 import mimoc
 import mimoc.training
 from mimoc.bundle.io import LOCK
-from mimoc.errors import BundleError, TrainingError, UnknownNameError
+from mimoc.errors import BundleError, MimocError, TrainingError, UnknownNameError
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import Settings
@@ -260,3 +260,24 @@ def test_stable_baselines_loads_the_policy_too(trained, learned, same):
     agent = PPO.load(trained / "policy.zip", device="cpu")
     assert agent.num_timesteps == EVERY
     assert same(agent.policy.state_dict(), learned(trained / "policy.zip")[0])
+
+
+def test_a_training_of_an_infant_that_grows_resumes_to_the_bit(learn, learned, same, tmp_path):
+    growth = {"grow": "6:7", "schedule": "shuffled", "grow_steps": 2 * EVERY}
+    whole = learn("whole", **growth)
+    learn("parts", EVERY, **growth)
+    parts = learn("parts", **growth)
+    assert same(learned(whole.policy), learned(parts.policy))
+    assert timeless(whole.curve) == timeless(parts.curve)
+    with pytest.raises(TrainingError, match="schedule shuffled, not grown"):
+        learn("parts", **growth | {"schedule": "grown"})
+    command = json.loads((tmp_path / "whole" / "run.json").read_text())["command"]
+    assert "--grow 6:7 --schedule shuffled --grow-steps 256" in command
+
+
+def test_growth_needs_a_range_of_ages(learn, tmp_path):
+    with pytest.raises(MimocError, match="range of ages"):
+        learn("run", grow="12:6")
+    with pytest.raises(TrainingError, match="needs a range of ages"):
+        learn("run", grow_steps=10)
+    assert not (tmp_path / "run").exists()

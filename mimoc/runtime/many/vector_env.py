@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.control_step import ControlStep
 from mimoc.runtime.many.infos import Infos, joined
 from mimoc.runtime.many.matching import check_mixture
@@ -107,8 +108,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Reset some infants, or all, each with its own seed and options; see `reset`."""
         infos: Infos = {}
         for infant in range(self.num_envs) if which is None else which:
-            with sharing(self._renderers):
-                _, infos[infant] = self.infants[infant].reset(seed=seeds[infant], options=options[infant])
+            _, infos[infant] = self._reset_one(infant, seeds[infant], options[infant])
             self._ended[infant] = False
         self._follow()
         return self._observe(), infos
@@ -146,7 +146,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             if self._max_steps is not None and self.infants[infant].steps >= self._max_steps:
                 truncated[infant] = True
         for infant in anew:
-            infos[infant] = self.infants[infant].reset()[1]
+            infos[infant] = self._reset_one(infant)[1]
         self._follow()
         observation = self._observe()
         for readings in observation.values():
@@ -156,6 +156,23 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._reset_ended(observation, infos)
         return observation, rewards, terminated, truncated, infos
+
+    def grow(self, to: float | Sequence[float | None] | npt.NDArray[Any]) -> Observation:
+        """Let infants have other ages from now on, in the midst of their episodes; return what they observe.
+
+        Args:
+            to: The new age of all, in months, or, as a list or an array, one for each, where None is as old as now.
+
+        Raises:
+            ValueError: If an age is none from 0 to 24 months, or a list has not one value for each infant.
+            MimocError: If there is no such infant; those before it have grown.
+        """
+        for infant, options in zip(self.infants, options_of({AGE: to}, self.num_envs), strict=True):
+            if options:
+                with sharing(self._renderers):
+                    infant.grow(to=options[AGE])
+        self._follow()
+        return self._observe()
 
     def render(self) -> Picture | None:  # pyright: ignore[reportIncompatibleMethodOverride] - One picture of all.
         """Return a picture of all infants in rows, in render mode `rgb_array`, otherwise None.
@@ -252,11 +269,18 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             observation |= {name: np.stack([each[name] for each in own]) for name in own[0]}
         return observation
 
+    def _reset_one(
+        self, infant: int, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Start an episode of one infant."""
+        with sharing(self._renderers):
+            return self.infants[infant].reset(seed=seed, options=options)
+
     def _reset_ended(self, observation: Observation, infos: Infos) -> None:
         """Reset the infants whose episodes have just ended, and put what they observe then in its place."""
         for infant in np.flatnonzero(self._ended).tolist():
             final = {name: readings[infant].copy() for name, readings in observation.items()}
-            first, info = self.infants[infant].reset()
+            first, info = self._reset_one(infant)
             infos[infant] = {"final_obs": final, "final_info": infos[infant], **info}
             for name, reading in first.items():
                 observation[name][infant] = reading

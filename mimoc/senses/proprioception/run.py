@@ -20,11 +20,9 @@ LIMIT_MARGIN_RAD = 0.035
 MAX_SPEED_RAD_S = 1e3
 MAX_TORQUE_NM = 1e3
 MAX_LIMIT = 1e2
-"""Bounds of the observation, far beyond what a stable simulation reaches."""
+"""Bounds of the observation at every age, far beyond what a stable simulation reaches."""
 ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"
 """By which angles and velocities are known in the layout."""
-LEAST_BOUND_NM = 1e-6
-"""Bound of the torque of actuators without strength, which some bound must have."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,7 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
     return Component(
         read,
         ids,
-        np.concatenate([np.ones(len(ids)), np.maximum(bound.bounds_nm, LEAST_BOUND_NM)]),
+        np.repeat([1.0, MAX_TORQUE_NM], len(ids)),
         _names(names, bound.drive_name, "1") + _names(names, "torque", "N m"),
         np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
         (gears,),

@@ -98,6 +98,8 @@ class Eyes:
     def _find_names(self, model: mujoco.MjModel) -> None:
         """Find cameras and unseen geoms in the model that is drawn now."""
         self._groups = model.geom_group
+        self.fovy_deg = float(model.cam_fovy[model.camera(self._names[0]).id])
+        """Vertical field of view."""
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]

@@ -33,14 +33,14 @@ class Vision(Sense):
             entry: Names and sizes of the pictures.
             bodies: The body of each eye, shape (eyes,).
         """
-        self.eyes, self.filters, self.bodies, self._cameras = eyes, tuple(filters), bodies, entry.cameras
+        self.eyes, self.filters, self.bodies, self._entry = eyes, tuple(filters), bodies, entry
         shape = (entry.height_px, entry.width_px, 3)
         self.spaces = {name: Box(0, 255, shape, np.uint8) for name in entry.cameras}
 
     @property
     def layout(self) -> tuple[str, ...]:
         """What the axes of each picture are, rows from the top; one entry for each eye."""
-        return tuple(f"{name} row, column, red green blue [0-255]" for name in self._cameras)
+        return tuple(f"{name} row, column, red green blue [0-255]" for name in self._entry.cameras)
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the pictures of now."""
@@ -48,11 +48,13 @@ class Vision(Sense):
 
     def observe(self, sample: Sample) -> Observation:
         """Return a picture for each eye, under the name of its camera."""
-        return {name: picture.copy() for name, picture in zip(self._cameras, sample, strict=True)}
+        return {name: picture.copy() for name, picture in zip(self._entry.cameras, sample, strict=True)}
 
-    def follow(self, model: mujoco.MjModel) -> bool:
-        """See another scene, with the same OpenGL context."""
+    def follow(self, entry: VisionEntry, model: mujoco.MjModel) -> bool:
+        """See another scene, or with the acuity of another age, with the same OpenGL context."""
         self.eyes.use_model(model)
+        if entry != self._entry:
+            self._entry, self.filters = entry, filters(entry, self.eyes.fovy_deg)
         return True
 
     def close(self) -> None:
@@ -69,7 +71,7 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     times = entry.supersample
     ids = [model.camera(name).id for name in entry.cameras]
     eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen)
-    return Vision(eyes, filters(entry, float(model.cam_fovy[ids[0]])), entry, model.cam_bodyid[ids].astype(np.intp))
+    return Vision(eyes, filters(entry, eyes.fovy_deg), entry, model.cam_bodyid[ids].astype(np.intp))
 
 
 def filters(entry: VisionEntry, fovy_deg: float) -> tuple[Filter, ...]:

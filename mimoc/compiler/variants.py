@@ -1,0 +1,144 @@
+"""The infants of a spec at all ages and in all scenes, as an environment is handed them."""
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, TypeVar
+
+import mujoco
+
+from mimoc.bundle.arrays import ARRAYS
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.later_files import LaterFiles
+from mimoc.bundle.model import load_model, prepare
+from mimoc.bundle.variants import Variant
+from mimoc.compiler.aged import aged, quickly_aged
+from mimoc.compiler.building import Builder, builder
+from mimoc.compiler.mould import DifferenceError, Mould
+from mimoc.errors import BundleError, MimocError
+from mimoc.mjcf.scene import SceneTree
+from mimoc.schema import source
+from mimoc.schema.infant import InfantSpec, read_spec
+
+RESOLVED = "resolved.yaml"
+"""The file of a bundle that holds its whole spec."""
+KEPT = 8
+"""Ages whose infants are kept, since environments return to them."""
+
+Value = TypeVar("Value")
+
+
+class SpecVariants:
+    """Builds the infant of a spec at any age and in any scene."""
+
+    has_other_scenes = True
+
+    def __init__(self, spec: InfantSpec):
+        """Build the infant of the spec.
+
+        Raises:
+            SpecError: If it cannot be built.
+        """
+        self._spec = spec
+        self._builders: dict[float, Builder] = {}
+        self._mould: Mould | None = None
+        self._own = builder(spec)
+        self._own_scene = self._own.furnished(spec.scene.seed)
+
+    def __repr__(self) -> str:
+        """Return the name of the infant."""
+        return f"SpecVariants({self._spec.name!r})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle only the spec: copies and other processes build the infant again."""
+        return SpecVariants, (self._spec,)
+
+    @cached_property
+    def own(self) -> Bundle:
+        """The infant of the spec itself."""
+        return self._own.print(self._spec.scene.seed, self._own_scene)
+
+    def __call__(self, age_months: float, scene_seed: int) -> Variant:
+        """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
+
+        Raises:
+            SpecError: If there is no such infant.
+            ModelError: If MuJoCo rejects it.
+        """
+        built = self._builder(age_months)
+        furnished = built.furnished(scene_seed)
+        files = LaterFiles(built.arrays, ARRAYS, lambda: self._files(age_months, scene_seed))
+        bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
+        return Variant(bundle, self._model(bundle, scene_seed, furnished.scene))
+
+    def _builder(self, age_months: float) -> Builder:
+        return _kept(self._builders, age_months, lambda: builder(quickly_aged(self._spec, age_months), None, self._own))
+
+    def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
+        """Return the files of an infant, among them its spec."""
+        return builder(aged(self._spec, age_months))(scene_seed, check=False).files
+
+    def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> mujoco.MjModel:
+        """Return the model of a bundle: in the scene of the spec, it is cast from the infant of another age."""
+        if scene_seed != self._spec.scene.seed:
+            return load_model(bundle)
+        self._mould = self._mould or Mould(self.own.files, self._own_scene.scene)
+        try:
+            model = self._mould.cast(scene)
+        except DifferenceError:  # Such as other poses, since some do not suit every age.
+            return load_model(bundle)
+        except ValueError:  # MuJoCo rejects it, and says more of what is printed.
+            self._mould = None
+            return load_model(bundle)
+        prepare(model)
+        return model
+
+
+def _kept(found: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:
+    """Return what is kept under a key, or make it; what was not asked for lately is forgotten."""
+    value = found.pop(key) if key in found else make()
+    found[key] = value
+    if len(found) > KEPT:
+        del found[next(iter(found))]
+    return value
+
+
+class BundleVariants:
+    """Builds the infant of a bundle at any age, in the bundle's own scene, from the spec that the bundle contains."""
+
+    has_other_scenes = False
+
+    def __init__(self, bundle: Bundle):
+        """Take a bundle; it is built again when an age is first asked for."""
+        self._bundle = bundle
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle only the bundle."""
+        return BundleVariants, (self._bundle,)
+
+    def __call__(self, age_months: float, scene_seed: int) -> Variant:
+        """Return the infant at an age, in months as they stand in manifests.
+
+        Raises:
+            BundleError: If the bundle cannot be built at this age.
+        """
+        try:
+            return self._of_spec(age_months, scene_seed)
+        except MimocError as error:
+            name, problems = self._bundle.manifest.name, str(error).replace("\n", "; ")
+            raise BundleError(f"the bundle '{name}' cannot be built at {age_months:g} months: {problems}") from None
+
+    @cached_property
+    def _of_spec(self) -> SpecVariants:
+        return SpecVariants(spec_of(self._bundle))
+
+
+def spec_of(bundle: Bundle) -> InfantSpec:
+    """Return the whole spec of a bundle.
+
+    Raises:
+        BundleError: If the bundle does not contain it.
+        SpecError: If this version of mimoc does not read it.
+    """
+    if RESOLVED not in bundle.files:
+        raise BundleError(f"there is no {RESOLVED} in it")
+    return read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))

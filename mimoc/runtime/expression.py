@@ -1,0 +1,26 @@
+"""The facial expression of an infant: the material of its head."""
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.manifest import Manifest
+from mimoc.errors import UnknownNameError
+from mimoc.model_fields import ModelField
+
+
+def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -> None:
+    """Change the facial expression of an infant.
+
+    Raises:
+        UnknownNameError: If there is no such expression.
+    """
+    face = manifest.face
+    materials = face.materials if face else {}
+    if face is None or expression not in materials:
+        raise UnknownNameError("facial expression of this infant", expression, materials)
+    model.geom(face.geom).matid = model.material(materials[expression]).id
+
+
+def expression_fields(manifest: Manifest, model: mujoco.MjModel) -> tuple[ModelField, ...]:
+    """Return what the expression changes in the model."""
+    return (ModelField("geom_matid", np.array([model.geom(manifest.face.geom).id])),) if manifest.face else ()

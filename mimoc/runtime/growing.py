@@ -1,0 +1,151 @@
+"""An infant that gets another age while it lives: what of its present it takes along."""
+
+import copy
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.variants import Variant, Variants
+from mimoc.delays.schedule import Schedule
+from mimoc.errors import MimocError, UnknownNameError
+from mimoc.model_fields import ModelFields
+from mimoc.rounding import rounded
+from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.physics_state import STATE, physics_of
+from mimoc.runtime.settling import clip_angles, settle
+from mimoc.tasks.task import Task
+
+OLDEST_MONTHS = 24.0
+"""Age of the oldest infant."""
+AGE, SEED, POSE = "age_months", "scene_seed", "pose"
+"""Options of a reset."""
+
+
+@dataclass(frozen=True, slots=True)
+class Living:
+    """What lives of an infant in its environment."""
+
+    manifest: Manifest
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    constraints: Constraints
+    fields: ModelFields
+    task: Task
+    schedule: Schedule
+
+
+def check_options(options: Mapping[str, Any], variants: Variants | None) -> None:
+    """Check the names of the options of a reset.
+
+    Raises:
+        UnknownNameError: If there is no such option in an environment with these variants.
+    """
+    known = [POSE, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
+    for key in options.keys() - known:
+        raise UnknownNameError("reset option", str(key), known)
+
+
+def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[str, Any]) -> Variant | None:
+    """Return the infant with the age or the scene that is wanted, or None if it has these already.
+
+    Args:
+        variants: What makes it, if anything does.
+        manifest: The infant now.
+        wanted: `age_months` and `scene_seed`; those that are missing stay as they are.
+
+    Raises:
+        ValueError: If the age is not one from 0 to 24 months, or the seed is not a non-negative integer.
+        MimocError: If there is no such infant.
+    """
+    age_months = manifest.child.age_months
+    age_months, seed = _age(wanted.get(AGE, age_months)), _seed(wanted.get(SEED, manifest.seed))
+    if (age_months, seed) == (manifest.child.age_months, manifest.seed):
+        return None
+    if variants is None:
+        raise MimocError(
+            "this environment can change neither the infant's age nor its scene, as it was opened by its class;"
+            " open it with mimoc.make"
+        )
+    return variants(age_months, seed)
+
+
+def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mapping[str, Any]) -> Variant | None:
+    """Return the infant that a state is of, or None if it is of the present one.
+
+    Raises:
+        ValueError: If this environment cannot make that infant.
+        MimocError: If there is no such infant.
+    """
+    age_months, seed = manifest.child.age_months, manifest.seed
+    if state[SEED] != seed and not (variants and variants.has_other_scenes):
+        raise ValueError(
+            f"state has scene_seed {state[SEED]}, but this environment has {seed} and was not made from a spec, so it"
+            " cannot change its scene"
+        )
+    if state[AGE] != age_months and variants is None:
+        raise ValueError(
+            f"state has age_months {state[AGE]:g}, but this environment has {age_months:g} and cannot change it; open"
+            " it with mimoc.make"
+        )
+    return find_variant(variants, manifest, state)
+
+
+def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
+    """Check that two models have the same parts, so that one can take over the state of the other.
+
+    Raises:
+        MimocError: If they have not.
+    """
+    if _parts(former) != _parts(model):
+        raise MimocError(
+            "the infant has other parts at this age, so it cannot grow in the midst of an episode; reset it with the"
+            " option age_months instead, or build its bundle again with this version of mimoc"
+        )
+
+
+def carry_on(former: Living, now: Living) -> None:
+    """Let an infant that has just been bound go on where it was at another age.
+
+    Args:
+        former: The infant at the age before.
+        now: The same infant at the new age, which has not been started.
+    """
+    mujoco.mj_setState(now.model, now.data, physics_of(former.model, former.data), STATE)
+    now.fields.inherit(former.fields)
+    now.task.state = copy.deepcopy(former.task.state)
+    clip_angles(now.model, now.data)
+    settle(now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs)
+    mujoco.mj_kinematics(former.model, former.data)
+    mujoco.mj_kinematics(now.model, now.data)
+    now.constraints.carry_on(former.constraints, former.data, now.data)
+    mujoco.mj_forward(now.model, now.data)
+    now.schedule.carry_on(former.schedule, now.data)
+
+
+def _age(age_months: Any) -> float:
+    """Return an age as files have it."""
+    if isinstance(age_months, bool) or not isinstance(age_months, (Real, np.number)) or not _is_age(float(age_months)):
+        raise ValueError(f"expected an age from 0 to {OLDEST_MONTHS:g} months, got {age_months!r}")
+    return rounded(float(age_months))
+
+
+def _is_age(age_months: float) -> bool:
+    return math.isfinite(age_months) and 0.0 <= age_months <= OLDEST_MONTHS
+
+
+def _seed(seed: Any) -> int:
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise ValueError(f"expected a non-negative integer as scene_seed, got {seed!r}")
+    return int(seed)
+
+
+def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
+    """Return the sizes of a model's state and the names of all its elements but keyframes, which are last."""
+    names = model.names[: model.name_keyadr[0]] if model.nkey else model.names
+    return model.nq, model.nv, model.na, model.nu, names

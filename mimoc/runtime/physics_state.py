@@ -1,0 +1,33 @@
+"""The complete state of MuJoCo's integration, as one array."""
+
+import mujoco
+import numpy as np
+
+from mimoc.senses.sense import FloatArray
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
+    """Return the state of a simulation, shape (n,)."""
+    physics = np.empty(mujoco.mj_stateSize(model, STATE))
+    mujoco.mj_getState(model, data, physics, STATE)
+    return physics
+
+
+def check_physics(physics: FloatArray, model: mujoco.MjModel) -> None:
+    """Check that a state has the size of those of a model.
+
+    Raises:
+        ValueError: If it has not.
+    """
+    if np.shape(physics) != (mujoco.mj_stateSize(model, STATE),):
+        raise ValueError("state does not fit this infant: the size of its model's state is different")
+
+
+def set_physics(model: mujoco.MjModel, data: mujoco.MjData, physics: FloatArray) -> None:
+    """Restore a state, with all that is derived from it."""
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_setState(model, data, physics, STATE)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_setState(model, data, physics, STATE)  # The solver's warm start, as it was.

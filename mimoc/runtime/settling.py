@@ -1,0 +1,85 @@
+"""An infant that has just grown, brought out of what its new size makes it reach into."""
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.senses.sense import FloatArray, IntArray
+
+LEFT_M = 1e-4
+"""Penetration that is left, so that what supports the infant goes on to do so; as in the poses of `body.poses`."""
+CLOSE_M = 1.5e-4
+"""Penetration with which it is left in peace."""
+ROUNDS = 40
+"""Most times that it is moved; some are enough."""
+UPWARDS = 0.1
+"""Least vertical part of a contact's normal at which lifting helps."""
+FARTHEST = 0.2
+"""What a joint turns by in one round at most, in [rad], and what moves freely moves by, in [m]."""
+DAMPING = 1e-3
+"""Of contacts that contradict each other, relative to the largest."""
+
+Mask = npt.NDArray[np.bool_]
+
+
+def settle(model: mujoco.MjModel, data: mujoco.MjData, root_body: str, fixed: IntArray) -> None:
+    """Lift an infant by as much as it sinks into what it is on, and part it from itself and from what it touches.
+
+    Joints, and what lies around, give way by as little as needed, weighted by inertia.
+
+    Args:
+        model: The infant and its world.
+        data: Its state; of what is derived from it, the positions are computed anew.
+        root_body: The infant's root, which has a free joint.
+        fixed: Degrees of freedom that do not give way.
+    """
+    root = model.body(root_body).id
+    height = model.jnt_qposadr[model.body_jntadr[root]] + 2
+    infants = model.body_rootid[model.geom_bodyid] == root
+    yielding = model.dof_invweight0.copy()
+    yielding[fixed] = 0.0
+    for _ in range(ROUNDS):
+        mujoco.mj_fwdPosition(model, data)
+        own, depths_m = infants[data.contact.geom], -data.contact.dist
+        if not (own.any(axis=1) & (depths_m > CLOSE_M)).any():
+            return
+        lift_m = _lift_m(data, own, depths_m)
+        if lift_m:
+            data.qpos[height] += lift_m
+        else:
+            _part(model, data, np.flatnonzero(own.any(axis=1) & (depths_m > LEFT_M)), yielding)
+
+
+def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Bring the angles of all hinges into their ranges."""
+    hinges = np.flatnonzero((model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE) & (model.jnt_limited != 0))
+    addresses = model.jnt_qposadr[hinges]
+    data.qpos[addresses] = np.clip(data.qpos[addresses], *model.jnt_range[hinges].T)
+
+
+def _lift_m(data: mujoco.MjData, own: Mask, depths_m: FloatArray) -> float:
+    """Return how far the infant must be lifted to be out of what it is on."""
+    alone = own[:, 0] != own[:, 1]
+    upwards = data.contact.frame[:, 2] * np.where(own[:, 1], 1.0, -1.0)
+    sunk = alone & (upwards > UPWARDS) & (depths_m > CLOSE_M)
+    return float(((depths_m[sunk] - LEFT_M) / upwards[sunk]).max()) if sunk.any() else 0.0
+
+
+def _part(model: mujoco.MjModel, data: mujoco.MjData, deep: IntArray, yielding: FloatArray) -> None:
+    """Move all degrees of freedom, by how much each yields, so that some contacts are no deeper than what is left."""
+    rows = np.array([_gap_rate(model, data, index) for index in deep])
+    weighted = rows * yielding
+    coupling = weighted @ rows.T
+    coupling[np.diag_indices_from(coupling)] += DAMPING * coupling.diagonal().max() + np.finfo(float).tiny
+    move = np.linalg.solve(coupling, -data.contact.dist[deep] - LEFT_M) @ weighted
+    move /= max(1.0, np.abs(move).max() / FARTHEST)
+    mujoco.mj_integratePos(model, data.qpos, move, 1.0)
+    clip_angles(model, data)
+
+
+def _gap_rate(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> FloatArray:
+    """Return how the distance at a contact changes with each degree of freedom, shape (nv,)."""
+    contact, rates = data.contact[index], np.zeros((2, 3, model.nv))
+    for rate, geom in zip(rates, contact.geom, strict=True):
+        mujoco.mj_jac(model, data, rate, None, contact.pos, model.geom_bodyid[geom])
+    return contact.frame[:3] @ (rates[1] - rates[0])

@@ -1,0 +1,33 @@
+"""The spaces of an environment, which never change."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Dict
+
+from mimoc.actuation.binding import Actuation
+from mimoc.errors import MimocError
+from mimoc.senses.sense import Sense
+from mimoc.tasks.task import Task
+
+
+def action_space(actuation: Actuation) -> Any:
+    """Return the space of actions: one command for each commanded actuator."""
+    return Box(actuation.low.astype(np.float32), actuation.high.astype(np.float32), dtype=np.float32)
+
+
+def observation_space(senses: Mapping[str, Sense], task: Task) -> Dict:
+    """Return the space of what the senses and the task give."""
+    return Dict({name: space for part in (*senses.values(), task) for name, space in part.spaces.items()})
+
+
+def check_same_space(wanted: Any, found: Dict) -> None:
+    """Check that observations have kept their space.
+
+    Raises:
+        MimocError: If they have not; the error names one that changed.
+    """
+    for name in sorted(wanted.keys() | found.keys()):
+        if wanted.get(name) != found.get(name):
+            raise MimocError(f"the space of the observation '{name}' changes with age or scene; it must not")

@@ -1,0 +1,85 @@
+"""The model of another age, cast without being printed, is the one that a whole build gives."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.compiler.aged import aged
+from mimoc.compiler.variants import SpecVariants
+
+SENSES = {"proprioception": {}, "vestibular": {}}
+STATISTICS = ("meaninertia", "meanmass", "meansize", "extent", "center")
+AGES_MONTHS = (17.25, 3.0, 9.0, 0.0)
+INFANTS: dict[str, dict[str, Any]] = {
+    "average": {},
+    "five fingers": {"body": {"hands": "five_finger", "chest_joint": True}},
+    "muscles": {"actuation": {"model": "muscle"}},
+    "servos": {"actuation": {"model": "position"}},
+    "published": {"development": "published", "actuation": {"model": "muscle"}},
+    "percentiles": {"body": {"individual": {"sex": "female", "length_percentile": 80, "weight_percentile": 30}}},
+    "one arm, stronger": {"body": {"remove": ["left_lower_arm"]}, "actuation": {"strength": {"legs": 1.5}}},
+    "room with toys": {"scene": {"kind": "room", "toys": {"count": [3, 3]}, "pose": "sitting"}},
+    "crib with toys": {"scene": {"kind": "crib", "toys": {"count": [2, 2]}}},
+    "reaching": {"task": {"kind": "reach"}},
+    "catching": {"task": {"kind": "catch"}},
+    "held": {"scene": {"held": ["hip"], "pose": "sitting"}, "actuation": {"locked": ["neck"]}},
+    "seeing and feeling": {"senses": {"vision": {"acuity": "age"}, "touch": {"density": 0.2}}},
+}
+
+
+def spec(**keys: Any) -> mimoc.InfantSpec:
+    return mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES, **keys})
+
+
+def differences(model: mujoco.MjModel, expected: mujoco.MjModel) -> list[str]:
+    """Return the names of all that differs between two models."""
+    names = [name for name in dir(expected) if not name.startswith("_")]
+    values = [(name, getattr(model, name), getattr(expected, name)) for name in names]
+    plain = [(name, *pair) for name, *pair in values if isinstance(pair[0], (np.ndarray, int, float, bytes))]
+    statistics = [(name, getattr(model.stat, name), getattr(expected.stat, name)) for name in STATISTICS]
+    return [name for name, found, wanted in (*plain, *statistics) if not np.array_equal(found, wanted)]
+
+
+@pytest.mark.parametrize("infant", INFANTS)
+def test_a_variant_is_what_a_build_of_its_age_gives(infant):
+    variants = SpecVariants(spec(**INFANTS[infant]))
+    for age_months in AGES_MONTHS:
+        found = variants(age_months, 0)
+        built = mimoc.build(aged(spec(**INFANTS[infant]), age_months))
+        assert differences(found.model, load_model(built)) == [], age_months
+        assert found.bundle.manifest == built.manifest
+        assert all(np.array_equal(found.bundle.arrays[name], built.arrays[name]) for name in built.arrays)
+    assert found.bundle.files == built.files
+
+
+def test_a_variant_has_other_scenes_too():
+    variants = SpecVariants(spec(scene={"kind": "room", "toys": {"count": [2, 2]}}))
+    variants(12, 0)
+    built = mimoc.build(spec(scene={"kind": "room", "toys": {"count": [2, 2]}, "seed": 4}).with_(age_months=12))
+    found = variants(12, 4)
+    assert differences(found.model, load_model(built)) == []
+    assert found.bundle.manifest == built.manifest
+
+
+def test_models_of_one_age_belong_to_whoever_asked():
+    variants = SpecVariants(spec())
+    first = variants(12, 0).model
+    first.body_mass[:] = 7.0
+    assert not (variants(12, 0).model.body_mass == 7.0).any()
+
+
+def test_measures_keep_their_z_scores_and_their_ratios():
+    child = spec(body={"individual": {"sex": "male", "length_cm": 73.0}, "measurements": {"hand_breadth_cm": 4.2}})
+    older = aged(child, 18)
+    assert older.age_months == 18
+    assert older.body.individual
+    assert older.body.individual.length_cm == pytest.approx(83.8, abs=0.5)
+    assert 4.2 < older.body.measurements["hand_breadth_cm"] < 5.2
+    again = aged(older, 9).body.individual
+    assert again
+    assert again.length_cm == pytest.approx(73.0)
+    assert aged(child, 9) is child

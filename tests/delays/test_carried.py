@@ -1,0 +1,115 @@
+"""Signals on their way when delays change: those that there is room for stay, and none overtakes another."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mimoc.delays.schedule import Schedule
+from mimoc.delays.spec import DelayEntry
+from mimoc.delays.timing import Timing
+from mimoc.noise.spec import NoiseEntry
+from mimoc.noise.streams import NoiseStreams
+from mimoc.senses.sense import Vector
+
+SLIDER = """
+<mujoco>
+  <option timestep="0.001" gravity="0 0 0"/>
+  <worldbody>
+    <body name="trunk"><joint name="x" type="slide"/><geom size="0.1" mass="1"/></body>
+    <body name="leg"><joint name="y" type="slide"/><geom size="0.1" mass="1"/></body>
+  </worldbody>
+  <actuator><motor joint="x"/><motor joint="y"/></actuator>
+</mujoco>
+"""
+MODEL = mujoco.MjModel.from_xml_string(SLIDER)
+
+
+class Clocks(Vector):
+    """The time, as a trunk and a leg tell it."""
+
+    def __init__(self):
+        super().__init__("clock", ("trunk [s]", "leg [s]"), 0.0, 100.0, np.array([1, 2]))
+
+    def __call__(self, data):
+        return np.full(2, data.time)
+
+
+class Motors:
+    """Every command is its control."""
+
+    actuators = np.arange(2)
+    low, high = np.full(2, -1e6), np.full(2, 1e6)
+
+    def __call__(self, action):
+        return np.array(action, float)
+
+
+def schedule(period: int, delay: int, legs: int | None, jitter: int, streams: NoiseStreams) -> Schedule:
+    entry = DelayEntry(ms=delay, legs_ms=legs)
+    noise = NoiseEntry(delay_jitter_ms=jitter)
+    motors: Any = Motors()
+    timing = Timing(period, 1, {"clock": entry, "motor": entry}, ("leg",), noise)
+    return Schedule({"clock": Clocks()}, motors, MODEL, timing, streams)
+
+
+delays = st.integers(1, 12)
+legs = st.none() | st.integers(1, 15)
+
+
+@settings(max_examples=40)
+@given(st.integers(1, 5), delays, legs, delays, legs, st.integers(0, 4), st.integers(0, 99))
+def test_observations_keep_their_order_and_reach_their_new_delay(period, first, leg, then, leg_then, jitter, seed):
+    streams, data = NoiseStreams(seed), mujoco.MjData(MODEL)
+    before, after = (schedule(period, *each, jitter, streams) for each in ((first, leg), (then, leg_then)))
+    before.reset(data)
+    told, commanded = [], []
+
+    def live(running: Schedule, steps: int) -> None:
+        for _ in range(steps):
+            number = len(told) + 1.0
+            running.step([number, number], data)
+            told.append(running.observe()["clock"].copy())
+            commanded.append(data.ctrl.copy())
+
+    live(before, 20)
+    after.carry_on(before, data)
+    assert np.array_equal(after.observe()["clock"], told[-1]) or then < first or (leg_then or then) < (leg or first)
+    live(after, 40)
+    assert (np.diff(np.array(told), axis=0) >= -1e-9).all()
+    assert (np.diff(np.array(commanded), axis=0) >= 0).all()
+    late_ms = np.rint(1e3 * (data.time - told[-1]))
+    wanted = np.array([then, leg_then or then])
+    assert (np.abs(late_ms - wanted) <= jitter).all()
+
+
+@settings(max_examples=40)
+@given(st.integers(1, 5), delays, legs, st.integers(0, 99))
+def test_the_same_delays_change_nothing(period, delay, leg, seed):
+    found = []
+    for carries in (False, True):
+        streams, data = NoiseStreams(seed), mujoco.MjData(MODEL)
+        running = schedule(period, delay, leg, 0, streams)
+        running.reset(data)
+        told = []
+        for number in range(30):
+            if carries and number == 15:
+                former, running = running, schedule(period, delay, leg, 0, streams)
+                running.carry_on(former, data)
+            running.step([number, number], data)
+            told.append(np.concatenate([running.observe()["clock"], data.ctrl]))
+        found.append(told)
+    assert np.array_equal(*found)
+
+
+def test_what_has_not_been_taken_yet_is_left_to_the_former_schedule():
+    """The schedule of the age before can go on by itself, as when growing fails."""
+    streams, data = NoiseStreams(0), mujoco.MjData(MODEL)
+    before, after = (schedule(2, 6, 8, 0, streams), schedule(2, 3, 3, 0, streams))
+    before.reset(data)
+    state = before.state
+    after.carry_on(before, data)
+    after.step([1, 1], data)
+    assert str(before.state) == str(state)
