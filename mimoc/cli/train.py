@@ -1,7 +1,7 @@
 """`mimoc train`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -73,6 +73,7 @@ def train(
     from mimoc.cli import console
     from mimoc.training import hyperparameters
 
+    growth: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps}
     chosen, bundle = hyperparameters.parse(algo, assignments or []), load_infant(infant)
     with console.progress("training") as show, resumable():
         done = training.train(
@@ -89,9 +90,7 @@ def train(
             force=force,
             progress=show,
             task=import_object(task) if task else None,
-            grow=grow,
-            schedule=schedule,
-            grow_steps=grow_steps,
+            **growth,
         )
     console.print_training(done)
     print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")

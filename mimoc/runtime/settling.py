@@ -16,7 +16,9 @@ UPWARDS = 0.1
 """Least vertical part of a contact's normal at which lifting helps."""
 FARTHEST = 0.2
 """What a joint turns by in one round at most, in [rad], and what moves freely moves by, in [m]."""
-DAMPING = 1e-3
+AT_LIMITS = 5
+"""Most times in a round that joints which reach the end of their range leave the rest to others."""
+DAMPING = 1e-5
 """Of contacts that contradict each other, relative to the largest."""
 
 Mask = npt.NDArray[np.bool_]
@@ -47,7 +49,7 @@ def settle(model: mujoco.MjModel, data: mujoco.MjData, root_body: str, fixed: In
         if lift_m:
             data.qpos[height] += lift_m
         else:
-            _part(model, data, np.flatnonzero(own.any(axis=1) & (depths_m > LEFT_M)), yielding)
+            _part(model, data, np.flatnonzero(own.any(axis=1) & (depths_m > 0)), yielding)
 
 
 def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -65,16 +67,28 @@ def _lift_m(data: mujoco.MjData, own: Mask, depths_m: FloatArray) -> float:
     return float(((depths_m[sunk] - LEFT_M) / upwards[sunk]).max()) if sunk.any() else 0.0
 
 
-def _part(model: mujoco.MjModel, data: mujoco.MjData, deep: IntArray, yielding: FloatArray) -> None:
-    """Move all degrees of freedom, by how much each yields, so that some contacts are no deeper than what is left."""
-    rows = np.array([_gap_rate(model, data, index) for index in deep])
-    weighted = rows * yielding
-    coupling = weighted @ rows.T
-    coupling[np.diag_indices_from(coupling)] += DAMPING * coupling.diagonal().max() + np.finfo(float).tiny
-    move = np.linalg.solve(coupling, -data.contact.dist[deep] - LEFT_M) @ weighted
-    move /= max(1.0, np.abs(move).max() / FARTHEST)
-    mujoco.mj_integratePos(model, data.qpos, move, 1.0)
-    clip_angles(model, data)
+def _part(model: mujoco.MjModel, data: mujoco.MjData, touching: IntArray, yielding: FloatArray) -> None:
+    """Move all degrees of freedom, by how much each yields, so that no contact is deeper than what is left.
+
+    Contacts that are not deep stay as they are: a hand between the head and the floor is not pushed into the floor.
+    """
+    rows = np.array([_gap_rate(model, data, index) for index in touching])
+    excess_m = np.maximum(-data.contact.dist[touching] - LEFT_M, 0.0)
+    yielding, before = yielding.copy(), data.qpos.copy()
+    for _ in range(AT_LIMITS):
+        weighted = rows * yielding
+        coupling = weighted @ rows.T
+        coupling[np.diag_indices_from(coupling)] += DAMPING * coupling.diagonal().max() + np.finfo(float).tiny
+        move = np.linalg.solve(coupling, excess_m) @ weighted
+        move /= max(1.0, np.abs(move).max() / FARTHEST)
+        data.qpos[:] = before
+        mujoco.mj_integratePos(model, data.qpos, move, 1.0)
+        wanted = data.qpos.copy()
+        clip_angles(model, data)
+        stopped = np.isin(model.jnt_qposadr, np.flatnonzero(wanted != data.qpos))
+        if not stopped.any():
+            return
+        yielding[model.jnt_dofadr[stopped]] = 0.0
 
 
 def _gap_rate(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> FloatArray:
