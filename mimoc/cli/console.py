@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -187,8 +188,8 @@ def _outcomes(summary: Summary) -> dict[str, str]:
     return found
 
 
-def print_training(training: Training) -> None:
-    """Print the first and the last row of a training's learning curve."""
+def print_training(training: Training, out: Path) -> None:
+    """Print the first and the last row of a training's learning curve, and what to do with its folder."""
     rows = training.curve.rows
     table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
     for heading in ("quantity", "start", "end"):
@@ -199,6 +200,7 @@ def print_training(training: Training) -> None:
     console.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
+    print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}")
 
 
 def _number_text(value: float) -> str:

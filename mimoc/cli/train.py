@@ -74,17 +74,16 @@ def train(
     from mimoc.training import hyperparameters
 
     growth: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps}
-    chosen, bundle = hyperparameters.parse(algo, assignments or []), load_infant(infant)
     with console.progress("training") as show, resumable():
         done = training.train(
-            bundle,
+            load_infant(infant),
             out,
             algo=algo,
             steps=steps,
             seed=seed,
             envs=envs,
             checkpoint_every=every,
-            hyper=chosen,
+            hyper=hyperparameters.parse(algo, assignments or []),
             threads=threads,
             processes=processes,
             force=force,
@@ -92,5 +91,4 @@ def train(
             task=import_object(task) if task else None,
             **growth,
         )
-    console.print_training(done)
-    print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {done.policy}")
+    console.print_training(done, out)

@@ -22,19 +22,10 @@ from mimoc.errors import UnknownNameError
 from mimoc.model_fields import ModelFields
 from mimoc.noise.streams import NoiseStreams
 from mimoc.render.environment import MODES, EnvRenderer, available_modes
+from mimoc.runtime import growing
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
-from mimoc.runtime.growing import (
-    AGE,
-    POSE,
-    SEED,
-    Living,
-    carry_on,
-    check_options,
-    check_same_body,
-    find_variant,
-    variant_of_state,
-)
+from mimoc.runtime.keypoints import Keypoints
 from mimoc.runtime.physics_state import check_physics, physics_of, set_physics
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
 from mimoc.runtime.timing import timing_of
@@ -185,10 +176,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""
-        found = np.full((len(self.manifest.keypoints), 3), np.nan)
-        present = self._keypoints >= 0
-        found[present] = self.data.site_xpos[self._keypoints[present]]
-        return found
+        return self._keypoints(self.data)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict]:
         """Start an episode in the bundle's default pose, or in another: `options={"pose": name}`.
@@ -202,9 +190,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             MimocError: If there is no such infant; nothing has changed then.
         """
         options = options or {}
-        check_options(options, self._variants)
-        variant = find_variant(self._variants, self.manifest, options)
-        pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(POSE))
+        growing.check_options(options, self._variants)
+        variant = growing.find_variant(self._variants, self.manifest, options)
+        pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
         super().reset(seed=seed)
         if seed is not None:
             self._noise.restart(seed)
@@ -215,7 +203,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._renderer.close()
             self._renderer = self._open_renderer()
         self._renderer.show()
-        return observation, {"is_success": False, "reward_terms": {}, "unstable": False, AGE: self.age_months}
+        return observation, {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
 
     def grow(self, to: float) -> Observation:
         """Let the infant have another age from now on, in the midst of its episode; return the observation.
@@ -231,12 +219,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If this is not such an age.
             MimocError: If there is no such infant, or this environment cannot make it; nothing has changed then.
         """
-        variant = find_variant(self._variants, self.manifest, {AGE: to})
+        variant = growing.find_variant(self._variants, self.manifest, {growing.AGE: to})
         if variant:
-            check_same_body(self.model, variant.model)
+            growing.check_same_body(self.model, variant.model)
             former = self._living()
             self._become(variant)
-            carry_on(former, self._living())
+            growing.carry_on(former, self._living())
             self._renderer.follow(self.model, self.data)
             self._renderer.show()
         return self._observe()
@@ -262,7 +250,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
-        info[AGE] = self.age_months
+        info[growing.AGE] = self.age_months
         return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
@@ -279,8 +267,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
                 "steps": self._steps,
                 "random": self.np_random.bit_generator.state,
                 "noise": self._noise.state,
-                SEED: self.manifest.seed,
-                AGE: self.age_months,
+                growing.SEED: self.manifest.seed,
+                growing.AGE: self.age_months,
             }
         )
 
@@ -296,7 +284,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the state is that of a different infant, or of an age or scene that cannot be restored here.
             MimocError: If there is no such infant.
         """
-        variant = variant_of_state(self._variants, self.manifest, state)
+        variant = growing.variant_of_state(self._variants, self.manifest, state)
         check_physics(state["physics"], variant.model if variant else self.model)
         if variant:
             self._become(variant)
@@ -358,16 +346,15 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._schedule = Schedule(
             self._senses, self._act, self.model, timing_of(self.manifest, self._senses), self._noise
         )
-        site = mujoco.mjtObj.mjOBJ_SITE
-        self._keypoints = np.array([mujoco.mj_name2id(self.model, site, name) for name in self.manifest.keypoints], int)
+        self._keypoints = Keypoints(self.manifest.keypoints, self.model)
 
     def _open_renderer(self) -> EnvRenderer:
         return EnvRenderer(self.render_mode, self.model, self.data, self.manifest.root_body, self._picture_size)
 
-    def _living(self) -> Living:
+    def _living(self) -> growing.Living:
         """Return what lives of the infant."""
         parts = self._constraints, self._model_fields, self._task, self._schedule
-        return Living(self.manifest, self.model, self.data, *parts)
+        return growing.Living(self.manifest, self.model, self.data, *parts)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""
