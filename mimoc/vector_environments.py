@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -82,9 +83,9 @@ def sb3_vec_env(source: Source | Sequence[Source], num_envs: int | None = None, 
     """
     from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
 
-    infants = make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options)
-    if not isinstance(infants, ManyInfants):
+    if options.get("device", "cpu") != "cpu":
         raise MimocError("Stable-Baselines3 learns from infants on the CPU; leave out device")
+    infants: Any = make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options)
     return InfantVecEnv(infants)
 
 
@@ -139,12 +140,13 @@ def _joined(
         raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
     if device != "cpu":
         return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
-    limit, shared = options.pop("max_episode_steps", None), dict(options)
-    infants = [
-        InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(shared))
-        for index in range(count)
-    ]
-    return ManyInfants(infants, threads, autoreset_mode, limit)
+    limit = options.pop("max_episode_steps", None)
+
+    def open_infant(index: int) -> InfantEnv:
+        """Open one, with copies of a script's objects of its own."""
+        return InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(options))
+
+    return ManyInfants([partial(open_infant, index) for index in range(count)], threads, autoreset_mode, limit)
 
 
 def _on_device(

@@ -41,6 +41,14 @@ def test_the_program_that_runs_an_experiment_works(here):
     assert any((here / "out" / "growth").glob("*.md"))
 
 
+@pytest.mark.slow
+def test_the_programs_that_run_many_infants_work(here, capsys):
+    session: dict = {}
+    for program in blocks("docs/many.md", "python"):
+        exec(program, session)
+    assert capsys.readouterr().out.startswith("(8, ")
+
+
 def test_every_file_that_a_page_links_to_exists():
     pages = [CHECKOUT / "README.md", CHECKOUT / "CONTRIBUTING.md", *(CHECKOUT / "docs").rglob("*.md")]
     pages += (CHECKOUT / "examples").rglob("*.md")

@@ -30,6 +30,7 @@ Threads = Annotated[
     int | None,
     typer.Option("--threads", min=1, help="Threads that share the work; default: as many as may be used."),
 ]
+Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 OwnTask = Annotated[
     str | None,
     typer.Option(
@@ -52,9 +53,7 @@ def train(
     threads: Threads = None,
     processes: Processes = None,
     task: OwnTask = None,
-    force: Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")] = (
-        False
-    ),
+    force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training

@@ -68,6 +68,11 @@ class Renderer:
         self.context.free()
         self._load(model)
 
+    def show_model(self, model: mujoco.MjModel) -> None:
+        """Draw another model from now on, whose meshes and textures are the same: nothing is uploaded."""
+        self._model = model
+        self.reserve(0)
+
     def reserve(self, geoms: int) -> None:
         """Make room in the scene for more geoms than those of the model."""
         needed = self._model.ngeom + self._model.nsite + SPARE_GEOMS + geoms

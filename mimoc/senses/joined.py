@@ -71,15 +71,14 @@ class JoinedVector:
 
     def __init__(self, senses: Sequence[Vector]):
         """Join senses that read the same places of their models; what differs is in their `constants`."""
-        self._first, self._count = senses[0], len(senses)
+        self._first = senses[0]
         self._low, self._high = (np.stack([getattr(each, bound) for each in senses]) for bound in ("low", "high"))
         self._constants = [np.stack(each) for each in zip(*(sense.constants for sense in senses), strict=True)]
 
     def read(self, simulations: Simulations, infants: Sequence[int]) -> Sequence[Sample]:
         """Return a row for each."""
-        constants = self._constants
-        if len(infants) < self._count:
-            constants = [each[np.asarray(infants)] for each in constants]
+        chosen = np.asarray(infants)
+        constants = [each[chosen] for each in self._constants]
         return list(self._first.measure(Fields(simulations, infants), *constants))
 
     def observe(self, samples: Sequence[Sample]) -> Observation:

@@ -107,8 +107,7 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
 
 
 def _together(open_env: Callable[[], InfantEnv], count: int, threads: int | None) -> VecEnv:
-    infants = [open_env() for _ in range(count)]
-    return InfantVecEnv(ManyInfants(infants, threads, RESET_IN_THE_SAME_STEP))
+    return InfantVecEnv(ManyInfants([open_env] * count, threads, RESET_IN_THE_SAME_STEP))
 
 
 def _apart(open_env: Callable[[], InfantEnv], count: int, processes: bool) -> VecEnv:

@@ -27,7 +27,7 @@ class Physics:
             datas: The state of each, likewise.
             threads: How many to use, or all that this process may use.
         """
-        self._models, self.datas = list(models), list(datas)
+        self.models, self.datas = list(models), list(datas)
         self.threads = threads or usable_threads()
         self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
         self._views: dict[str, list[FloatArray]] = {}
@@ -70,8 +70,7 @@ class Physics:
         if field not in self._views:
             self._views[field] = [getattr(data, field) for data in self.datas]
         views = self._views[field]
-        chosen = views if len(infants) == len(views) else [views[infant] for infant in infants]
-        return np.concatenate(chosen).reshape(len(chosen), *views[0].shape)
+        return np.concatenate([views[infant] for infant in infants]).reshape(len(infants), *views[0].shape)
 
     def broke_down(self) -> list[bool]:
         """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
@@ -80,7 +79,7 @@ class Physics:
 
     def replace(self, infant: int, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Put another model and state in place of an infant's, as when it has grown."""
-        self._models[infant], self.datas[infant] = model, data
+        self.models[infant], self.datas[infant] = model, data
         self._warnings[infant] = data.warning.number
         for field, views in self._views.items():
             views[infant] = getattr(data, field)
@@ -94,7 +93,7 @@ class Physics:
         """Make physics steps of one infant; where MuJoCo cannot, it has broken down."""
         data = self.datas[infant]
         try:
-            mujoco.mj_step(self._models[infant], data, steps)
+            mujoco.mj_step(self.models[infant], data, steps)
         except mujoco.FatalError:
             data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number += 1
 

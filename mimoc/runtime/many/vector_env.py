@@ -1,6 +1,6 @@
 """The Gymnasium vector environment of many infants."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from mimoc.render.picture_grid import Picture, in_rows
+from mimoc.render.shared import SharedRenderers, sharing
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.control_step import ControlStep
 from mimoc.runtime.many.infos import Infos, joined
@@ -34,15 +35,15 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
 
     def __init__(
         self,
-        infants: Sequence[InfantEnv],
+        openers: Sequence[Callable[[], InfantEnv]],
         threads: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
     ):
-        """Join infants.
+        """Open infants and join them.
 
         Args:
-            infants: At least one; they are closed with the vector environment.
+            openers: What opens each, at least one; their eyes share OpenGL contexts.
             threads: How many to use, or all that this process may use.
             autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
             max_episode_steps: Control steps after which any episode is truncated, as by Gymnasium's `TimeLimit`.
@@ -50,8 +51,10 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         Raises:
             MixtureError: If they do not sense and command the same.
         """
+        self._renderers, self.num_envs = SharedRenderers(), len(openers)
+        with sharing(self._renderers):
+            infants = self.infants = tuple(open_infant() for open_infant in openers)
         check_mixture(infants)
-        self.infants, self.num_envs = tuple(infants), len(infants)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = infants[0].render_mode
         self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
@@ -104,7 +107,8 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Reset some infants, or all, each with its own seed and options; see `reset`."""
         infos: Infos = {}
         for infant in range(self.num_envs) if which is None else which:
-            _, infos[infant] = self.infants[infant].reset(seed=seeds[infant], options=options[infant])
+            with sharing(self._renderers):
+                _, infos[infant] = self.infants[infant].reset(seed=seeds[infant], options=options[infant])
             self._ended[infant] = False
         self._follow()
         return self._observe(), infos
@@ -203,6 +207,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._physics.close()
         for infant in self.infants:
             infant.close()
+        self._renderers.close()
 
     def _bind(self) -> None:
         """Join what all infants have now; those of one bundle are worked through one after another."""
@@ -213,8 +218,9 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._control_step = ControlStep(self._schedules, self._physics, self._senses)
 
     def _follow(self) -> None:
-        """Take over the models of infants that got another one, in another scene or by growing."""
-        found = [index for index, each in enumerate(self.infants) if each.data is not self._physics.datas[index]]
+        """Take over what infants have now that got another model, in another scene or by growing."""
+        pairs = enumerate(zip(self.infants, self._physics.models, self._physics.datas, strict=True))
+        found = [index for index, (each, model, data) in pairs if each.data is not data or each.model is not model]
         for index in found:
             self._physics.replace(index, self.infants[index].model, self.infants[index].data)
         if found:

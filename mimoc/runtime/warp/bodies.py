@@ -57,6 +57,28 @@ def batched_model(
     return batched
 
 
+def batched_data(
+    models: Sequence[mujoco.MjModel], body_of_world: npt.NDArray[np.intp], contacts: int, constraints: int
+) -> mjw.Data:
+    """Return the states of many worlds.
+
+    MuJoCo Warp computes only once where what is fixed to the world is, such as a rail, and for one body only.
+
+    Args:
+        models: The different bodies.
+        body_of_world: Which of them lives in each world, shape (worlds,).
+        contacts: Room for contacts in a world.
+        constraints: Room for rows of constraints in a world.
+    """
+    batched = mjw.make_data(models[0], nworld=len(body_of_world), nconmax=contacts, njmax=constraints)
+    states = [mujoco.MjData(model) for model in models]
+    for model, state in zip(models, states, strict=True):
+        mujoco.mj_kinematics(model, state)
+    batched.geom_xpos.assign(np.stack([state.geom_xpos for state in states])[body_of_world])
+    batched.geom_xmat.assign(np.stack([state.geom_xmat.reshape(-1, 3, 3) for state in states])[body_of_world])
+    return batched
+
+
 def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     """Return the fields in which models differ.
 

@@ -200,11 +200,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Return success, stability and the terms of the reward; with resets in the same step, also the last views."""
         ended = self.worlds.ended
         terms = self._give(ended.terms)
-        names = self.worlds.task.terms
         info = {
             "is_success": self._flag(ended.success),
             "unstable": self._flag(ended.unstable),
-            "reward_terms": {"names": names, "values": terms},
+            "reward_terms": {name: terms[:, index] for index, name in enumerate(self.worlds.task.terms)},
         }
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}

@@ -14,7 +14,7 @@ from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
-from mimoc.runtime.warp.bodies import batched_model
+from mimoc.runtime.warp.bodies import batched_data, batched_model
 from mimoc.runtime.warp.capacity import Capacity, measured
 from mimoc.runtime.warp.lines import Line, delay_steps
 from mimoc.runtime.warp.starts import Starts, drawn, model_fields
@@ -47,10 +47,9 @@ class Worlds:
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
         fields = {field.name for infant in infants for field in model_fields(infant)}
         self.model = batched_model([each.model for each in infants], body_of_world, fields)
-        self.capacity = self._capacity(*room)
-        self.data = mjw.make_data(
-            infants[0].model, nworld=count, nconmax=self.capacity.contacts, njmax=self.capacity.constraints
-        )
+        self.capacity = self._capacity(room)
+        capacity, models = self.capacity, [each.model for each in infants]
+        self.data = batched_data(models, body_of_world, capacity.contacts, capacity.constraints)
         self.body = put(body_of_world, wp.int32)
         self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
         self._touch = feeling(touch, infants, self.body) if "touch" in infants[0].senses else None
@@ -128,8 +127,9 @@ class Worlds:
                 self._readers[name](self.model, self.data, line.entering)
                 line.send(self.clock, rest)
 
-    def _capacity(self, contacts: int | None, constraints: int | None) -> Capacity:
+    def _capacity(self, room: tuple[int | None, int | None]) -> Capacity:
         """Return the room for contacts and constraints, measured where nothing was said."""
+        contacts, constraints = room
         if contacts and constraints:
             return Capacity(contacts, constraints)
         poses, pairs = [each.manifest.pose for each in self._infants], self.model.nxn_geom_pair_filtered.numpy()

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Collection, Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.render.renderer import Renderer
+from mimoc.render.shared import assets_of, shared_renderers
 from mimoc.render.visual_settings import Setting
 
 Drawn = npt.NDArray[np.uint8]
@@ -19,6 +21,8 @@ SLICES_PER_ROOT_PX = 2.0
 the outline of a limb half as wide as the picture is then within a third of a pixel of a round one.
 `benchmarks/vision.py` measures the time that this saves and the difference in the pictures."""
 STACKS_PER_SLICE = 2 / 3
+PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]
+"""What eyes do without."""
 HIDDEN_GROUP = 5
 """One of the groups of geoms that MuJoCo does not draw unless asked to."""
 
@@ -44,11 +48,15 @@ class Eyes:
         self._names, self._unseen_bodies = tuple(cameras), unseen
         self._parts = [mujoco.MjrRect(0, row * height_px, width_px, height_px) for row in range(len(cameras))]
         self._shape = len(cameras), height_px, width_px, 3
-        self._renderer = Renderer(model, width_px, height_px * len(cameras), lambda model: _lean(model, height_px))
+        self._size_px, self._shared = (width_px, height_px * len(cameras)), shared_renderers()
+        self._settings = partial(_lean, height_px=height_px)
+        self._renderer = self._open(model)
         self._find_names(model)
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
         """Return what the cameras draw."""
+        if self._shared is not None:
+            self._renderer.show_model(self._model)
         self._renderer.make_current()
         for camera, part in zip(self._cameras, self._parts, strict=True):
             self._compose(camera, data)
@@ -61,21 +69,28 @@ class Eyes:
         Raises:
             RenderingError: If OpenGL has no room for it.
         """
-        self._renderer.change_model(model)
+        if self._shared is not None:
+            self._renderer = self._open(model)
+        else:
+            self._renderer.change_model(model)
         self._find_names(model)
 
     def close(self) -> None:
-        """Free the OpenGL context; closing twice is fine."""
-        self._renderer.close()
+        """Free the OpenGL context, unless it is shared; closing twice is fine."""
+        if self._shared is None:
+            self._renderer.close()
+
+    def _open(self, model: mujoco.MjModel) -> Renderer:
+        """Return a renderer of its own, or the shared one for the meshes and textures of a model."""
+        make = partial(Renderer, model, *self._size_px, self._settings)
+        return self._shared.of(assets_of(model), self._size_px, make) if self._shared is not None else make()
 
     def _find_names(self, model: mujoco.MjModel) -> None:
         """Find cameras and unseen geoms in the model that is drawn now."""
-        self._groups = model.geom_group
+        self._model, self._groups = model, model.geom_group
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
-        for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
-            self._renderer.scene.flags[flag] = 0
 
     def _compose(self, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
         """Fill the scene for a camera, whose light goes with it."""
@@ -83,6 +98,7 @@ class Eyes:
         self._groups[self._unseen] = HIDDEN_GROUP
         try:
             self._renderer.compose(data, camera)
+            self._renderer.scene.flags[PLAIN] = 0
         finally:
             self._groups[self._unseen] = usual
 
