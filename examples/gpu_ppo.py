@@ -24,6 +24,7 @@ EPOCHS, BATCHES = 4, 4
 DISCOUNT, LAMBDA, CLIP = 0.99, 0.95, 0.2
 VALUE_WEIGHT, LEARNING_RATE, GRADIENT = 0.5, 3e-4, 0.5
 KEPT = ("seen", "actions", "logs", "rewards", "ends", "worth", "next")
+"""What is kept of each step."""
 EPISODE = 200
 """Control steps after which an episode is truncated."""
 
@@ -39,12 +40,7 @@ class Agent(nn.Module):
 
     def __init__(self, numbers: int, commands: int):
         super().__init__()
-        self.policy = nn.Sequential(
-            nn.Linear(numbers, 256), nn.Tanh(), nn.Linear(256, 256), nn.Tanh(), nn.Linear(256, commands)
-        )
-        self.value = nn.Sequential(
-            nn.Linear(numbers, 256), nn.Tanh(), nn.Linear(256, 256), nn.Tanh(), nn.Linear(256, 1)
-        )
+        self.policy, self.value = network(numbers, commands), network(numbers, 1)
         self.log_deviation = nn.Parameter(torch.full((commands,), -0.5))
         self.register_buffer("mean", torch.zeros(numbers))
         self.register_buffer("variance", torch.ones(numbers))
@@ -77,10 +73,8 @@ def numbers_of(observation: dict[str, torch.Tensor]) -> torch.Tensor:
 
 
 def collect(env, agent: Agent, observation: torch.Tensor) -> tuple[dict[str, torch.Tensor], torch.Tensor, torch.Tensor]:
-    """Return what happened in some steps, each with a leading axis of steps; what is observed then; and what touched."""
-    kept: dict[str, list[torch.Tensor]] = {
-        name: [] for name in ("seen", "actions", "logs", "rewards", "ends", "worth", "next")
-    }
+    """Return what happened in some steps, with a leading axis of steps; what is seen then; and who touched the ball."""
+    kept: dict[str, list[torch.Tensor]] = {name: [] for name in KEPT}
     touched = []
     for _ in range(STEPS):
         agent.see(observation)
@@ -154,10 +148,7 @@ def main() -> None:
         improve(agent, optimiser, kept)
         ends, touches = int(kept["ends"].sum()), int(touched.sum())
         rate = STEPS * options.infants / (time.perf_counter() - start)
-        print(
-            f"{update:4}: {touches} of {ends} episodes that ended touched the ball, {rate:,.0f} control steps/s",
-            flush=True,
-        )
+        print(f"{update:4}: {touches} of {ends} ended episodes touched the ball; {rate:,.0f} steps/s", flush=True)
     env.close()
 
 

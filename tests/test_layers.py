@@ -71,7 +71,7 @@ LAYERS = {
     "device": layer(
         "runtime.warp runtime.warp.*",
         f"{LANGUAGE} bundle drawing run runtime",
-        "gymnasium mujoco warp mujoco_warp torch",
+        "gymnasium mujoco warp mujoco_warp",
     ),
     "control": layer("control control.*", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies.*", RUNNING, ""),

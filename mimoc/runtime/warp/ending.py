@@ -87,6 +87,17 @@ def _broken(values: wp.array2d[float], world: int) -> bool:
     return found
 
 
+@wp.func
+def _total(terms: wp.array2d[float], world: int, void: bool) -> float:
+    """Return the sum of the terms, which are zero if they are void."""
+    total = float(0.0)
+    for term in range(terms.shape[1]):
+        if void:
+            terms[world, term] = 0.0
+        total += terms[world, term]
+    return total
+
+
 @wp.kernel(enable_backward=False)
 def _judge(
     mode: int,
@@ -114,17 +125,10 @@ def _judge(
     waiting = ended[world] == 1 and mode == wp.static(NEXT_STEP)
     broken = (_broken(qpos, world) or _broken(qvel, world) or _broken(qacc, world)) and not waiting
     steps[world] = steps[world] + 1
-    total = float(0.0)
-    for term in range(terms.shape[1]):
-        if broken or waiting:
-            terms[world, term] = 0.0
-        total += terms[world, term]
-    reward[world] = total
     if broken or waiting:
         success[world] = 0
-        terminated[world] = 0
-    if broken:
-        terminated[world] = 1
+        terminated[world] = wp.where(broken, 1, 0)
+    reward[world] = _total(terms, world, broken or waiting)
     unstable[world] = wp.where(broken, 1, 0)
     over = steps[world] >= limits[body[world]] and not waiting
     truncated[world] = wp.where(over, 1, 0)

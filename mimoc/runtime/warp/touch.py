@@ -124,6 +124,13 @@ def _inward(contacts: Contacts, index: int, side: int) -> wp.mat33:
 
 
 @wp.func
+def _place(contacts: Contacts, index: int, side: int) -> wp.vec3:
+    """Return where a contact is on the surface of one side: it lies midway between the two surfaces."""
+    normal = wp.transpose(_inward(contacts, index, side)) @ wp.vec3(1.0, 0.0, 0.0)
+    return contacts.pos[index] + 0.5 * contacts.dist[index] * normal
+
+
+@wp.func
 def _load(contacts: Contacts, index: int, side: int, quantity: int, world_from_body: wp.mat33) -> wp.vec3:
     """Return what is felt of a contact on one side."""
     force = force_of(contacts, index)
@@ -176,9 +183,7 @@ def _share_among_points(
         if body > 0:
             world = contacts.world[index]
             mine = body_of_world[world]
-            axes = _inward(contacts, index, side)
-            normal = wp.vec3(axes[0, 0], axes[0, 1], axes[0, 2])
-            in_world = contacts.pos[index] + 0.5 * contacts.dist[index] * normal
+            in_world = _place(contacts, index, side)
             place = wp.transpose(xmat[world, body]) @ (in_world - xpos[world, body])
             load = _load(contacts, index, side, quantity, xmat[world, body])
             span = points_of_body[body]

@@ -52,23 +52,7 @@ class Worlds:
         self.data = batched_data(models, body_of_world, capacity.contacts, capacity.constraints)
         self.body = put(body_of_world, wp.int32)
         self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
-        self._touch = feeling(touch, infants, self.body) if "touch" in infants[0].senses else None
-        self._readers: dict[str, Any] = {
-            name: self._touch if name == "touch" else VectorReader(name, infants, self.body)
-            for name in infants[0].senses
-            if name != "nothing"
-        }
-        self._columns = put(infants[0].actuation.actuators, wp.int32)
-        self.commands = Line(self._delays(MOTOR), self.period, self.body)
-        self.lines = {name: Line(self._delays(name), self.period, self.body) for name in self._readers}
-        self.spaces = [self._spaces(infant) for infant in infants]
-        self._bounds = {
-            name: [put([getattr(space[name], bound) for space in self.spaces]) for bound in ("low", "high")]
-            for name in self.lines
-        }
-        shapes: dict[str, Any] = {name: space.shape for name, space in self.spaces[0].items()}
-        self.observation = {name: wp.zeros((count, *shape), dtype=float) for name, shape in shapes.items()}
-        self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
+        self._open_signals(touch)
         self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps)
         self.default_starts = self.starts(None)
         self.memory = wp.zeros((count, self.default_starts.memory.shape[1]), dtype=float)
@@ -80,6 +64,26 @@ class Worlds:
             self.ended.success,
             self.ended.terminated,
         )
+
+    def _open_signals(self, touch: str) -> None:
+        """Find what is sensed and commanded, with its delays."""
+        self._touch = feeling(touch, self._infants, self.body) if "touch" in self._infants[0].senses else None
+        self._readers: dict[str, Any] = {
+            name: self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
+            for name in self._infants[0].senses
+            if name != "nothing"
+        }
+        self._columns = put(self._infants[0].actuation.actuators, wp.int32)
+        self.commands = Line(self._delays(MOTOR), self.period, self.body)
+        self.lines = {name: Line(self._delays(name), self.period, self.body) for name in self._readers}
+        self.spaces = [self._spaces(infant) for infant in self._infants]
+        self._bounds = {
+            name: [put([getattr(space[name], bound) for space in self.spaces]) for bound in ("low", "high")]
+            for name in self.lines
+        }
+        shapes: dict[str, Any] = {name: space.shape for name, space in self.spaces[0].items()}
+        self.observation = {name: wp.zeros((self.body.shape[0], *shape), dtype=float) for name, shape in shapes.items()}
+        self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
 
     def starts(self, pose: str | None) -> Starts:
         """Return the starts of all bodies in a pose."""
