@@ -130,9 +130,8 @@ def _judge(
         terminated[world] = wp.where(broken, 1, 0)
     reward[world] = _total(terms, world, broken or waiting)
     unstable[world] = wp.where(broken, 1, 0)
-    over = steps[world] >= limits[body[world]] and not waiting
-    truncated[world] = wp.where(over, 1, 0)
-    ends = over or terminated[world] == 1
+    truncated[world] = wp.where(steps[world] >= limits[body[world]] and not waiting, 1, 0)
+    ends = truncated[world] == 1 or terminated[world] == 1
     finished[world] = wp.where(ends, 1, 0)
     chosen[world] = -1
     if waiting or (ends and mode == wp.static(SAME_STEP)):

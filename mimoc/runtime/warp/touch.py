@@ -66,8 +66,8 @@ class AllPoints:
     def __init__(self, infants: Sequence[InfantEnv], body_of_world: wp.array):
         """Find the points of each infant."""
         touch, model = _touch(infants[0]), infants[0].model
-        self.bodies, self._width, self._quantity = touch.bodies, touch.width, _quantity(infants[0])
-        self._nearest = int(infants[0].manifest.senses.touch.response == "nearest")
+        self.bodies, self._quantity = touch.bodies, _quantity(infants[0])
+        self._sharing = wp.vec2i(touch.width, int(infants[0].manifest.senses.touch.response == "nearest"))
         on = touch.receptors.bodies
         first, last = (np.searchsorted(on, np.arange(model.nbody), side) for side in ("left", "right"))
         self._geoms, self._range = _skin(infants[0]), put(np.stack([first, last], 1), wp.vec2i)
@@ -79,7 +79,7 @@ class AllPoints:
         """Write the forces."""
         sample.zero_()
         skin = [self._body, self._geoms, self._range, self._points, self._scales]
-        inputs = [contacts_of(data), *skin, self._quantity, self._width, self._nearest, data.xpos, data.xmat]
+        inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
         wp.launch(_share_among_points, (data.naconmax, 2), inputs, [sample])
 
     def start(self, sample: FloatArray) -> FloatArray:
@@ -171,23 +171,21 @@ def _share_among_points(
     points: wp.array2d[wp.vec3],
     scales: wp.array2d[float],
     quantity: int,
-    width: int,
-    to_nearest: int,
+    width_and_nearest: wp.vec2i,
     xpos: wp.array2d[wp.vec3],
     xmat: wp.array2d[wp.mat33],
     sample: wp.array2d[float],
 ):
     index, side = wp.tid()
+    width = width_and_nearest[0]
     if presses(contacts, index):
         body = body_of_geom[contacts.geoms[index][side]]
         if body > 0:
             world = contacts.world[index]
             mine = body_of_world[world]
-            in_world = _place(contacts, index, side)
-            place = wp.transpose(xmat[world, body]) @ (in_world - xpos[world, body])
+            place = wp.transpose(xmat[world, body]) @ (_place(contacts, index, side) - xpos[world, body])
             load = _load(contacts, index, side, quantity, xmat[world, body])
-            span = points_of_body[body]
-            total = float(0.0)
+            span, total = points_of_body[body], float(0.0)
             nearest = int(span[0])
             least = float(1.0e30)
             for point in range(span[0], span[1]):
@@ -196,7 +194,7 @@ def _share_among_points(
                 if away < least:
                     least = away
                     nearest = point
-            if to_nearest == 1 or total == 0.0:
+            if width_and_nearest[1] == 1 or total == 0.0:
                 for number in range(width):
                     wp.atomic_add(sample, world, nearest * width + number, load[number])
             else:

@@ -65,6 +65,7 @@ def assert_close(ours, theirs, infant, limit=CLOSE):
         assert errors.max() < 30 * limit, name
 
 
+@pytest.mark.slow
 def test_infants_of_seven_ages_at_once_feel_what_they_do_on_the_cpu(pair):
     """After 20 physics steps, with all senses and every point of the skin."""
     ours, theirs = pair([bundle(age) for age in AGES_MONTHS], touch="points")
@@ -168,6 +169,24 @@ def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
             assert any(np.allclose(start, begun, atol=1e-5) for start in own)
         assert first.shape == seen["proprioception"].shape
         env.close()
+
+
+def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
+    env = mimoc.make_vec(bundle(9), 2, device="warp:cpu")
+    env.reset(seed=0)
+    speeds = env.worlds.data.qvel.numpy()
+    speeds[0] = 1e12
+    env.worlds.data.qvel.assign(speeds)
+    command = np.zeros(env.action_space.shape, np.float32)
+    seen, _, terminated, _, info = env.step(command)
+    assert info["unstable"].tolist() == terminated.tolist() == [True, False]
+    assert env.observation_space.contains(seen)
+    for _ in range(2):
+        seen, _, terminated, _, info = env.step(command)
+        assert not info["unstable"].any()
+        assert not terminated.any()
+    assert env.observation_space.contains(seen)
+    env.close()
 
 
 def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
