@@ -6,13 +6,16 @@ Draws infants of any age and of both laws of development: each with mittens or f
 average ones and individuals between WHO's percentiles 1 and 99; some with parts scaled within what the language allows
 (half of the factors at the ends of their range), some with muscle groups up to ten times as strong. Each goes through a
 second of random and a second of alternating commands, as `mimoc check` gives them. Wanted: no NaN, no warning of
-MuJoCo; joints at most 15 degrees beyond a limit at the median over infants, and never more than 60.
+MuJoCo; joints at most 15 degrees beyond a limit at the median over infants, and never more than 60; a kinetic energy of
+never more than 20 J/kg.
 """
 
 import argparse
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import islice
+from operator import attrgetter
 from typing import Any
 
 import mujoco
@@ -83,25 +86,40 @@ def flailed(drawn: dict[str, Any], bundle: mimoc.Bundle, generator: np.random.Ge
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class Worst:
+    """The worst of an infant's trials."""
+
+    drawn: dict[str, Any]
+    beyond_deg: float
+    energy_j_per_kg: float
+    warned: bool
+
+
+def worst_of(drawn: dict[str, Any], found: list[Flailing]) -> Worst:
+    """Return the worst of an infant's trials."""
+    beyond_deg, energy = (max(getattr(each, name) for each in found) for name in ("beyond_deg", "energy_j_per_kg"))
+    return Worst(drawn, beyond_deg, energy, any(each.warnings for each in found))
+
+
 def main() -> None:
-    """Print a row for each kind of infant, and the infant whose joints go furthest."""
+    """Print a row for each kind of infant, and the infants whose joints go furthest and whose limbs move fastest."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--infants", type=int, default=300)
     generator = np.random.default_rng(0)
-    furthest: defaultdict[str, list[float]] = defaultdict(list)
-    everything, warned = [], 0
+    worst: defaultdict[str, list[Worst]] = defaultdict(list)
     for drawn, bundle in islice(infants(generator), parser.parse_args().infants):
-        found = flailed(drawn, bundle, generator)
-        warned += any(flailing.warnings for flailing in found)
-        beyond_deg = max(flailing.beyond_deg for flailing in found)
-        everything.append((beyond_deg, str(drawn)))
-        furthest[f"{drawn['actuation']['model']}, {drawn['body']['hands']}"].append(beyond_deg)
-        furthest[drawn["development"]].append(beyond_deg)
-    furthest["all"] = [beyond_deg for beyond_deg, _ in everything]
-    print(f"{'infants':24} {'number':>6} {'median [deg]':>13} {'largest [deg]':>13}")
-    for kind, values in furthest.items():
-        print(f"{kind:24} {len(values):6} {np.median(values):13.1f} {max(values):13.1f}")
-    print(f"with warnings of MuJoCo: {warned}\nfurthest: {max(everything)[1]}")
+        found = worst_of(drawn, flailed(drawn, bundle, generator))
+        for kind in (f"{drawn['actuation']['model']}, {drawn['body']['hands']}", drawn["development"], "all"):
+            worst[kind].append(found)
+    columns = ("number", "median [deg]", "largest [deg]", "largest [J/kg]")
+    print(f"{'infants':24} {' '.join(f'{column:>14}' for column in columns)}")
+    for kind, values in worst.items():
+        beyond_deg, energy = ([getattr(each, name) for each in values] for name in ("beyond_deg", "energy_j_per_kg"))
+        print(f"{kind:24} {len(values):14} {np.median(beyond_deg):14.1f} {max(beyond_deg):14.1f} {max(energy):14.1f}")
+    print(f"with warnings of MuJoCo: {sum(each.warned for each in worst['all'])}")
+    for name in ("beyond_deg", "energy_j_per_kg"):
+        print(f"largest {name}: {max(worst['all'], key=attrgetter(name)).drawn}")
 
 
 if __name__ == "__main__":

@@ -100,8 +100,8 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 """Libraries that are part of another."""
 
 RUN_MODULES = {
-    "senses": "binding custom joined sense nothing touch.contacts touch.many touch.receptors vision.eyes vision.blur "
-    "vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
+    "senses": "binding custom joined sense nothing touch.contacts touch.many touch.receptors vision.eyes "
+    "vision.many vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "line schedule signals jittered timing",

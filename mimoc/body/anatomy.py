@@ -164,7 +164,9 @@ ARM = (
         ),
         euler_deg=(180.0 - REST_ABDUCTION_DEG, 0.0, 0.0),
         follows=SHOULDERS,
-        rule=".433 of shoulder_breadth to the side (MIMo's spacing), half of the chest's radius behind its middle",
+        rule=".433 of shoulder_breadth to the side (MIMo's spacing), half of the chest's radius behind its middle; "
+        "further out where scaled parts would overlap by more than half of the arm's radius",
+        keeps_clear_of="upper_body",
         motors=motors.UPPER_ARM_MOTORS,
         group="{side}_arm",
         skin_spacing_m=0.024,

@@ -102,6 +102,8 @@ class Part:
     """The measurements its place in its parent comes from."""
     rule: str = "at the origin of its parent"
     """How its place comes from them, for people."""
+    keeps_clear_of: str = ""
+    """Another part than its parent that moves it when a spec scales either of them."""
     motors: tuple[MotorFigures, ...] = ()
     """What moves its joints, in MIMo's order."""
     region: Region = "limb"

@@ -52,7 +52,7 @@ POSES: Mapping[str, Pose] = {
     "sitting": Pose(
         0,
         {
-            "{side}_hip1": -105,
+            "{side}_hip1": -102,
             "{side}_hip2": -33,
             "{side}_knee": -25,
             "{side}_shoulder_ad_ab": 30,

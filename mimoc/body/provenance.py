@@ -48,7 +48,7 @@ def trace_body(
     entries, groups = dict(_trace_measurements(measurements)), maturing_groups(anatomy)
     for body in tree.bodies:
         side, here = sides[body.name], scaled.get(body.name, ())
-        above = scaled.get(body.parent or "", ())
+        above = _moving(body, parts[body.name], scaled)
         entries.update(_trace_body(body, parts[body.name], _keys(parts[body.name].follows, side, measurements, above)))
         for geom in body.geoms:
             sized, placed = figures[geom.name].follows, figures[geom.name].placed_by
@@ -60,6 +60,12 @@ def trace_body(
             law = _law(joint, hinges[joint.name], groups[joint.name], tree)
             entries.update(_trace_joint(joint, law, motors.get(joint.name)))
     return entries
+
+
+def _moving(body: Body, part: Part, scaled: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the keys of the spec that move a body: those that scale its parent, or what it has to keep clear of."""
+    movers = (body.parent or "", *((body.name, part.keeps_clear_of) if part.keeps_clear_of else ()))
+    return tuple(dict.fromkeys(key for mover in movers for key in scaled.get(mover, ())))
 
 
 def _trace_measurements(measurements: Measurements) -> Iterator[tuple[str, Entry]]:

@@ -4,9 +4,10 @@ import math
 from collections.abc import Iterable, Mapping
 
 from mimoc.body.dimensions import Dimensions, Shape
-from mimoc.body.figures import ALONG_X, ALONG_Y, GeomFigures, Part
+from mimoc.body.figures import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, GeomFigures, Part
 from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
+from mimoc.units import deg_to_rad
 
 LIMBS = (
     ("{side}_uarm1", "{side}_lower_arm"),
@@ -29,9 +30,9 @@ def check_limbs(dimensions: Dimensions) -> None:
             raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
 
 
-DEEPEST = 0.5
-"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it there is no waist to
-bend."""
+DEEPEST = 1.0
+"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it the upper body would
+begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
 
 
 def check_trunk(dimensions: Dimensions) -> None:
@@ -50,6 +51,29 @@ def check_trunk(dimensions: Dimensions) -> None:
         raise GeometryError(
             f"the upper body would reach {depth_m:.3f} m into a pelvis {2 * pelvis.size_m[0]:.3f} m thick"
         )
+
+
+PRESSED = 0.5
+"""How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
+
+
+def clear_arms(dimensions: Dimensions) -> Dimensions:
+    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`.
+
+    Seen along the upper arm, its axis and the end of the upper body's axis are points; the latter is the lower one.
+    """
+    arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
+    x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
+    chest_x_m, _, chest_z_m = dimensions.origins["chest"]
+    tilt_rad = deg_to_rad(REST_ABDUCTION_DEG)
+    behind_m = x_m + chest_x_m - ribs.pos_m[0]
+    above_m = z_m + chest_z_m - ribs.pos_m[2]
+    beside_m = (-y_m - ribs.size_m[1]) * math.cos(tilt_rad) + above_m * math.sin(tilt_rad) + arm.pos_m[1]
+    apart_m = ribs.size_m[0] + (1 - PRESSED) * arm.size_m[0]
+    missing_m = math.sqrt(max(apart_m**2 - behind_m**2, 0.0)) - beside_m
+    if missing_m <= 0:
+        return dimensions
+    return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - missing_m / math.cos(tilt_rad), z_m)})
 
 
 def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length: float, girth: float) -> Dimensions:

@@ -13,7 +13,7 @@ from mimoc.body.maturing.head_shape import head_dimensions
 from mimoc.body.maturing.masses import matured_masses, share_out
 from mimoc.body.maturing.parts import matured
 from mimoc.body.proportions import proportions
-from mimoc.body.scaling import check_limbs, check_trunk, scale_part
+from mimoc.body.scaling import check_limbs, check_trunk, clear_arms, scale_part
 from mimoc.body.segments import body_dimensions
 from mimoc.fits import Measurements
 
@@ -156,6 +156,8 @@ def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: 
     for part in parts:
         if part.name.format(side=side) in scales:
             dimensions = scale_part(dimensions, part.name, parts, *scales[part.name.format(side=side)])
+    if scales:
+        dimensions = clear_arms(dimensions)
     if not kind.published:
         check = check_limbs if side else check_trunk
         check(dimensions)

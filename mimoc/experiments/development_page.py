@@ -119,9 +119,9 @@ until when; that heads without support fall; from where on a slack sitter slumps
 the lag of the head decreases from month to month; and how long reaches take.
 
 **Much hangs on the controller.** It knows the infant's own weight and springs, has no delays unless asked for, and does
-not learn. A servo that is slower or faster by a quarter can move sitting and standing by months: real balance is
-limited by delay, noise and skill, of which this controller has none. An age here says from when on a milestone is
-possible with the strength of that age, not when a given policy learns it."""
+not learn. A servo that is slower by a fifth, or stronger pushes, can move standing by months: real balance is limited
+by delay, noise and skill, of which this controller has none. An age here says from when on a milestone is possible with
+the strength of that age, not when a given policy learns it."""
 
 
 def write(notebook: Notebook, findings: Findings) -> Path:

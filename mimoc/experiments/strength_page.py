@@ -57,7 +57,8 @@ In the paper, older infants are faster and stronger. Our measurements:
 The paper reports the time to {target_deg:g} degrees for several relative body lengths, relative to the length at
 {full_size} months. We compare it with the child of the age at which the moving part, head or thigh, has that relative
 size: the cube root of its volume, which determines its strength, relative to that at {full_size} months. As in real
-children, head and legs do not grow in proportion; at {full_size} months, mimoc's body equals MIMo's.
+children, head and legs do not grow in proportion. At {full_size} months, strength and masses equal MIMo's, but shoulders
+and buttocks are deeper, as children's are: the head starts 5 degrees lower and takes longer.
 
 {order}"""
 

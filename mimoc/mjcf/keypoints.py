@@ -41,14 +41,26 @@ def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
 
 
 def _middle(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
-    """Yield the keypoints of head and hip, in proportion to them (MIMo v2); the hip's is between its joints."""
-    head, pelvis = tree.geoms["head"], tree.geoms["lb"]
+    """Yield the keypoints of head and hip; those of the head are in proportion to it (MIMo v2)."""
+    head = tree.geoms["head"]
     yield "Nose", "head", as_on_mimos_head(head, (0.0685, 0.0, 0.0435))
     yield "Neck", "head", (0.0, 0.0, 0.0)
     yield "REar", "head", as_on_mimos_head(head, (0.01, -0.0625, 0.0575))
     yield "LEar", "head", as_on_mimos_head(head, (0.01, 0.0625, 0.0575))
+    yield "MidHip", "hip", _between_hip_joints(tree)
+
+
+def _between_hip_joints(tree: BodyTree) -> Vec3:
+    """Return the middle of the hip joints; if one leg is absent, its joint mirrors the other one.
+
+    Without legs, it is where the average child's is in its pelvis.
+    """
+    joints_m = [body.pos_m for body in tree.bodies if body.name in ("left_upper_leg", "right_upper_leg")]
+    if joints_m:
+        return sum(x for x, _, _ in joints_m) / len(joints_m), 0.0, sum(z for _, _, z in joints_m) / len(joints_m)
+    pelvis = tree.geoms["lb"]
     (radius_m, _), (x_m, _, z_m) = pelvis.size_m, pelvis.pos_m
-    yield "MidHip", "hip", (x_m - (1 - BUTTOCKS) * radius_m, 0.0, z_m - (1 - RUMP) * radius_m)
+    return x_m - (1 - BUTTOCKS) * radius_m, 0.0, z_m - (1 - RUMP) * radius_m
 
 
 def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:

@@ -113,7 +113,7 @@ def check_noise(
     for name, key in noise_keys().items():
         if getattr(noise, key) and senses.get(name) is None:
             message = f"'{name}' is off, so it has no noise; add '{name}: {{}}' to the senses, or remove this"
-            raise KeyedError(("noise", key), message)
+            raise KeyedError(("noise", key), message, against=("senses", name))
     if noise.delay_jitter_ms:
         _check_jitter(noise.delay_jitter_ms, senses, delays, timestep_ms)
 

@@ -48,6 +48,16 @@ def open_context(width: int, height: int) -> Any:
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
 
 
+def leave_context() -> None:
+    """Let no OpenGL context be current in this thread, so that other threads can use and free those that were."""
+    if os.environ.get(_PLATFORM) == "egl":
+        egl = importlib.import_module("OpenGL.EGL")
+        nothing = egl.EGL_NO_SURFACE, egl.EGL_NO_SURFACE, egl.EGL_NO_CONTEXT
+        egl.eglMakeCurrent(importlib.import_module("mujoco.egl").EGL_DISPLAY, *nothing)
+    elif "glfw" in sys.modules:
+        importlib.import_module("glfw").make_context_current(None)
+
+
 class Finalizer(weakref.finalize):
     """Frees what an object draws with: when called, when the object is gone, or at exit while OpenGL is still there.
 

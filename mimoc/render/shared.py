@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from hashlib import sha256
+from threading import Lock, get_ident
 
 import mujoco
 import numpy as np
@@ -16,17 +17,19 @@ picture."""
 
 
 class SharedRenderers:
-    """One renderer for all models of the same meshes and textures, and for each size of pictures."""
+    """One renderer in each thread for all models of the same meshes and textures, and for each size of pictures."""
 
     def __init__(self):
         """Begin with none."""
-        self._found: dict[tuple[bytes, int, int], Renderer] = {}
+        self._found: dict[tuple[int, bytes, int, int], Renderer] = {}
+        self._opening = Lock()
 
     def of(self, assets: bytes, size_px: tuple[int, int], make: Callable[[], Renderer]) -> Renderer:
-        """Return the renderer for some assets and a size, made when it is first asked for."""
-        key = (assets, *size_px)
+        """Return the renderer of this thread for some assets and a size, made when it is first asked for."""
+        key = (get_ident(), assets, *size_px)
         if key not in self._found:
-            self._found[key] = make()
+            with self._opening:
+                self._found[key] = make()
         return self._found[key]
 
     def __len__(self) -> int:
@@ -45,7 +48,7 @@ _SHARED: ContextVar[SharedRenderers | None] = ContextVar("shared_renderers", def
 
 @contextmanager
 def sharing(renderers: SharedRenderers) -> Iterator[None]:
-    """Let all eyes that are opened meanwhile draw with shared renderers from then on; they are used by one thread."""
+    """Let all eyes that are opened meanwhile draw with shared renderers from then on."""
     before = _SHARED.set(renderers)
     try:
         yield

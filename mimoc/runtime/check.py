@@ -17,7 +17,7 @@ CHECKED_S = 1.0
 SWITCHING_S = (0.05, 0.1)
 """Range of the time after which alternating commands switch direction."""
 MAX_ENERGY_J_PER_KG = 20.0
-"""Limit of the kinetic energy: flailing limbs stay far below it (measured: at most 6), unstable simulations do not."""
+"""Limit of the kinetic energy: flailing limbs stay far below it (measured: at most 9), unstable simulations do not."""
 MAX_BEYOND_DEG = 60.0
 """Limit of the violation of a joint range; limits are as soft as MIMo's, whose thumbs exceed theirs by up to 40
 degrees."""

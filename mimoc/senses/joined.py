@@ -1,6 +1,6 @@
 """The senses of many infants at once: one array expression where they can be, or one infant after another."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 import mujoco
@@ -16,6 +16,12 @@ class Simulations(Protocol):
     @property
     def datas(self) -> Sequence[mujoco.MjData]:
         """The state of each."""
+        ...
+
+    def each(
+        self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
+    ) -> Sequence[Sample]:
+        """Return what a function returns for k of them, called in any threads; each calls *leave* at its end."""
         ...
 
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:

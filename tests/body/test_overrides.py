@@ -6,12 +6,13 @@ import random
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import mimoc
 from mimoc.body import assemble, grow_child, measure_child
 from mimoc.body.maturing.parts import matured
+from mimoc.bundle.model import load_model
 from mimoc.compiler.validation.measuring import MEASURES, STRAIGHT, Figure
 from mimoc.fits import measure
 from mimoc.geometry.ellipsoids import ellipse_perimeter
@@ -172,6 +173,33 @@ def test_a_part_is_scaled_along_and_across_with_all_that_is_attached(hands):
                 for motor, stronger in zip(before.motors, after.motors, strict=True):
                     if motor.mover == geom.name:
                         assert (stronger.gear_nm > motor.gear_nm) == mine
+
+
+@given(
+    st.floats(0, 24),
+    st.fixed_dictionaries(
+        {
+            name: st.fixed_dictionaries({"length": st.floats(0.5, 2), "girth": st.floats(0.5, 2)})
+            for name in ("upper_body", "chest", "left_upper_arm")
+        }
+    ),
+    st.sampled_from(["maturing", "published"]),
+)
+@settings(max_examples=15)
+def test_arms_are_not_in_the_upper_body_whatever_is_scaled(age_months, parts, development):
+    """At rest: contacts would fling them out. They are as far in as half of their radius at most."""
+    try:
+        model = load_model(mimoc.build(spec(age_months=age_months, parts=parts).with_(development=development)))
+    except mimoc.MimocError:
+        assume(False)
+        raise
+    data = mujoco.MjData(model)
+    data.qpos[3] = 1
+    mujoco.mj_kinematics(model, data)
+    for side in ("left", "right"):
+        arm = model.geom(f"{side}_uarm1")
+        gap_m = mujoco.mj_geomDistance(model, data, model.geom("ub2").id, arm.id, 1, None)
+        assert gap_m > -0.5 * arm.size[0] - 1e-6
 
 
 def test_a_box_and_a_rod_are_scaled_as_their_part_lies():

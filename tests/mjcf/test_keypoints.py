@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body import assemble, grow
+from mimoc.body import BodyTree, assemble, grow, grow_child, measure_child
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX, keypoint_sites
@@ -79,6 +79,39 @@ def test_the_middle_of_the_hip_is_between_its_joints(infants):
     for infant in infants[::12]:
         points = keypoints(infant)
         assert points["MidHip"] == pytest.approx((points["LHip"] + points["RHip"]) / 2, abs=1e-6)
+
+
+STOUT = {"sex": "female", "length_percentile": 1, "weight_percentile": 99, "head_percentile": 50}
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"individual": STOUT},
+        {"parts": {"hip": {"length": 0.6, "girth": 1.8}}},
+        {"individual": STOUT, "remove": ["left_upper_leg"]},
+    ],
+)
+def test_the_middle_of_the_hip_is_between_its_joints_in_any_child(body):
+    tree = tree_of(body)
+    hip = next(part for part in tree.bodies if part.name == "right_upper_leg").pos_m
+    assert middle_of_hip(tree) == pytest.approx((hip[0], 0, hip[2]), abs=1e-9)
+
+
+def test_without_legs_the_middle_of_the_hip_is_where_it_would_be_with_legs():
+    without = tree_of({"remove": ["left_upper_leg", "right_upper_leg"]})
+    assert middle_of_hip(without) == pytest.approx(middle_of_hip(tree_of({})), abs=1e-9)
+
+
+def tree_of(body) -> BodyTree:
+    spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 4, "body": body})
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
+    return grow_child(spec, measure_child(spec, anatomy), anatomy)
+
+
+def middle_of_hip(tree):
+    (found,) = (site.pos_m for site in keypoint_sites(tree)["hip"] if site.name == PREFIX + "MidHip")
+    return found
 
 
 def test_joints_are_at_the_origin_of_their_body(infants):

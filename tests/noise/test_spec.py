@@ -100,6 +100,32 @@ def test_a_bad_noise_writes_nothing(invoke, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
 
 
+def problems(text: str) -> list[str]:
+    with pytest.raises(SpecError) as caught:
+        mimoc.schema.read_spec(parse(f"mimoc: 1\nname: x\nage_months: 9\n{text}\n", "f"))
+    return [f"{problem.line}:{problem.column} {problem.key}" for problem in caught.value.problems]
+
+
+def test_every_noise_that_has_nothing_to_act_on_is_reported_at_once_with_its_place():
+    assert problems(
+        "actuation: {model: position}\n"
+        "noise: {motor: 0.1, touch_n: 0.1, proprioception_deg: 1,\n"
+        "        delay_jitter_ms: 5}"
+    ) == ["5:16 noise.motor", "5:30 noise.touch_n", "5:55 noise.proprioception_deg", "6:26 noise.delay_jitter_ms"]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "noise"),
+    [
+        ("senses: {touch: 3}", "touch_n: 0.1"),
+        ("delays: {motor_ms: 3.3}", "delay_jitter_ms: 5"),
+        ("actuation: {model: lever}", "motor: 0.1"),
+    ],
+)
+def test_what_noise_acts_on_is_not_said_to_be_missing_when_it_is_wrong(wrong, noise):
+    assert len(problems(f"{wrong}\nnoise: {{{noise}}}")) == 1
+
+
 def test_a_changed_spec_is_checked_too():
     with pytest.raises(SpecError, match="'touch' is off"):
         mimoc.InfantSpec.model_validate(NOISY).with_(senses={"touch": None})

@@ -107,6 +107,15 @@ def outside_all_m(body: Body, points_m: np.ndarray) -> np.ndarray:
     return np.min([outside_m(geom, points_m) for geom in body.geoms], axis=0)
 
 
+def outside_parent_m(tree: BodyTree, body: Body, points_m: np.ndarray) -> np.ndarray:
+    """Return how far points of a body are from the one that it is attached to, all joints at zero."""
+    parents = [other for other in tree.bodies if other.name == body.parent]
+    if not parents:
+        return np.full(len(points_m), np.inf)
+    turned_m = Rotation.from_euler("XYZ", body.euler_deg, degrees=True).apply(points_m.copy())
+    return outside_all_m(parents[0], turned_m + body.pos_m)
+
+
 def seen(body: Body, count: int) -> np.ndarray:
     """Return that many places on each geom of a body, less those that another one covers."""
     shell = np.random.default_rng(0).uniform(-1, 1, (count, 3))

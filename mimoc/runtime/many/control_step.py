@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -57,10 +58,10 @@ class ControlStep:
         for stretch in self._stretches:
             for infant, segment in stretch.begun:
                 schedules[infant].command(segment, datas[infant])
-            stepped = self._physics.step(stretch.groups, stretch.physics_steps)
-            for samples, _ in zip(stretch.samples, stepped, strict=True):
-                for name, due in samples.items():
-                    self._sample(name, due)
+            with closing(self._physics.step(stretch.groups, stretch.physics_steps)) as stepped:
+                for samples, _ in zip(stretch.samples, stepped, strict=True):
+                    for name, due in samples.items():
+                        self._sample(name, due)
 
     def _sample(self, name: str, due: Due) -> None:
         """Sample a sense of some infants."""

@@ -1,7 +1,7 @@
 """The physics of many infants, shared among threads: each has its own model and its own state."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from queue import SimpleQueue
 from threading import Lock
@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import BREAKDOWNS
-from mimoc.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray, Sample
 
 
 class Physics:
@@ -33,7 +33,7 @@ class Physics:
         self._views: dict[str, list[FloatArray]] = {}
         self._warnings = [data.warning.number for data in datas]
 
-    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Iterator[Sequence[int]]:
+    def step(self, groups: Sequence[Sequence[int]], steps: int) -> Generator[Sequence[int], None, None]:
         """Make physics steps of some infants; yield each group of them as soon as all of it has made them.
 
         While the caller works on a group, other threads go on with the next ones.
@@ -56,14 +56,40 @@ class Physics:
 
         helpers = min(self.threads, sum(map(len, groups))) - 1
         futures = [self._pool.submit(step_all) for _ in range(helpers)] if self._pool else []
-        for finished, infants in zip(done, groups, strict=True):
-            while finished.qsize() < len(infants) and step_next():
-                pass
-            for _ in infants:
-                finished.get()
-            yield infants
+        try:
+            for finished, infants in zip(done, groups, strict=True):
+                while finished.qsize() < len(infants) and step_next():
+                    pass
+                for _ in infants:
+                    finished.get()
+                yield infants
+        finally:  # Also if the caller fails meanwhile: nobody steps an infant behind its back.
+            for future in futures:
+                future.result()
+
+    def each(
+        self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
+    ) -> list[Sample]:
+        """Return what a function returns for some infants, called in any thread; each calls *leave* at its end."""
+        waiting, turn, found = iter(infants), Lock(), dict[int, Sample]()
+
+        def call_all() -> None:
+            try:
+                while True:
+                    with turn:
+                        infant = next(waiting, None)
+                    if infant is None:
+                        return
+                    found[infant] = function(infant)
+            finally:
+                leave()
+
+        helpers = min(self.threads, len(infants)) - 1
+        futures = [self._pool.submit(call_all) for _ in range(helpers)] if self._pool else []
+        call_all()
         for future in futures:
             future.result()
+        return [found[infant] for infant in infants]
 
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:
         """Return a field of `MjData` whose size never changes, such as `qpos`, of some infants: shape (k, size)."""

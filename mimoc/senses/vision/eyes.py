@@ -50,18 +50,27 @@ class Eyes:
         self._shape = len(cameras), height_px, width_px, 3
         self._size_px, self._shared = (width_px, height_px * len(cameras)), shared_renderers()
         self._settings = partial(_lean, height_px=height_px)
-        self._renderer = self._open(model)
+        self._assets = b"" if self._shared is None else assets_of(model)
+        self._model = model
+        self._renderer = self._open()
         self._find_names(model)
 
     def __call__(self, data: mujoco.MjData) -> Drawn:
         """Return what the cameras draw."""
+        renderer = self._renderer
         if self._shared is not None:
-            self._renderer.show_model(self._model)
-        self._renderer.make_current()
+            renderer = self._open()
+            renderer.show_model(self._model)
+        renderer.make_current()
         for camera, part in zip(self._cameras, self._parts, strict=True):
-            self._compose(camera, data)
-            self._renderer.draw(part)
-        return self._renderer.read().reshape(self._shape)[:, ::-1]
+            self._compose(renderer, camera, data)
+            renderer.draw(part)
+        return renderer.read().reshape(self._shape)[:, ::-1]
+
+    @property
+    def shares(self) -> bool:
+        """Whether it draws with what other eyes draw with, a renderer in each thread."""
+        return self._shared is not None
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in which cameras and bodies have the same names.
@@ -69,10 +78,11 @@ class Eyes:
         Raises:
             RenderingError: If OpenGL has no room for it.
         """
-        if self._shared is not None:
-            self._renderer = self._open(model)
-        else:
+        self._model = model
+        if self._shared is None:
             self._renderer.change_model(model)
+        else:
+            self._assets = assets_of(model)
         self._find_names(model)
 
     def close(self) -> None:
@@ -80,25 +90,25 @@ class Eyes:
         if self._shared is None:
             self._renderer.close()
 
-    def _open(self, model: mujoco.MjModel) -> Renderer:
-        """Return a renderer of its own, or the shared one for the meshes and textures of a model."""
-        make = partial(Renderer, model, *self._size_px, self._settings)
-        return self._shared.of(assets_of(model), self._size_px, make) if self._shared is not None else make()
+    def _open(self) -> Renderer:
+        """Return a renderer of its own, or the shared one of this thread for the model's meshes and textures."""
+        make = partial(Renderer, self._model, *self._size_px, self._settings)
+        return make() if self._shared is None else self._shared.of(self._assets, self._size_px, make)
 
     def _find_names(self, model: mujoco.MjModel) -> None:
         """Find cameras and unseen geoms in the model that is drawn now."""
-        self._model, self._groups = model, model.geom_group
+        self._groups = model.geom_group
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
 
-    def _compose(self, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
+    def _compose(self, renderer: Renderer, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
         """Fill the scene for a camera, whose light goes with it."""
         usual = self._groups[self._unseen]
         self._groups[self._unseen] = HIDDEN_GROUP
         try:
-            self._renderer.compose(data, camera)
-            self._renderer.scene.flags[PLAIN] = 0
+            renderer.compose(data, camera)
+            renderer.scene.flags[PLAIN] = 0
         finally:
             self._groups[self._unseen] = usual
 

@@ -13,15 +13,17 @@ from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_arm
 STEPS = 800
 """Of an episode (MIMo)."""
 OFFERING = {
-    "shoulder_ad_ab": -10.0,
-    "shoulder_rotation": -10.0,
+    "shoulder_ad_ab": -11.0,
+    "shoulder_rotation": -16.0,
     "elbow": -97.0,
-    "hand1": -88.0,
+    "hand1": -90.0,
     "fingers": -35.0,
     **{f"{finger}_{joint}": 25.0 for finger in ("ff", "mf", "rf", "lf") for joint in ("knuckle", "middle")},
 }
-"""Of the arm that catches: upper arm beside the body, which no forearm touches, palm up, fingers a little curled; in
-degrees."""
+"""Of the arm that catches: upper arm beside the body, which no forearm touches, palm as level as the wrist turns it,
+because balls roll, fingers a little curled; in degrees."""
+UPRIGHT = {"{side}_hip1": -95.0}
+"""The trunk leans forward by 4 to 7 degrees, so that the forearm is level."""
 LOOKING = {"head_tilt": 10.0}
 """Down, but not so far that the ball would fall on a newborn's head."""
 ALONG_PALM = 0.4
@@ -60,7 +62,7 @@ def _offering(side: Side) -> Pose:
     """Return the pose of an infant that sits and offers a palm."""
     sitting = POSES["sitting"]
     arm = {f"{side}_{joint}": angle_deg for joint, angle_deg in OFFERING.items()}
-    return Pose(sitting.pitch_deg, {**sitting.angles_deg, **LOOKING, **arm})
+    return Pose(sitting.pitch_deg, {**sitting.angles_deg, **UPRIGHT, **LOOKING, **arm})
 
 
 def _hand_length(tree: BodyTree, side: Side) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import Pose, resting_state
+from mimoc.body.poses import POSES, resting_state
 from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.ball import BALL, ball
 from mimoc.tasks.base import GazeEntry
@@ -14,7 +14,6 @@ from mimoc.units import deg_to_rad
 
 STEPS = 1000
 """Of an episode (MIMo)."""
-UPRIGHT = Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30})
 NEAREST, FARTHEST = 0.65, 0.95
 """Of the places of the ball, in lengths of the arm from shoulder to fingers."""
 OUTWARD_DEG, INWARD_DEG = 45.0, 30.0
@@ -32,7 +31,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     side: Side = task.hand or "right"
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
-    start = resting_state(tree, UPRIGHT)
+    start = resting_state(tree, POSES["standing"])
     entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,

@@ -17,6 +17,9 @@ from mimoc.tasks.task import Task, Verdict
 
 STILL_M = 1e-4
 """How far a ball moves before head and eyes follow it."""
+MOST_DRAWS = 100
+"""How often a place is drawn at most until the ball touches nothing there; of newborns, who have the shortest arms for
+their chests, one place in nine is within the infant."""
 
 
 class ReachTask(Task):
@@ -30,6 +33,7 @@ class ReachTask(Task):
             model.body(name).id for name in (entry.effector, entry.shoulder, entry.trunk)
         )
         self._ball = model.body(entry.ball.body).id
+        self._ball_geom = model.geom(entry.ball.geom).id
         self._ball_at = model.joint(entry.ball.joint).qposadr[0] + np.arange(3)
         self._gaze = Gaze(entry.gaze, model, constraints)
         self._start_m = np.zeros(3)
@@ -40,11 +44,11 @@ class ReachTask(Task):
         return self._gaze.model_fields
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
-        """Hang the ball somewhere within reach, and look at it."""
-        self._start_m = self._draw_place(data, generator)
-        data.qpos[self._ball_at] = self._start_m
-        self._gaze.start(data, self._start_m)
-        mujoco.mj_forward(self._model, data)
+        """Hang the ball somewhere within reach, clear of everything, and look at it."""
+        for _ in range(MOST_DRAWS):
+            self._hang(data, self._draw_place(data, generator))
+            if not (data.contact.geom == self._ball_geom).any():
+                break
 
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
         """Return what the distance costs, and what a touch earns, which ends the episode."""
@@ -65,6 +69,12 @@ class ReachTask(Task):
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
         self._start_m = state["start_m"]
+
+    def _hang(self, data: mujoco.MjData, place_m: FloatArray) -> None:
+        """Hang the ball at a place, shape (3,), [m], and turn head and eyes to it."""
+        self._start_m = data.qpos[self._ball_at] = place_m
+        self._gaze.start(data, place_m)
+        mujoco.mj_forward(self._model, data)
 
     def _draw_place(self, data: mujoco.MjData, generator: np.random.Generator) -> FloatArray:
         """Return a place before the infant, shape (3,), [m]: evenly by distance and angles from the shoulder."""

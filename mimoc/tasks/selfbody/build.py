@@ -13,16 +13,21 @@ STEPS = 500
 OTHER: dict[Side, Side] = {"right": "left", "left": "right"}
 SITTING: Mapping[str, float] = {
     "{side}_hip1": -115,
-    "{side}_hip2": -48,
-    "{side}_hip3": 30,
-    "{side}_knee": -115,
-    "hip_bend1": 17,
-    "hip_bend2": 17,
+    "{side}_hip2": -40,
+    "{side}_hip3": 35,
+    "{side}_knee": -90,
+    "hip_bend1": 25,
+    "hip_bend2": 25,
 }
-"""On the floor with the soles together, leaning forward a little: all of the body is in the reach of a hand."""
+"""On the floor with the feet before the hip, bent forward: as far as newborns sit so and do not tip over."""
+AWAY: Mapping[Side, Mapping[str, float]] = {
+    "right": {"hip_rot1": 15, "hip_rot2": 15},
+    "left": {"hip_rot1": -15, "hip_rot2": -15},
+}
+"""The trunk turned away from a hand, which gets to the other leg so, past a trunk as deep as infants' are."""
 TOUCHING: Mapping[str, float] = {"shoulder_ad_ab": 40, "elbow": -45, "fingers": -20}
 """The arm that touches, in the air beside the body at first."""
-TOUCHED: Mapping[str, float] = {"shoulder_horizontal": 45, "shoulder_ad_ab": 50, "elbow": -85, "fingers": -40}
+TOUCHED: Mapping[str, float] = {"shoulder_horizontal": 45, "shoulder_ad_ab": 70, "elbow": -85, "fingers": -40}
 """The other arm, above the lap."""
 TRUNK = {"head": ("head", "left_eye", "right_eye"), "upper_body": ("upper_body", "chest"), "hip": ("hip",)}
 """Parts of head and trunk, by name in the goal; the lower body collides with nothing, so it cannot be touched."""
@@ -48,8 +53,9 @@ def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
 
 def _pose(side: Side) -> Pose:
     """Return how an infant sits that touches itself with a hand."""
-    arms = ((side, TOUCHING), (OTHER[side], TOUCHED))
-    return Pose(0, {**SITTING, **{f"{of}_{name}": angle for of, arm in arms for name, angle in arm.items()}})
+    arms = {f"{side}_{name}": angle for name, angle in TOUCHING.items()}
+    arms |= {f"{OTHER[side]}_{name}": angle for name, angle in TOUCHED.items()}
+    return Pose(0, {**SITTING, **AWAY[side], **arms})
 
 
 def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:

@@ -81,3 +81,13 @@ def test_as_many_threads_are_used_as_may_be(pendulums, monkeypatch):
     physics = Physics(*zip(*pendulums, strict=True))
     assert physics.threads == 3
     physics.close()
+
+
+def test_nobody_steps_an_infant_behind_the_back_of_a_caller_that_stops(pendulums):
+    physics = Physics(*zip(*pendulums, strict=True), 3)
+    stepped = physics.step([[0, 1, 2], [3, 4, 5], [6, 7, 8]], 50)
+    assert next(stepped) == [0, 1, 2]
+    stepped.close()
+    times = [data.time for data in physics.datas]
+    physics.close()
+    assert [data.time for data in physics.datas] == times

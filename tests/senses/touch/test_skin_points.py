@@ -16,6 +16,7 @@ from support.skin_bodies import (
     neighbours,
     numbers,
     outside_all_m,
+    outside_parent_m,
     part,
     seen,
 )
@@ -39,13 +40,14 @@ def test_every_point_is_on_its_body_and_inside_none_of_its_geoms(tree, density):
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("age_months", [0, 9, 18, 24])
 def test_points_are_about_a_spacing_apart_at_every_age(hands, age_months):
+    """A newborn's toes are so short that their round end comes out behind them, in the foot, with a single point."""
     tree = average(age_months, hands)
     skin = skin_points(tree, 1)
     for body in tree.bodies:
         if not body.name.endswith("_eye"):
             apart = neighbours(tree, skin, body.name)
             assert apart.min() > 0.4, body.name
-            assert apart.max() < 1.2, body.name
+            assert apart[outside_parent_m(tree, body, skin.points_m[body.name]) > 0].max() < 1.2, body.name
             assert 0.6 < np.median(apart) < 1.05, body.name
 
 
@@ -91,9 +93,10 @@ def test_the_spacing_at_18_months_is_that_of_mimo():
             assert body.endswith("_eye") or spacing_m == pytest.approx(SPACING_M[part(body)]), body
 
 
-@pytest.mark.parametrize(("hands", "count"), [("mitten", 5854), ("five_finger", 3588)])
-def test_the_whole_skin_has_as_many_points_as_ever(hands, count):
-    assert sum(numbers(skin_points(average(9, hands), 1)).values()) == count
+@pytest.mark.parametrize(("hands", "count"), [("mitten", 5964), ("five_finger", 3730)])
+@pytest.mark.parametrize("age_months", [0, 9, 24])
+def test_the_whole_skin_has_as_many_points_at_every_age(hands, count, age_months):
+    assert sum(numbers(skin_points(average(age_months, hands), 1)).values()) == count
 
 
 @pytest.mark.parametrize("hands", HANDS)

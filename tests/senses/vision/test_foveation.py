@@ -40,7 +40,7 @@ def slow_source(points: np.ndarray, size_px: tuple[int, int], strength: float, r
     """Return where points come from, straight from the formula: radius and direction of each."""
     half = np.divide(size_px, 2)
     r, angle = np.hypot(points[..., 0], points[..., 1]), np.arctan2(points[..., 1], points[..., 0])
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):  # Along an axis, the other border is infinitely far.
         border = np.minimum(half[0] / np.abs(np.cos(angle)), half[1] / np.abs(np.sin(angle)))
     reach = {"border": border, "corner": np.hypot(*half), "edge": half.min()}[radius]
     source = reach * np.expm1(r / reach * np.log1p(strength)) / strength

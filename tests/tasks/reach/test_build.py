@@ -46,6 +46,14 @@ def test_no_ball_starts_in_the_infant(age_months, hand):
         assert not (touching == ball).any(), seed
 
 
+@pytest.mark.parametrize("age_months", AGES)
+@pytest.mark.parametrize("development", ["maturing", "published"])
+def test_the_infant_is_upright_though_newborns_do_not_straighten_their_hips(age_months, development):
+    env = mimoc.InfantEnv(mimoc.build(reach(age_months, development=development)))
+    env.reset(seed=0)
+    assert env.data.body("upper_body").xmat.reshape(3, 3)[2, 2] > 0.99
+
+
 def test_one_hand_is_the_mirror_image_of_the_other():
     right, left = (
         mimoc.build(reach(9, task={"kind": "reach", "hand": hand})).manifest.task for hand in ("right", "left")

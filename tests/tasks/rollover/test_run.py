@@ -147,9 +147,9 @@ def test_a_reset_to_another_pose_turns_the_task_round(rollover):
     assert env.step(rest(env))[4]["is_success"]
 
 
-def test_strong_movements_can_turn_an_infant_onto_its_back(rollover):
+def test_strong_movements_can_turn_an_infant_of_eighteen_months_onto_its_back(rollover):
     """Nothing clever: commands at their limits, drawn anew every .4 s, until a sequence of them does it."""
-    env = rollover(pose="prone")
+    env = rollover(18, pose="prone")
     assert any(succeeds(env, np.random.default_rng(seed)) for seed in range(40))
 
 
