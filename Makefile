@@ -87,7 +87,7 @@ $(TEST): $(DEMO)
 	@echo "Installing the packages for tests and training into $(VENV): PyTorch, pytest, ruff, pyright and more. A CPU build"
 	@echo "of PyTorch needs about 1 GB and a few minutes; if none is available, a CUDA build needs about 6 GB and ten minutes."
 	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
-	$(BIN)/pip install --editable '.[report,toys,train,test,dev]'
+	$(BIN)/pip install --editable '.[report,toys,train,gpu,test,dev]'
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.

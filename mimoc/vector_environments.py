@@ -16,7 +16,8 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.schema.infant import InfantSpec
 
-if TYPE_CHECKING:  # It needs Stable-Baselines3, which not everyone has.
+if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
+    from mimoc.runtime.warp.vector_env import WarpInfants
     from mimoc.training.sb3_infants import InfantVecEnv
 
 Source = Bundle | InfantSpec | str | Path
@@ -31,31 +32,33 @@ def make_vec(
     render_mode: RenderMode = None,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     **options: Any,
-) -> ManyInfants:
+) -> "ManyInfants | WarpInfants":
     """Return the vector environment of many infants, as `gymnasium.make_vec("mimoc/Infant-v0", ...)` does.
 
-    Infant i gives, step for step and bit for bit, what `mimoc.make` of it gives with the same seed.
+    On the CPU, infant i gives, step for step and bit for bit, what `mimoc.make` of it gives with the same seed. On a
+    GPU it gives the same in single precision, as long as small differences have not grown; see `WarpInfants`.
 
     Args:
         source: A bundle, the folder of one, a spec or the path of one, as for `mimoc.make`; or a list of them, which
             may differ in age, measures, strength and scene, and are repeated in turn if there are fewer than infants.
         num_envs: Number of infants; by default, as many as sources.
         threads: Threads that share the work; by default, as many as this process may use.
-        device: Where the infants live; so far, only `cpu`.
-        render_mode: `rgb_array` for pictures of all infants from `render()`.
+        device: Where the infants live: `cpu` for MuJoCo itself; `cuda:0`, or another GPU, for MuJoCo Warp. `warp:cpu`
+            is MuJoCo Warp on the CPU, to try out what runs on a GPU: it is slow, and compiles for minutes at first.
+        render_mode: `rgb_array` for pictures of all infants from `render()`, on the CPU.
         autoreset_mode: When an infant whose episode has ended is reset: in the next step (Gymnasium's default), in the
             same one (`SameStep`), or by the caller (`Disabled`).
         options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task` and `senses`, of
-            which each infant gets a copy; and `max_episode_steps`.
+            which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides the last:
+            `arrays`, `touch`, `starts`, `contacts` and `constraints` of `WarpInfants`.
 
     Raises:
         SpecError: If a spec cannot be built.
         BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
+        MissingExtraError: If the device needs MuJoCo Warp, which is not installed.
         MixtureError: If the infants do not sense and command the same; it names what differs.
         MimocError: If there is no such device, or there are more sources than infants.
     """
-    if device != "cpu":
-        raise DeviceError(device)
     sources = _listed(source)
     count = len(sources) if num_envs is None else num_envs
     if count < max(len(sources), 1):
@@ -63,7 +66,7 @@ def make_vec(
             f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
         )
     prepared = [environments.prepared(each) for each in sources]
-    return _joined(prepared, count, threads, render_mode, autoreset_mode, options)
+    return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
 
 
 def sb3_vec_env(source: Source | Sequence[Source], num_envs: int | None = None, **options: Any) -> "InfantVecEnv":
@@ -80,7 +83,10 @@ def sb3_vec_env(source: Source | Sequence[Source], num_envs: int | None = None, 
     """
     from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
 
-    return InfantVecEnv(make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options))
+    if options.get("device", "cpu") != "cpu":
+        raise MimocError("Stable-Baselines3 learns from infants on the CPU; leave out device")
+    infants: Any = make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options)
+    return InfantVecEnv(infants)
 
 
 def make_vec_task(
@@ -91,7 +97,7 @@ def make_vec_task(
     render_mode: RenderMode = None,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     **options: Any,
-) -> ManyInfants:
+) -> "ManyInfants | WarpInfants":
     """Return the vector environment of a task, as `gymnasium.make_vec("mimoc/Reach-v0", ...)` does.
 
     Args:
@@ -104,43 +110,36 @@ def make_vec_task(
         options: Those of `mimoc.environments.make_task`; `bundle` and `age_months` can be lists, whose values are
             repeated in turn.
     """
-    if device != "cpu":
-        raise DeviceError(device)
     lists = {name: _listed(options[name]) for name in ("bundle", "age_months") if name in options}
     prepared, rest = [], options
     for index in range(min(num_envs, math.lcm(*map(len, lists.values())))):
         own = {name: values[index % len(values)] for name, values in lists.items()}
         parts, rest = environments.prepared_task(kind, **{**options, **own})
         prepared.append(parts)
-    return _joined(prepared, num_envs, threads, render_mode, autoreset_mode, rest)
+    return _joined(prepared, num_envs, threads, device, render_mode, autoreset_mode, rest)
 
 
-def make_vec_infant(num_envs: int = 1, bundle: Any = None, source: Any = None, **options: Any) -> ManyInfants:
+def make_vec_infant(
+    num_envs: int = 1, bundle: Any = None, source: Any = None, **options: Any
+) -> "ManyInfants | WarpInfants":
     """Return what `make_vec` does, for Gymnasium, where the infants are called `bundle` as in `gymnasium.make`."""
     return make_vec(bundle if source is None else source, num_envs, **options)
-
-
-class DeviceError(MimocError):
-    """Infants cannot live on a device."""
-
-    def __init__(self, device: str):
-        super().__init__(
-            f"device '{device}': infants live on the CPU only; on a GPU they need MuJoCo Warp, which this version of "
-            "mimoc does not use yet; leave device out, or pass device='cpu'"
-        )
 
 
 def _joined(
     prepared: Sequence[dict[str, Any]],
     count: int,
     threads: int | None,
+    device: str,
     render_mode: RenderMode,
     autoreset_mode: AutoresetMode | str,
     options: dict[str, Any],
-) -> ManyInfants:
+) -> "ManyInfants | WarpInfants":
     """Return the vector environment of some infants, which are repeated in turn."""
     if render_mode not in (None, "rgb_array"):
         raise UnknownNameError("render mode of a vector environment", str(render_mode), ["rgb_array"])
+    if device != "cpu":
+        return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
     limit = options.pop("max_episode_steps", None)
 
     def open_infant(index: int) -> InfantEnv:
@@ -148,6 +147,26 @@ def _joined(
         return InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(options))
 
     return ManyInfants([partial(open_infant, index) for index in range(count)], threads, autoreset_mode, limit)
+
+
+def _on_device(
+    prepared: Sequence[dict[str, Any]],
+    count: int,
+    device: str,
+    render_mode: RenderMode,
+    autoreset_mode: AutoresetMode | str,
+    options: dict[str, Any],
+) -> "WarpInfants":
+    """Return infants in worlds of MuJoCo Warp."""
+    from mimoc.runtime.warp.vector_env import WarpInfants
+
+    known = ["max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
+    for name in options.keys() - known:
+        raise UnknownNameError(f"option of infants on device '{device}'", name, known)
+    if render_mode is not None:
+        raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
+    infants = [InfantEnv(**parts) for parts in prepared]
+    return WarpInfants(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
 
 
 def _listed(source: Any) -> list[Any]:

@@ -68,6 +68,11 @@ LAYERS = {
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
     "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
     "runtime": layer("runtime runtime.*", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
+    "device": layer(
+        "runtime.warp runtime.warp.*",
+        f"{LANGUAGE} bundle drawing run runtime",
+        "gymnasium mujoco warp mujoco_warp",
+    ),
     "control": layer("control control.*", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies.*", RUNNING, ""),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
@@ -79,7 +84,7 @@ LAYERS = {
     ),
     "mimoc": layer(
         "__init__ environments vector_environments registration",
-        f"{BUILDING} compiler milestones {RUNNING} rollout recording training",
+        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training",
         "gymnasium",
     ),
     "cli": layer(

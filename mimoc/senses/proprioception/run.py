@@ -51,6 +51,7 @@ class Proprioception(Vector):
         high = np.concatenate([component.high for component in components])
         bodies = np.concatenate([component.bodies for component in components])
         super().__init__("proprioception", layout, -high, high, bodies)
+        self.components = tuple(components)
         self.expression = tuple(tuple(component.addresses.tolist()) for component in components)
         self.constants = tuple(each for component in components for each in component.constants)
         ends = np.cumsum([len(component.constants) for component in components]).tolist()

@@ -8,7 +8,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.model_fields import ModelField
-from mimoc.senses.sense import FloatArray
+from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.tasks.catch.resizable_ball import ResizableBall
 from mimoc.tasks.catch.spec import CatchEntry
 from mimoc.tasks.task import Task, Verdict
@@ -26,8 +26,7 @@ class CatchTask(Task):
         self._entry, self._model = entry, model
         self._palm, self._palm_m = model.body(entry.palm).id, np.array(entry.palm_m)
         self._ball = ResizableBall(entry.ball, model)
-        self._owners = HAND * np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand]).astype(int)
-        self._owners[self._ball.geom] = BALL
+        self._owners = owners_of_geoms(entry, model)
         self._held = 0
 
     @property
@@ -83,6 +82,13 @@ class CatchTask(Task):
         """Return whether the ball is well below the palm, or well to its side."""
         x, y, z = data.xpos[self._ball.body] - self._palm_place(data)
         return bool(z < -self._entry.lost_m or np.hypot(x, y) > self._entry.lost_m)
+
+
+def owners_of_geoms(entry: CatchEntry, model: mujoco.MjModel) -> IntArray:
+    """Return for each geom whether it belongs to the hand, is the ball, or neither (0), shape (ngeom,)."""
+    owners = HAND * np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand]).astype(np.intp)
+    owners[model.geom(entry.ball.geom).id] = BALL
+    return owners
 
 
 def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> CatchTask:

@@ -28,7 +28,7 @@ class SelfbodyTask(Task):
         super().__init__(entry.steps)
         self._entry = entry
         self._fingers = model.body(entry.fingers).id
-        self._part_of = _parts(entry, model)
+        self._part_of = parts_of_geoms(entry, model)
         self._geoms_of = [np.flatnonzero(self._part_of == index) for index in range(len(entry.targets))]
         self._target = 0
 
@@ -80,7 +80,7 @@ class SelfbodyTask(Task):
         return float(np.sqrt((offsets_m**2).sum(axis=1).min()))
 
 
-def _parts(entry: SelfbodyEntry, model: mujoco.MjModel) -> IntArray:
+def parts_of_geoms(entry: SelfbodyEntry, model: mujoco.MjModel) -> IntArray:
     """Return for each geom which of the targets it belongs to, or that it touches, or neither, shape (ngeom,).
 
     What only shows, such as the hair, is neither.

@@ -1,5 +1,8 @@
 """What a vector environment of infants offers."""
 
+import importlib.util
+import sys
+
 import gymnasium
 import numpy as np
 import pytest
@@ -7,7 +10,7 @@ from gymnasium.vector import AutoresetMode
 from support.same import assert_same
 
 import mimoc
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.errors import MimocError, MissingExtraError, UnknownNameError
 from mimoc.runtime.many.matching import MixtureError
 
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
@@ -85,9 +88,17 @@ def test_more_sources_than_infants_are_an_error(bundle):
         mimoc.make_vec([bundle] * 3, 2)
 
 
-def test_a_gpu_is_an_error_that_says_what_is_needed(bundle):
-    with pytest.raises(MimocError, match=r"device 'cuda:0': .*MuJoCo Warp.*device='cpu'"):
+def test_without_mujoco_warp_the_error_says_what_to_install(bundle, monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("mimoc.runtime.warp")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(MissingExtraError, match=r"MuJoCo Warp is not installed; run: pip install 'mimoc\[gpu\]'"):
         mimoc.make_vec(bundle, 2, device="cuda:0")
+
+
+def test_stable_baselines3_learns_on_the_cpu_only(bundle):
+    with pytest.raises(MimocError, match="Stable-Baselines3 learns from infants on the CPU; leave out device"):
+        mimoc.sb3_vec_env(bundle, 2, device="cuda:0")
 
 
 def test_a_seed_counts_up_and_a_list_gives_each_its_own(three):

@@ -1,0 +1,63 @@
+"""Room for contacts and constraints, which MuJoCo Warp sets aside before the first step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.senses.sense import IntArray
+
+SPARE = 2.0
+"""Factor between what an infant that moves at random needs and what is set aside."""
+STEPS = 200
+"""Physics steps for which each infant moves at random."""
+HELD = 20
+"""Physics steps for which it holds each command: long enough for limbs to hit something."""
+BODIES = 8
+"""Number of bodies that are tried, evenly among all; infants of one topology need about the same."""
+
+
+@dataclass(frozen=True, slots=True)
+class Capacity:
+    """For how much there is room, in each world."""
+
+    contacts: int
+    """Pairs of geoms that are near each other, and contacts; worlds with fewer leave room to others."""
+    constraints: int
+    """Rows of constraints."""
+
+
+def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntArray, seed: int = 0) -> Capacity:
+    """Return room for twice as much as infants need that move at random, each from its pose.
+
+    Args:
+        models: Their models.
+        poses: The keyframe that each starts from.
+        pairs: Pairs of geoms that MuJoCo Warp looks for contacts between, shape (p, 2).
+        seed: Of the commands.
+    """
+    generator, contacts, constraints = np.random.default_rng(seed), 0, 0
+    for index in np.unique(np.linspace(0, len(models) - 1, BODIES).astype(int)).tolist():
+        model = models[index]
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(poses[index]).id)
+        low, high = model.actuator_ctrlrange.T
+        for step in range(STEPS):
+            if step % HELD == 0:
+                data.ctrl[:] = np.where(generator.random(model.nu) < 0.5, low, high)
+            mujoco.mj_step(model, data)
+            contacts = max(contacts, data.ncon, _near(model, data, pairs))
+            constraints = max(constraints, data.nefc)
+    return Capacity(int(SPARE * max(contacts, 1)), int(SPARE * max(constraints, 1)))
+
+
+def _near(model: mujoco.MjModel, data: mujoco.MjData, pairs: IntArray) -> int:
+    """Return how many pairs of geoms are so near that MuJoCo Warp looks closer: their bounding spheres meet."""
+    first, second = pairs.T
+    offsets_m = data.geom_xpos[second] - data.geom_xpos[first]
+    is_plane = model.geom_rbound[first] == 0.0  # Planes are the first of a pair.
+    above_m = np.einsum("ij,ij->i", offsets_m, data.geom_xmat[first].reshape(-1, 3, 3)[:, :, 2])
+    apart_m = np.where(is_plane, above_m, np.linalg.norm(offsets_m, axis=1))
+    bounds_m = model.geom_rbound + model.geom_margin
+    return int((apart_m <= bounds_m[first] + bounds_m[second]).sum())

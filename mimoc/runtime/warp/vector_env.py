@@ -1,0 +1,256 @@
+"""The Gymnasium vector environment of many infants on a device."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+import warp as wp
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from mimoc.bundle.poses import pose_of
+from mimoc.errors import MimocError, UnknownNameError
+from mimoc.noise.spec import NoiseEntry
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.many.matching import check_mixture
+from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
+from mimoc.runtime.many.spaces import batch_of, covering
+from mimoc.runtime.warp.arrays import giver, put, taken
+from mimoc.runtime.warp.ending import NOT_FINITE, OVERFLOW
+from mimoc.runtime.warp.starts import Starts
+from mimoc.runtime.warp.worlds import Worlds
+
+SENSES = {"proprioception", "vestibular", "touch", "nothing"}
+"""Senses that are there on a device."""
+STARTS = 256
+"""Starts that are drawn of each infant whose episodes begin with chance."""
+
+
+class DeviceError(MimocError):
+    """Infants cannot live on a device, or what they do there went wrong."""
+
+
+class WarpInfants(VectorEnv[Any, Any, Any]):
+    """Infants that live side by side on a device, in worlds of MuJoCo Warp.
+
+    They may be of different ages and measures. In numbers of 32 bits, each observes and earns what it would on the CPU;
+    small differences grow, as in all simulations with contacts. Episodes begin with one of some starts of each infant,
+    which are drawn beforehand as a single environment with the seeds 0, 1, 2... draws them; the infant that is reset
+    with seed s begins with start s modulo their number, later ones are chosen by chance.
+
+    Observations, rewards and ends are copies for NumPy, or, for `torch` and `warp`, the environment's own memory, which
+    the next step writes to: copy what is to be kept.
+    """
+
+    def __init__(
+        self,
+        infants: Sequence[InfantEnv],
+        num_envs: int | None = None,
+        device: str = "cuda:0",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
+        arrays: str = "numpy",
+        touch: str = "bodies",
+        starts: int = STARTS,
+        contacts: int | None = None,
+        constraints: int | None = None,
+    ):
+        """Put infants on a device.
+
+        Args:
+            infants: The different infants, as single environments, which draw the starts; they are closed with this
+                one, and repeated in turn.
+            num_envs: Number of worlds; by default, as many as infants.
+            device: Warp's name of it: `cuda:0`, or `cpu`, which is slow and serves tests.
+            autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
+            max_episode_steps: Control steps after which any episode is truncated.
+            arrays: What observations and rewards are: `numpy`, `torch` or `warp`.
+            touch: `bodies` for the sum of the forces on each body, `points` for those at all points of the skin.
+            starts: Number of starts of each infant, if there is chance in them.
+            contacts: Room for contacts in a world; by default, twice what infants need that move at random.
+            constraints: Likewise for rows of constraints.
+
+        Raises:
+            DeviceError: If there is no such device, or an infant needs what is not there on one.
+            MixtureError: If the infants do not sense and command the same.
+            WorldsError: If their bodies cannot live in worlds of one model.
+            UnknownNameError: If there is no such kind of arrays or touch.
+        """
+        check_mixture(infants)
+        for infant in infants:
+            _check(infant)
+        self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
+        self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
+        self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
+        self.device = _device(device)
+        which = np.arange(self.num_envs) % len(infants)
+        with wp.ScopedDevice(self.device):
+            room = contacts, constraints
+            self.worlds = Worlds(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
+        self._starts: dict[str | None, Starts] = {None: self.worlds.default_starts}
+        self._graph: wp.Graph | None = None
+        spaces: list[Any] = [self.worlds.spaces[index] for index in which]
+        self.single_action_space = infants[0].action_space
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.single_observation_space = covering(spaces)
+        self.observation_space = batch_of(spaces)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode of each infant, or of those in the option `reset_mask`.
+
+        Args:
+            seed: Infant i is reset with `seed + i`, or with the i-th of a list.
+            options: `pose`, one for all, and `reset_mask`.
+
+        Raises:
+            UnknownNameError: If there is no such pose or option.
+            DeviceError: If something went wrong in the step before.
+        """
+        self._check_status()
+        options = options or {}
+        for name in options.keys() - {"pose", RESET_MASK}:
+            raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
+        if isinstance(seed, int):
+            self._np_random, self._np_random_seed = seeding.np_random(seed)
+        which = chosen(options, self.num_envs)
+        with wp.ScopedDevice(self.device):
+            starts = self._starts_in(options.get("pose"))
+            self.worlds.begin(starts, put(self._choices(starts, seeds_of(seed, self.num_envs), which), wp.int32))
+            ended = self.worlds.ended.ended.numpy()
+            ended[which] = 0
+            self.worlds.ended.ended.assign(ended)
+            self.worlds.observe()
+            return self._observed(), {}
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Apply an action of each infant for one control step; those whose episode has ended are reset as agreed.
+
+        Args:
+            actions: Shape (n, actuators), of NumPy, or on the device of any library that knows DLPack; values outside
+                the action space are clipped.
+
+        Raises:
+            ValueError: If the actions have the wrong shape, or NumPy's are not finite.
+            DeviceError: If contacts or constraints did not fit in the step before, or actions were not finite.
+            ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
+        """
+        self._check_status()
+        if self.autoreset_mode == AutoresetMode.DISABLED and self.worlds.ended.ended.numpy().any():
+            infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
+            raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
+        commands = self.worlds.commands.entering
+        with wp.ScopedDevice(self.device):
+            wp.copy(commands, taken(actions, commands.shape))
+            self._step()
+            ended = self.worlds.ended
+            given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
+            return self._observed(), *given, self._info()
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the infants that drew the starts."""
+        for infant in self.infants:
+            infant.close()
+
+    def _step(self) -> None:
+        """Make the control step: on a GPU as one graph, which is captured after a first step has loaded all kernels."""
+        if not self.device.is_cuda:
+            self.worlds.step()
+        elif self._graph is None:
+            self.worlds.step()
+            with wp.ScopedCapture(self.device) as capture:
+                self.worlds.step()
+            self._graph = capture.graph
+        else:
+            wp.capture_launch(self._graph)
+
+    def _choices(self, starts: Starts, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
+        """Return the start of each infant that is reset, -1 for others."""
+        body = np.arange(self.num_envs) % len(self.infants)
+        first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
+        found, kept = np.full(self.num_envs, -1), self.worlds.ended.seeds.numpy()
+        for world in which:
+            seed = seeds[world]
+            if seed is not None:
+                kept[world] = seed % 2**31
+            own = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
+            found[world] = first[world] + own
+        self.worlds.ended.seeds.assign(kept)
+        return found
+
+    def _starts_in(self, pose: str | None) -> Starts:
+        """Return the starts in a pose, which are drawn when they are first asked for."""
+        if pose not in self._starts:
+            for infant in self.infants:
+                pose_of(infant.manifest, pose)
+            self._starts[pose] = self.worlds.starts(pose)
+        return self._starts[pose]
+
+    def _observed(self) -> dict[str, Any]:
+        return {name: self._give(array) for name, array in self.worlds.observation.items()}
+
+    def _flag(self, array: wp.array) -> Any:
+        given = self._give(array)
+        return given if isinstance(given, wp.array) else given != 0
+
+    def _info(self) -> dict[str, Any]:
+        """Return success, stability and the terms of the reward; with resets in the same step, also the last views."""
+        ended = self.worlds.ended
+        terms = self._give(ended.terms)
+        info = {
+            "is_success": self._flag(ended.success),
+            "unstable": self._flag(ended.unstable),
+            "reward_terms": {name: terms[:, index] for index, name in enumerate(self.worlds.task.terms)},
+        }
+        if self.autoreset_mode == AutoresetMode.SAME_STEP:
+            info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}
+            info["_final_obs"] = self._flag(ended.finished)
+        return info
+
+    def _check_status(self) -> None:
+        """Say what went wrong on the device in the step before.
+
+        Raises:
+            DeviceError: If something did.
+        """
+        status = self.worlds.ended.status.numpy()
+        if status[OVERFLOW]:
+            room = self.worlds.capacity
+            raise DeviceError(
+                f"contacts or constraints of infant {status[OVERFLOW] - 1} did not fit in the last step, in which some "
+                f"were lost: there is room for contacts={room.contacts} and constraints={room.constraints}; make the "
+                "environment with more"
+            )
+        if status[NOT_FINITE]:
+            raise DeviceError(f"the last actions of infant {status[NOT_FINITE] - 1} were not finite")
+
+
+def _device(name: str) -> Any:
+    """Return one of Warp's devices.
+
+    Raises:
+        DeviceError: If it is not there.
+    """
+    try:
+        return wp.get_device(name)
+    except (ValueError, RuntimeError):
+        there = ", ".join(each.alias for each in wp.get_devices())
+        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {there} on this machine") from None
+
+
+def _check(infant: InfantEnv) -> None:
+    """Check that all that an infant needs is there on a device.
+
+    Raises:
+        DeviceError: If it is not.
+    """
+    if missing := sorted(infant.senses.keys() - SENSES):
+        raise DeviceError(
+            f"infant '{infant.manifest.name}' has the sense '{missing[0]}', which is not there on a device; leave it "
+            "out, or leave out device"
+        )
+    if infant.manifest.noise != NoiseEntry(low_pass_ms=infant.manifest.noise.low_pass_ms):
+        raise DeviceError(f"infant '{infant.manifest.name}' has noise, which is not there on a device; leave it out")
