@@ -73,6 +73,6 @@ def test_a_reset_gives_each_infant_an_age():
 def test_wrong_ages_are_refused(ages):
     many = mimoc.make_vec(bundle(6), 3)
     many.reset(seed=0)
-    with pytest.raises(ValueError, match="24 months|one value"):
+    with pytest.raises(ValueError, match=r"24 months|one value"):
         many.grow(ages)
     many.close()
