@@ -44,8 +44,11 @@ class Receptors:
     """The cells that have receptors within one unit, shape (c,), sorted."""
     neighbours: IntArray
     """The receptors within one unit of any place in a cell, padded with n, shape (c + 1, k); the last row is all n."""
-    tree: KDTree
-    """The receptors in scaled space, to find the nearest one at any distance."""
+
+    @functools.cached_property
+    def tree(self) -> KDTree:
+        """The receptors in scaled space, to find the nearest one at any distance; few skins ever need it."""
+        return KDTree(self.scaled[:, :-1].T)
 
     def share(self, bodies: IntArray, places_m: FloatArray, loads: FloatArray) -> tuple[IntArray, FloatArray]:
         """Share each load among the receptors around it: return these (m, k), and the share of each (width, m, k).
@@ -113,20 +116,26 @@ def _receptors(parts: tuple[tuple[int, str, int, float], ...], points: bytes, nb
     scaled = points_m * scale_per_m[bodies] + offsets[bodies]
     cells, neighbours = _neighbours(scaled)
     padded = np.ascontiguousarray(np.vstack([scaled, np.full(3, np.inf)]).T)
-    return Receptors(names, bodies, points_m, scale_per_m, offsets, padded, cells, neighbours, KDTree(scaled))
+    return Receptors(names, bodies, points_m, scale_per_m, offsets, padded, cells, neighbours)
 
 
 def _neighbours(scaled: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the cells that have receptors within one unit, and a table of these."""
-    around = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
-    corners = np.floor(scaled)[:, None] + around
-    gaps = np.maximum(np.maximum(corners - scaled[:, None], scaled[:, None] - corners - 1.0), 0.0)
-    receptors, column = np.nonzero(np.sum(gaps * gaps, axis=2) < 1.0)
-    cells, rows, counts = np.unique(_cells(corners[receptors, column]), return_inverse=True, return_counts=True)
-    order = np.argsort(rows, kind="stable")
+    corners = np.floor(scaled)[:, :, None] + (-1.0, 0.0, 1.0)
+    gaps = np.maximum(np.maximum(corners - scaled[:, :, None], scaled[:, :, None] - corners - 1.0), 0.0)
+    receptors, *columns = np.nonzero(_of_three(gaps * gaps) < 1.0)
+    around = _of_three(corners * CELL_STRIDES[:, None])[receptors, *columns]
+    order = np.argsort(around, kind="stable")
+    cells, firsts, counts = np.unique(around[order], return_index=True, return_counts=True)
     table = np.full((len(cells) + 1, counts.max()), len(scaled))
-    table[rows[order], np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)] = receptors[order]
+    rows, before = np.repeat(np.arange(len(cells)), counts), np.repeat(firsts, counts)
+    table[rows, np.arange(len(rows)) - before] = receptors[order]
     return cells, table
+
+
+def _of_three(terms: FloatArray) -> FloatArray:
+    """Return the sums of a term of each coordinate, all with all: from shape (n, 3, m) to (n, m, m, m)."""
+    return terms[:, 0, :, None, None] + terms[:, 1, None, :, None] + terms[:, 2, None, None, :]
 
 
 def _cells(scaled: FloatArray) -> FloatArray:
