@@ -126,11 +126,13 @@ def _neighbours(scaled: FloatArray) -> tuple[FloatArray, IntArray]:
     receptors, *columns = np.nonzero(_of_three(gaps * gaps) < 1.0)
     around = _of_three(corners * CELL_STRIDES[:, None])[receptors, *columns]
     order = np.argsort(around, kind="stable")
-    cells, firsts, counts = np.unique(around[order], return_index=True, return_counts=True)
-    table = np.full((len(cells) + 1, counts.max()), len(scaled))
-    rows, before = np.repeat(np.arange(len(cells)), counts), np.repeat(firsts, counts)
+    around = around[order]
+    firsts = np.flatnonzero(np.diff(around, prepend=-np.inf))
+    counts = np.diff(firsts, append=len(around))
+    table = np.full((len(firsts) + 1, counts.max()), len(scaled))
+    rows, before = np.repeat(np.arange(len(firsts)), counts), np.repeat(firsts, counts)
     table[rows, np.arange(len(rows)) - before] = receptors[order]
-    return cells, table
+    return around[firsts], table
 
 
 def _of_three(terms: FloatArray) -> FloatArray:
