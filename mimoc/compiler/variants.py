@@ -1,5 +1,6 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them."""
 
+import copy
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar
@@ -40,6 +41,7 @@ class SpecVariants:
         """
         self._spec = spec
         self._builders: dict[float, Builder] = {}
+        self._made: dict[tuple[float, int], Variant] = {}
         self._mould: Mould | None = None
         self._own = builder(spec)
         self._own_scene = self._own.furnished(spec.scene.seed)
@@ -64,6 +66,10 @@ class SpecVariants:
             SpecError: If there is no such infant.
             ModelError: If MuJoCo rejects it.
         """
+        made = _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed))
+        return Variant(made.bundle, copy.copy(made.model))
+
+    def _make(self, age_months: float, scene_seed: int) -> Variant:
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
         files = LaterFiles(built.arrays, ARRAYS, lambda: self._files(age_months, scene_seed))
