@@ -4,7 +4,7 @@ from functools import partial
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.damping import scale_damping
-from mimoc.body.growth import grow, grow_average
+from mimoc.body.growth import grow, grow_average, weigh
 from mimoc.body.individual import individualise
 from mimoc.body.prune import prune
 from mimoc.body.strength import scale_strength
@@ -22,8 +22,8 @@ def measure_child(spec: InfantSpec, anatomy: Anatomy) -> Measurements:
     """
     measurements = measure(spec.age_months)
     if spec.body.individual:
-        grown = partial(grow, anatomy=anatomy, development=spec.development)
-        measurements = individualise(measurements, spec.body.individual, grown)
+        weight_kg = partial(weigh, anatomy=anatomy, development=spec.development)
+        measurements = individualise(measurements, spec.body.individual, weight_kg)
     return replace_given(measurements, spec)
 
 

@@ -89,11 +89,12 @@ class Measurements(Mapping[str, float]):
             given_by: The keys of the spec that ask for it.
         """
         table = {
-            name: replace(
-                measured,
-                value_m=measured.value_m * factors[name],
-                origin=f"{measured.origin}, x {factors[name]:.4f} {why}",
-                given_by=(*measured.given_by, *given_by),
+            name: Measured(
+                measured.value_m * factors[name],
+                f"{measured.origin}, x {factors[name]:.4f} {why}",
+                measured.curve,
+                measured.points,
+                (*measured.given_by, *given_by),
             )
             if name in factors
             else measured
