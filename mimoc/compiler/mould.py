@@ -63,20 +63,23 @@ class Mould:
         self._spec = _without_textures(files)
         self._elements = _Elements(self._spec)
         self._arrays = _same_arrays(self._model, self._spec.compile())
+        self.broken = False
+        """Whether MuJoCo has rejected a scene; it is of no use then."""
 
     def cast(self, scene: SceneTree) -> mujoco.MjModel:
         """Return the model of a scene that differs from this one in numbers only; the next one is compared with it.
 
         Raises:
             DifferenceError: If more is different; nothing has changed then.
-            ValueError: If MuJoCo rejects it; this mould is of no use then.
+            ValueError: If MuJoCo rejects it; this mould is broken then.
         """
         changes = [*_of_infant(self._scene, scene, self._elements), *_of_world(self._scene, scene, self._elements)]
         for element, attribute, numbers in changes:
             _write(element, attribute, numbers)
         _write_keyframes(self._spec, scene.keyframes)
-        self._scene = scene
+        self._scene, self.broken = scene, True
         compiled, model = self._spec.compile(), copy.copy(self._model)
+        self.broken = False
         for name in self._arrays:
             getattr(model, name)[...] = getattr(compiled, name)
         for name in STATISTICS:
