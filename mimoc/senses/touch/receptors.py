@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -74,6 +75,7 @@ class Receptors:
 
     def nearest(self, bodies: IntArray, places_m: FloatArray, loads: FloatArray) -> tuple[IntArray, FloatArray]:
         """Give each load to the nearest receptor: return these (m, 1), and the loads (width, m, 1); see `share`."""
+        receptors: Any
         _, receptors = self.tree.query(places_m * self.scale_per_m[bodies] + self.offsets[bodies])
         return receptors[:, None], loads.T[:, :, None]
 
