@@ -46,14 +46,19 @@ def open_infant(bundle: Bundle | InfantSpec | str | Path, **options: Any) -> Inf
 open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
 
 
-def prepared(source: Bundle | InfantSpec | str | Path) -> dict[str, Any]:
-    """Return what the environments of an infant are made of; see `make`."""
+def prepared(source: Bundle | InfantSpec | str | Path, like: Variants | None = None) -> dict[str, Any]:
+    """Return what the environments of an infant are made of; see `make`.
+
+    Args:
+        source: The infant.
+        like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
+    """
     if isinstance(source, InfantSpec):
-        return _compiled(source)
+        return _compiled(source, like)
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):
         from mimoc.compiler import loading
 
-        return _compiled(loading.load_spec(source))
+        return _compiled(loading.load_spec(source), like)
     return _opened(source if isinstance(source, Bundle) else read_bundle(source))
 
 
@@ -118,12 +123,13 @@ def _opened(bundle: Bundle) -> dict[str, Any]:
     return {"bundle": bundle, "variants": LaterVariants(bundle)}
 
 
-def _compiled(spec: InfantSpec) -> dict[str, Any]:
+def _compiled(spec: InfantSpec, like: Variants | None = None) -> dict[str, Any]:
     """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
     from mimoc.compiler.variants import SpecVariants
 
     variants = SpecVariants(spec)
-    return {"bundle": variants.own, "variants": variants}
+    own = variants.own_like(like) if isinstance(like, SpecVariants) else variants.own
+    return {"bundle": own, "variants": variants}
 
 
 class LaterVariants:

@@ -9,6 +9,13 @@ import numpy.typing as npt
 SIGNIFICANT_DIGITS = 9
 """Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
 
+NEAR_HALF = 1e-6
+"""Of the last digit, where it takes the exact decimals of a number to tell whether it is rounded up."""
+TENS = np.array([float(f"1e{exponent}") for exponent in range(23)])
+"""The powers of ten that a float holds without error."""
+LEAST, LARGEST = 1e-13, 1e8
+"""Numbers between these need no other power of ten to become integers of all significant digits."""
+
 
 def num(value: float | bool | Iterable[float]) -> str:
     """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false."""
@@ -34,6 +41,24 @@ def rounded_array(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return an array with every float rounded as it is in files."""
     if array.dtype.kind != "f":
         return array
-    numbers = array.ravel().tolist()
-    texts = (f"%.{SIGNIFICANT_DIGITS}g " * len(numbers) % tuple(numbers)).split()
-    return np.array(texts, array.dtype).reshape(array.shape) + 0.0
+    numbers = array.ravel()
+    found, known = _quickly_rounded(numbers)
+    rest = numbers[~known].tolist()
+    found[~known] = (f"%.{SIGNIFICANT_DIGITS}g " * len(rest) % tuple(rest)).split()
+    return found.reshape(array.shape) + 0.0
+
+
+def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:
+    """Return rounded numbers, and which of them are known to be what their text says: most numbers of a body.
+
+    The quotient of two numbers without error is the nearest to the decimal, as is what is read from a text.
+    """
+    sizes = np.abs(numbers.astype(float))
+    usual = (sizes > LEAST) & (sizes < LARGEST)
+    sizes[~usual] = 1.0
+    tens = TENS[SIGNIFICANT_DIGITS - 1 - np.floor(np.log10(sizes)).astype(int)]
+    scaled = sizes * tens
+    digits = np.rint(scaled)
+    found = np.copysign(digits / tens, numbers).astype(numbers.dtype)
+    are_all = (digits >= TENS[SIGNIFICANT_DIGITS - 1]) & (digits < TENS[SIGNIFICANT_DIGITS])
+    return found, usual & are_all & (np.abs(np.abs(scaled - digits) - 0.5) > NEAR_HALF)

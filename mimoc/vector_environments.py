@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode
 
 from mimoc import environments
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.variants import Variant
 from mimoc.errors import MimocError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.vector_env import ManyInfants
@@ -65,7 +66,8 @@ def make_vec(
         raise MimocError(
             f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
         )
-    prepared = [environments.prepared(each) for each in sources]
+    prepared = [environments.prepared(sources[0])]
+    prepared += [environments.prepared(each, prepared[0]["variants"]) for each in sources[1:]]
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
 
 
@@ -142,11 +144,22 @@ def _joined(
         return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
     limit = options.pop("max_episode_steps", None)
 
-    def open_infant(index: int) -> InfantEnv:
+    def open_infant(parts: dict[str, Any]) -> InfantEnv:
         """Open one, with copies of a script's objects of its own."""
-        return InfantEnv(**prepared[index % len(prepared)], render_mode=render_mode, **deepcopy(options))
+        return InfantEnv(**parts, render_mode=render_mode, **deepcopy(options))
 
-    return ManyInfants([partial(open_infant, index) for index in range(count)], threads, autoreset_mode, limit)
+    each = _repeated(prepared, count)
+    return ManyInfants([partial(open_infant, parts) for parts in each], threads, autoreset_mode, limit)
+
+
+def _repeated(prepared: Sequence[dict[str, Any]], count: int) -> list[dict[str, Any]]:
+    """Return what infants are made of, in turn, each with a model of its own where it comes with one."""
+    again = [prepared[index % len(prepared)] for index in range(len(prepared), count)]
+    infants = [(parts, parts["bundle"]) for parts in again]
+    return [
+        *prepared,
+        *({**parts, "bundle": own.again() if isinstance(own, Variant) else own} for parts, own in infants),
+    ]
 
 
 def _on_device(

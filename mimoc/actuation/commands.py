@@ -71,6 +71,8 @@ class Activated(Commands):
 
 def all_commanded(entry: ActuationEntry) -> ActuationEntry:
     """Return the actuators with all of them commanded, as strength does not depend on which ones are."""
+    if all(actuator.commanded for actuator in entry.actuators):
+        return entry
     actuators = tuple(actuator.model_copy(update={"commanded": True}) for actuator in entry.actuators)
     return entry.model_copy(update={"actuators": actuators})
 

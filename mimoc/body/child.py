@@ -4,7 +4,7 @@ from functools import partial
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.damping import scale_damping
-from mimoc.body.growth import grow, grow_average
+from mimoc.body.growth import grow, grow_average, weigh
 from mimoc.body.individual import individualise
 from mimoc.body.prune import prune
 from mimoc.body.strength import scale_strength
@@ -22,15 +22,15 @@ def measure_child(spec: InfantSpec, anatomy: Anatomy) -> Measurements:
     """
     measurements = measure(spec.age_months)
     if spec.body.individual:
-        grown = partial(grow, anatomy=anatomy, development=spec.development)
-        measurements = individualise(measurements, spec.body.individual, grown)
+        weight_kg = partial(weigh, anatomy=anatomy, development=spec.development)
+        measurements = individualise(measurements, spec.body.individual, weight_kg)
     return replace_given(measurements, spec)
 
 
 def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
     """Return the measurements, with those that the spec gives replacing the child's own."""
     given = {key.removesuffix("_cm"): _given(key, value_cm) for key, value_cm in spec.body.measurements.items()}
-    return measurements.replaced(given)
+    return measurements.replaced(given) if given else measurements
 
 
 def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -> BodyTree:
@@ -40,10 +40,10 @@ def grow_child(spec: InfantSpec, measurements: Measurements, anatomy: Anatomy) -
         GeometryError: If no body has these measurements.
     """
     scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
-    if spec.body.individual or spec.body.measurements or scales:
-        grown = grow(measurements, anatomy, scales, spec.development)
-    else:
+    if measurements is measure(spec.age_months) and not scales:
         grown = grow_average(spec.age_months, anatomy, spec.development)
+    else:
+        grown = grow(measurements, anatomy, scales, spec.development)
     return prune(scale_damping(scale_strength(grown, anatomy, spec.actuation), anatomy), spec.body.remove)
 
 

@@ -30,14 +30,15 @@ def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
 def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, tuple[float, float]]]:
     """Yield the joints whose motors are too strong for their damping or armature, with the factors of both."""
     average = grow_average(tree.age_months, anatomy, tree.development)
-    at_18 = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
+    here = average.joints
+    there = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     for motor, usual, (_, figures) in zip(tree.motors, average.motors, anatomy.motors, strict=True):
-        here, there = average.joints[motor.joint], at_18[motor.joint]
+        joint, at_18 = here[motor.joint], there[motor.joint]
         damping, armature = (
             max(1.0, motor.gear_nm / max(usual.gear_nm, figures.gear_nm * now / then))
             for now, then in (
-                (here.damping_nms_per_rad, there.damping_nms_per_rad),
-                (here.armature_kgm2, there.armature_kgm2),
+                (joint.damping_nms_per_rad, at_18.damping_nms_per_rad),
+                (joint.armature_kgm2, at_18.armature_kgm2),
             )
         )
         if max(damping, armature) > 1 + NOISE:

@@ -35,13 +35,8 @@ def grow(
     Raises:
         GeometryError: If no body has these measurements.
     """
-    published = published_solids(measurements, anatomy, scales)
-    if development == "maturing":
-        heavier, reference = heavier_parts(measurements, anatomy), matured(anatomy)
-        own = matured_solids(measurements, reference, scales, published, heavier)
-    else:
-        heavier, reference = None, anatomy
-        own = measured_solids(measurements, anatomy, scales, published)
+    published, own, heavier = _solids(measurements, anatomy, scales, development)
+    reference = matured(anatomy) if heavier else anatomy
     growth = {side: _growth(solids, anatomy.hands) for side, solids in published.items()}
     tree = BodyTree(
         age_months=measurements.age_months,
@@ -53,6 +48,28 @@ def grow(
         development=development,
     )
     return _matured(tree, anatomy, measurements, heavier) if heavier else tree
+
+
+def weigh(measurements: Measurements, anatomy: Anatomy, development: Development) -> float:
+    """Return the mass of the body that `grow` returns, in [kg], without what does not weigh.
+
+    Raises:
+        GeometryError: If no body has these measurements.
+    """
+    _, own, heavier = _solids(measurements, anatomy, {}, development)
+    parts = matured(anatomy).parts if heavier else anatomy.parts
+    return sum(sum(own[side].masses_kg[figures.name] for figures in part.geoms) for side, part in parts)
+
+
+def _solids(
+    measurements: Measurements, anatomy: Anatomy, scales: Scales, development: Development
+) -> tuple[Mapping[str, Solids], Mapping[str, Solids], Heavier | None]:
+    """Return the solids of each side by the published law and by the child's own, and what the law `maturing` adds."""
+    published = published_solids(measurements, anatomy, scales)
+    if development != "maturing":
+        return published, measured_solids(measurements, anatomy, scales, published), None
+    heavier = heavier_parts(measurements, anatomy)
+    return published, matured_solids(measurements, matured(anatomy), scales, published, heavier), heavier
 
 
 def _matured(tree: BodyTree, anatomy: Anatomy, measurements: Measurements, heavier: Heavier) -> BodyTree:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from statistics import NormalDist
 
-from mimoc.body.tree import BodyTree
 from mimoc.errors import IndividualError
 from mimoc.fits import Measurements, load_tables
 from mimoc.fits.who import Sex
@@ -13,7 +12,7 @@ from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
 from mimoc.units import cm_to_m, m_to_cm
 
-Grow = Callable[[Measurements], BodyTree]
+Weigh = Callable[[Measurements], float]
 Bounds = tuple[float, float]
 
 WHY = "for this child"
@@ -56,7 +55,7 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
     )
 
 
-def individualise(measurements: Measurements, individual: IndividualSpec, grow: Grow) -> Measurements:
+def individualise(measurements: Measurements, individual: IndividualSpec, weigh: Weigh) -> Measurements:
     """Return the measurements of an individual child.
 
     Lengths, girths and head have one factor each, so that AnthroKids' proportions are kept. Measures that are not
@@ -66,7 +65,7 @@ def individualise(measurements: Measurements, individual: IndividualSpec, grow: 
     Args:
         measurements: Measurements of the average child of this age.
         individual: Measures and percentiles of the child.
-        grow: Function from measurements to the body, for its weight.
+        weigh: Function from measurements to the mass of the body, in [kg].
 
     Raises:
         IndividualError: If no child matches; the message gives the possible range.
@@ -86,7 +85,7 @@ def individualise(measurements: Measurements, individual: IndividualSpec, grow: 
         head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
         return thick(length or head or 1.0)
     bounds = SIZES if length is None else _times(BUILDS, length)
-    return thick(_solve(lambda girth: grow(thick(girth)).mass_kg, wanted.weight_kg, bounds, of_size))
+    return thick(_solve(lambda girth: weigh(thick(girth)), wanted.weight_kg, bounds, of_size))
 
 
 def _scaled(average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...]) -> Measurements:

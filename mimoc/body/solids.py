@@ -1,6 +1,6 @@
 """Shapes, volumes and masses of a child's parts, by either law of development."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -69,11 +69,12 @@ def published_solids(measurements: Measurements, anatomy: Anatomy, scales: Scale
         anatomy: Its parts.
         scales: Factors on single parts.
     """
-    found = {}
-    for side in SIDES:
+
+    def of_side(side: str) -> Solids:
         shapes = _shapes(measurements.published, anatomy, scales, side, MIMOS)
-        found[side] = Solids(*shapes, masses(anatomy, shapes[1]))
-    return found
+        return Solids(*shapes, masses(anatomy, shapes[1]))
+
+    return _of_sides(of_side, measurements, scales)
 
 
 def measured_solids(
@@ -90,10 +91,11 @@ def measured_solids(
     Raises:
         GeometryError: If no body has these measurements.
     """
-    return {
-        side: Solids(*_shapes(measurements, anatomy, scales, side, MEASURED), published[side].masses_kg)
-        for side in SIDES
-    }
+
+    def of_side(side: str) -> Solids:
+        return Solids(*_shapes(measurements, anatomy, scales, side, MEASURED), published[side].masses_kg)
+
+    return _of_sides(of_side, measurements, scales)
 
 
 def heavier_parts(measurements: Measurements, anatomy: Anatomy) -> Heavier:
@@ -125,14 +127,21 @@ def matured_solids(
     Raises:
         GeometryError: If no body has these measurements.
     """
-    found = {}
-    for side in SIDES:
+
+    def of_side(side: str) -> Solids:
         kind = Kind(foot_height=heavier.foot_height)
         dimensions, volumes_m3 = _shapes(measurements, anatomy, scales, side, kind)
         usual_kg = published[side].masses_kg
         masses_kg = matured_masses(anatomy, usual_kg, volumes_m3, heavier.head_gain, heavier.trunk_left)
-        found[side] = Solids(dimensions, volumes_m3, masses_kg)
-    return found
+        return Solids(dimensions, volumes_m3, masses_kg)
+
+    return _of_sides(of_side, measurements, scales)
+
+
+def _of_sides(of_side: Callable[[str], Solids], measurements: Measurements, scales: Scales) -> dict[str, Solids]:
+    """Return the solids of each side; the left ones are the right ones, unless something is said of one side."""
+    found = {side: of_side(side) for side in SIDES[:2]}
+    return {**found, SIDES[2]: found[SIDES[1]] if measurements.symmetric and not scales else of_side(SIDES[2])}
 
 
 Shapes = tuple[Dimensions, Mapping[str, float]]

@@ -1,11 +1,14 @@
 """The same infant at another age, or in the scene of another seed, as an environment is handed it."""
 
+import copy
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 import mujoco
 
-from mimoc.bundle.io import Bundle
+from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.model import load_model
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +19,23 @@ class Variant:
     """The infant."""
     model: mujoco.MjModel
     """Its model, which belongs to whoever asked for it and may be changed."""
+
+    def again(self) -> "Variant":
+        """Return the same infant with a model of its own."""
+        return Variant(self.bundle, copy.copy(self.model))
+
+
+def opened(source: Variant | Bundle | str | Path) -> Variant:
+    """Return an infant with its model.
+
+    Raises:
+        BundleError: If a folder is not an intact bundle.
+        ModelError: If MuJoCo rejects its model.
+    """
+    if isinstance(source, Variant):
+        return source
+    bundle = source if isinstance(source, Bundle) else read_bundle(source)
+    return Variant(bundle, load_model(bundle))
 
 
 class Variants(Protocol):

@@ -8,6 +8,7 @@ first model. `compile_model` of a whole bundle gives the same, array for array.
 import copy
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain, islice
 from typing import Any
 
 import mujoco
@@ -17,7 +18,7 @@ from mimoc.compiler.model_check import compile_model
 from mimoc.mjcf.infant import Actuator, Camera, Node, PrintedGeom, PrintedJoint, Site
 from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import World
-from mimoc.rounding import num
+from mimoc.rounding import rounded_array
 
 KINDS = ("body", "jnt", "dof", "geom", "site", "cam", "light", "tendon", "actuator", "eq", "key", "qpos", "bvh", "pair")
 """What the arrays of a model begin with whose numbers can depend on age."""
@@ -63,20 +64,21 @@ class Mould:
         self._spec = _without_textures(files)
         self._elements = _Elements(self._spec)
         self._arrays = _same_arrays(self._model, self._spec.compile())
+        self.broken = False
+        """Whether MuJoCo has rejected a scene; it is of no use then."""
 
     def cast(self, scene: SceneTree) -> mujoco.MjModel:
         """Return the model of a scene that differs from this one in numbers only; the next one is compared with it.
 
         Raises:
             DifferenceError: If more is different; nothing has changed then.
-            ValueError: If MuJoCo rejects it; this mould is of no use then.
+            ValueError: If MuJoCo rejects it; this mould is broken then.
         """
         changes = [*_of_infant(self._scene, scene, self._elements), *_of_world(self._scene, scene, self._elements)]
-        for element, attribute, numbers in changes:
-            _write(element, attribute, numbers)
-        _write_keyframes(self._spec, scene.keyframes)
-        self._scene = scene
+        _write([*changes, *_of_keyframes(self._spec, scene.keyframes)])
+        self._scene, self.broken = scene, True
         compiled, model = self._spec.compile(), copy.copy(self._model)
+        self.broken = False
         for name in self._arrays:
             getattr(model, name)[...] = getattr(compiled, name)
         for name in STATISTICS:
@@ -123,7 +125,7 @@ def _of_infant(old: SceneTree, new: SceneTree, elements: _Elements) -> Iterator[
     ):
         raise DifferenceError
     _check([keyframe.name for keyframe in old.keyframes] == [keyframe.name for keyframe in new.keyframes])
-    for before, after in _pairs(old.roots, new.roots):
+    for before, after in _pairs([*_nodes(old.roots)], [*_nodes(new.roots)]):
         yield from _of_node(before, after, elements)
     for before, after in _changed(old.tendons, new.tendons):
         _check(replace(after, range_rad=before.range_rad) == before)
@@ -133,7 +135,7 @@ def _of_infant(old: SceneTree, new: SceneTree, elements: _Elements) -> Iterator[
 
 
 def _of_node(old: Node, new: Node, elements: _Elements) -> Iterator[Change]:
-    _check((old.name, old.free_joints) == (new.name, new.free_joints))
+    _check((old.name, old.free_joints, len(old.children)) == (new.name, new.free_joints, len(new.children)))
     yield from _of_place(old, new, elements.bodies[new.name])
     for before, after in _changed(old.joints, new.joints):
         yield from _of_joint(before, after, elements.joints[after.name])
@@ -143,8 +145,15 @@ def _of_node(old: Node, new: Node, elements: _Elements) -> Iterator[Change]:
         yield from _of_site(before, after, elements.sites[after.name])
     for before, after in _changed(old.cameras, new.cameras):
         yield from _of_camera(before, after, elements.cameras[after.name])
-    for before, after in _pairs(old.children, new.children):
-        yield from _of_node(before, after, elements)
+
+
+def _nodes(roots: Iterable[Node]) -> Iterator[Node]:
+    """Yield all bodies, each before those that hang on it."""
+    pending = [*roots]
+    while pending:
+        node = pending.pop()
+        pending += node.children
+        yield node
 
 
 def _of_place(old: Any, new: Any, element: Any) -> Iterator[Change]:
@@ -173,7 +182,8 @@ def _of_geom(old: PrintedGeom, new: PrintedGeom, element: Any) -> Iterator[Chang
 def _of_site(old: Site, new: Site, element: Any) -> Iterator[Change]:
     _check(replace(old, pos_m=new.pos_m, radius_m=new.radius_m) == new)
     yield element, "pos", new.pos_m
-    yield element, "size", new.radius_m
+    if old.radius_m != new.radius_m:
+        yield element, "size", new.radius_m
 
 
 def _of_camera(old: Camera, new: Camera, element: Any) -> Iterator[Change]:
@@ -217,26 +227,22 @@ def _fixed(world: World) -> World:
     return replace(world, furniture=replace(world.furniture, geoms=()), objects=(), locks=(), welds=())
 
 
-def _write_keyframes(spec: mujoco.MjSpec, keyframes: Sequence[Keyframe]) -> None:
+def _of_keyframes(spec: mujoco.MjSpec, keyframes: Sequence[Keyframe]) -> Iterator[Change]:
     for key, keyframe in zip(spec.keys, keyframes, strict=True):
-        key.qpos = _printed(keyframe.qpos)
-        for name, numbers in keyframe.settings:
-            setattr(key, name, _printed(numbers))
+        for name, numbers in (("qpos", keyframe.qpos), *keyframe.settings):
+            yield key, name, numbers
 
 
-def _write(element: Any, attribute: str, numbers: Numbers) -> None:
-    """Write numbers, as they are printed, to where an attribute begins."""
-    printed, now = _printed(numbers), getattr(element, attribute)
-    if isinstance(now, np.ndarray):
-        now[: len(printed)] = printed
-    else:
-        setattr(element, attribute, printed[0] if isinstance(now, float) else printed)
-
-
-def _printed(numbers: Numbers) -> list[float]:
-    """Return numbers as they are read from where they are printed."""
-    several = (numbers,) if isinstance(numbers, (float, int)) else numbers
-    return [float(num(number)) for number in several]
+def _write(changes: Sequence[Change]) -> None:
+    """Write numbers, as they are read from where they are printed, to where attributes begin."""
+    several = [(numbers,) if isinstance(numbers, (float, int)) else numbers for *_, numbers in changes]
+    printed = iter(rounded_array(np.array([*chain(*several)], float)).tolist())
+    for (element, attribute, _), numbers in zip(changes, several, strict=True):
+        read, now = [*islice(printed, len(numbers))], getattr(element, attribute)
+        if isinstance(now, np.ndarray):
+            now[: len(read)] = read
+        else:
+            setattr(element, attribute, read[0] if isinstance(now, float) else read)
 
 
 def _changed(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[Any, Any]]:

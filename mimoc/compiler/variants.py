@@ -40,6 +40,7 @@ class SpecVariants:
         """
         self._spec = spec
         self._builders: dict[float, Builder] = {}
+        self._made: dict[tuple[float, int], Variant] = {}
         self._mould: Mould | None = None
         self._own = builder(spec)
         self._own_scene = self._own.furnished(spec.scene.seed)
@@ -57,6 +58,22 @@ class SpecVariants:
         """The infant of the spec itself."""
         return self._own.print(self._spec.scene.seed, self._own_scene)
 
+    def own_like(self, other: "SpecVariants") -> Variant:
+        """Return the infant of the spec itself: cast from another infant, if they differ in numbers only.
+
+        Raises:
+            ModelError: If MuJoCo rejects it.
+        """
+        mould, seed = other._usable_mould(), self._spec.scene.seed
+        try:
+            model = mould.cast(self._own_scene.scene)
+        except (DifferenceError, ValueError):  # Opening what is printed says what MuJoCo rejects.
+            return Variant(self.own, load_model(self.own))
+        prepare(model)
+        self._mould = mould
+        files = LaterFiles(self._own.arrays, ARRAYS, lambda: self.own.files)
+        return Variant(Bundle(files, self._own.manifest_of(seed, self._own_scene), None), model)
+
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
 
@@ -64,6 +81,9 @@ class SpecVariants:
             SpecError: If there is no such infant.
             ModelError: If MuJoCo rejects it.
         """
+        return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed)).again()
+
+    def _make(self, age_months: float, scene_seed: int) -> Variant:
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
         files = LaterFiles(built.arrays, ARRAYS, lambda: self._files(age_months, scene_seed))
@@ -81,16 +101,20 @@ class SpecVariants:
         """Return the model of a bundle: in the scene of the spec, it is cast from the infant of another age."""
         if scene_seed != self._spec.scene.seed:
             return load_model(bundle)
-        self._mould = self._mould or Mould(self.own.files, self._own_scene.scene)
         try:
-            model = self._mould.cast(scene)
+            model = self._usable_mould().cast(scene)
         except DifferenceError:  # Such as other poses, since some do not suit every age.
             return load_model(bundle)
         except ValueError:  # MuJoCo rejects it, and says more of what is printed.
-            self._mould = None
             return load_model(bundle)
         prepare(model)
         return model
+
+    def _usable_mould(self) -> Mould:
+        """Return the mould of this infant, or of another one that it was cast from."""
+        if self._mould is None or self._mould.broken:
+            self._mould = Mould(self.own.files, self._own_scene.scene)
+        return self._mould
 
 
 def _kept(found: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:

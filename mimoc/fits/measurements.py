@@ -54,6 +54,11 @@ class Measurements(Mapping[str, float]):
         """The same child before its spec replaced any single measurement."""
         return replace(self, table=self.base, paper=self.paper and self.paper.unreplaced)
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether no side has any measurement of its own."""
+        return self.table.keys() == self.base.keys()
+
     def __getitem__(self, name: str) -> float:
         """Return a measurement in metres."""
         return self.table[name].value_m
@@ -69,7 +74,7 @@ class Measurements(Mapping[str, float]):
 
         The middle takes what both sides have; where they differ, it takes the side that changed less.
         """
-        if self.table.keys() == self.base.keys():  # No side has any of its own.
+        if self.symmetric:
             return {name: self.table[name].value_m for name in self.base}
         sides = (side,) if side else ("left", "right")
 
@@ -89,11 +94,12 @@ class Measurements(Mapping[str, float]):
             given_by: The keys of the spec that ask for it.
         """
         table = {
-            name: replace(
-                measured,
-                value_m=measured.value_m * factors[name],
-                origin=f"{measured.origin}, x {factors[name]:.4f} {why}",
-                given_by=(*measured.given_by, *given_by),
+            name: Measured(
+                measured.value_m * factors[name],
+                f"{measured.origin}, x {factors[name]:.4f} {why}",
+                measured.curve,
+                measured.points,
+                (*measured.given_by, *given_by),
             )
             if name in factors
             else measured

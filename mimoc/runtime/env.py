@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, bind_actuation
-from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import broke_down, load_model
+from mimoc.bundle.model import broke_down
 from mimoc.bundle.poses import pose_of
-from mimoc.bundle.variants import Variant, Variants
+from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
 from mimoc.errors import UnknownNameError
 from mimoc.model_fields import ModelFields
@@ -55,7 +55,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def __init__(
         self,
-        bundle: Bundle | str | Path,
+        bundle: Bundle | Variant | str | Path,
         render_mode: Literal["human", "rgb_array"] | None = None,
         width: int = 480,
         height: int = 480,
@@ -66,7 +66,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Open a bundle.
 
         Args:
-            bundle: A bundle, or a bundle folder.
+            bundle: A bundle, or a bundle folder; or one with its model.
             render_mode: `human` for a window that is updated at every step, `rgb_array` for images from `render()`.
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
@@ -83,13 +83,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         if render_mode not in (None, *MODES):
             raise UnknownNameError("render mode", str(render_mode), MODES)
-        self.bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
+        own = opened(bundle)
+        self.bundle, self.model = own.bundle, own.model
         self.render_mode = render_mode
         self.metadata = {
             "render_modes": available_modes(),
             "render_fps": round(1 / ms_to_s(self.manifest.step_ms)),
         }
-        self.model = load_model(self.bundle)
         self._picture_size = width, height
         self._variants = variants
         self._custom_task, self._custom_senses = task, dict(senses)

@@ -56,6 +56,25 @@ def test_a_variant_is_what_a_build_of_its_age_gives(infant):
     assert found.bundle.files == built.files
 
 
+@pytest.mark.parametrize("infant", INFANTS)
+def test_an_infant_cast_from_another_is_what_a_build_of_it_gives(infant):
+    first, own = SpecVariants(spec(**INFANTS[infant])), aged(spec(**INFANTS[infant]), 17.25)
+    second = SpecVariants(own)
+    found, built = second.own_like(first), mimoc.build(own)
+    assert differences(found.model, load_model(built)) == []
+    assert found.bundle.manifest == built.manifest
+    assert found.bundle.files == built.files
+    younger, of_3_months = second(3.0, 0), mimoc.build(aged(own, 3.0))
+    assert differences(younger.model, load_model(of_3_months)) == []
+    assert differences(first(9.0, 0).model, load_model(mimoc.build(spec(**INFANTS[infant])))) == []
+
+
+def test_an_infant_of_other_parts_is_built_by_itself():
+    five = spec(body={"hands": "five_finger"})
+    found = SpecVariants(five).own_like(SpecVariants(spec()))
+    assert differences(found.model, load_model(mimoc.build(five))) == []
+
+
 def test_a_variant_has_other_scenes_too():
     variants = SpecVariants(spec(scene={"kind": "room", "toys": {"count": [2, 2]}}))
     variants(12, 0)

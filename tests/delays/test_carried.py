@@ -60,7 +60,7 @@ legs = st.none() | st.integers(1, 5)
 """How much later the signals of the leg are, if they are."""
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(st.integers(1, 5), delays, legs, delays, legs, st.integers(0, 4), st.integers(0, 99))
 def test_observations_keep_their_order_and_reach_their_new_delay(period, first, leg, then, leg_then, jitter, seed):
     assume(jitter == 0 or (leg is None) == (leg_then is None))  # Else each leg had a jitter of its own.
@@ -76,9 +76,9 @@ def test_observations_keep_their_order_and_reach_their_new_delay(period, first, 
             told.append(running.observe()["clock"].copy())
             commanded.append(data.ctrl.copy())
 
-    live(before, 20)
+    live(before, 12)
     after.carry_on(before, data)
-    live(after, 40)
+    live(after, 24)
     assert (np.diff(np.array(told), axis=0) >= -1e-9).all()
     assert (np.diff(np.array(commanded), axis=0) >= 0).all()
     late_ms = np.rint(1e3 * (data.time - told[-1]))
@@ -86,7 +86,7 @@ def test_observations_keep_their_order_and_reach_their_new_delay(period, first, 
     assert (np.abs(late_ms - wanted) <= jitter).all()
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(st.integers(1, 5), delays, legs, st.integers(0, 99))
 def test_the_same_delays_change_nothing(period, delay, leg, seed):
     found = []
@@ -95,8 +95,8 @@ def test_the_same_delays_change_nothing(period, delay, leg, seed):
         running = schedule(period, delay, leg, 0, streams)
         running.reset(data)
         told = []
-        for number in range(30):
-            if carries and number == 15:
+        for number in range(24):
+            if carries and number == 12:
                 former, running = running, schedule(period, delay, leg, 0, streams)
                 running.carry_on(former, data)
             running.step([number, number], data)

@@ -262,6 +262,7 @@ def test_stable_baselines_loads_the_policy_too(trained, learned, same):
     assert same(agent.policy.state_dict(), learned(trained / "policy.zip")[0])
 
 
+@pytest.mark.slow
 def test_a_training_of_an_infant_that_grows_resumes_to_the_bit(learn, learned, same, tmp_path):
     growth = {"grow": "6:7", "schedule": "shuffled", "grow_steps": 2 * EVERY}
     whole = learn("whole", **growth)

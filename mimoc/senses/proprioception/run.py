@@ -77,24 +77,26 @@ def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> P
 
 
 def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
-    addresses = _addresses(model, entry.joints, "qposadr")
+    joints = _ids(model, entry.joints)
+    addresses = model.jnt_qposadr[joints]
     return Component(
         lambda data: data.qpos.take(addresses, -1),
         addresses,
         np.full(len(addresses), 4 * np.pi),
         _names(entry.joints, "angle", ANGLE_UNIT),
-        _addresses(model, entry.joints, "bodyid"),
+        model.jnt_bodyid[joints],
     )
 
 
 def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
-    addresses = _addresses(model, entry.joints, "dofadr")
+    joints = _ids(model, entry.joints)
+    addresses = model.jnt_dofadr[joints]
     return Component(
         lambda data: data.qvel.take(addresses, -1),
         addresses,
         np.full(len(addresses), MAX_SPEED_RAD_S),
         _names(entry.joints, "velocity", VELOCITY_UNIT),
-        _addresses(model, entry.joints, "bodyid"),
+        model.jnt_bodyid[joints],
     )
 
 
@@ -111,8 +113,9 @@ def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoc
 
 
 def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
-    addresses = _addresses(model, entry.joints, "qposadr")
-    low, high = np.array([model.joint(name).range for name in entry.joints]).T
+    joints = _ids(model, entry.joints)
+    addresses = model.jnt_qposadr[joints]
+    low, high = model.jnt_range[joints].T
     middle, reach = (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD
 
     def read(data: Any, middle: FloatArray, reach: FloatArray) -> FloatArray:
@@ -125,7 +128,7 @@ def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco
         addresses,
         np.full(len(addresses), MAX_LIMIT),
         _names(entry.joints, "limit", "1 at the limit"),
-        _addresses(model, entry.joints, "bodyid"),
+        model.jnt_bodyid[joints],
         (middle, reach),
     )
 
@@ -159,8 +162,8 @@ COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.M
 """What can be sensed besides angles."""
 
 
-def _addresses(model: mujoco.MjModel, joints: tuple[str, ...], kind: str) -> IntArray:
-    return np.array([getattr(model.joint(name), kind)[0] for name in joints])
+def _ids(model: mujoco.MjModel, joints: tuple[str, ...]) -> IntArray:
+    return np.array([model.joint(name).id for name in joints], np.intp)
 
 
 def _names(things: tuple[str, ...], quantity: str, unit: str) -> tuple[str, ...]:

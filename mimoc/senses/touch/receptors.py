@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -44,8 +45,11 @@ class Receptors:
     """The cells that have receptors within one unit, shape (c,), sorted."""
     neighbours: IntArray
     """The receptors within one unit of any place in a cell, padded with n, shape (c + 1, k); the last row is all n."""
-    tree: KDTree
-    """The receptors in scaled space, to find the nearest one at any distance."""
+
+    @functools.cached_property
+    def tree(self) -> KDTree:
+        """The receptors in scaled space, to find the nearest one at any distance; few skins ever need it."""
+        return KDTree(self.scaled[:, :-1].T)
 
     def share(self, bodies: IntArray, places_m: FloatArray, loads: FloatArray) -> tuple[IntArray, FloatArray]:
         """Share each load among the receptors around it: return these (m, k), and the share of each (width, m, k).
@@ -71,6 +75,7 @@ class Receptors:
 
     def nearest(self, bodies: IntArray, places_m: FloatArray, loads: FloatArray) -> tuple[IntArray, FloatArray]:
         """Give each load to the nearest receptor: return these (m, 1), and the loads (width, m, 1); see `share`."""
+        receptors: Any
         _, receptors = self.tree.query(places_m * self.scale_per_m[bodies] + self.offsets[bodies])
         return receptors[:, None], loads.T[:, :, None]
 
@@ -113,20 +118,28 @@ def _receptors(parts: tuple[tuple[int, str, int, float], ...], points: bytes, nb
     scaled = points_m * scale_per_m[bodies] + offsets[bodies]
     cells, neighbours = _neighbours(scaled)
     padded = np.ascontiguousarray(np.vstack([scaled, np.full(3, np.inf)]).T)
-    return Receptors(names, bodies, points_m, scale_per_m, offsets, padded, cells, neighbours, KDTree(scaled))
+    return Receptors(names, bodies, points_m, scale_per_m, offsets, padded, cells, neighbours)
 
 
 def _neighbours(scaled: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the cells that have receptors within one unit, and a table of these."""
-    around = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
-    corners = np.floor(scaled)[:, None] + around
-    gaps = np.maximum(np.maximum(corners - scaled[:, None], scaled[:, None] - corners - 1.0), 0.0)
-    receptors, column = np.nonzero(np.sum(gaps * gaps, axis=2) < 1.0)
-    cells, rows, counts = np.unique(_cells(corners[receptors, column]), return_inverse=True, return_counts=True)
-    order = np.argsort(rows, kind="stable")
-    table = np.full((len(cells) + 1, counts.max()), len(scaled))
-    table[rows[order], np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)] = receptors[order]
-    return cells, table
+    corners = np.floor(scaled)[:, :, None] + (-1.0, 0.0, 1.0)
+    gaps = np.maximum(np.maximum(corners - scaled[:, :, None], scaled[:, :, None] - corners - 1.0), 0.0)
+    receptors, *columns = np.nonzero(_of_three(gaps * gaps) < 1.0)
+    around = _of_three(corners * CELL_STRIDES[:, None])[receptors, *columns]
+    order = np.argsort(around, kind="stable")
+    around = around[order]
+    firsts = np.flatnonzero(np.diff(around, prepend=-np.inf))
+    counts = np.diff(firsts, append=len(around))
+    table = np.full((len(firsts) + 1, counts.max()), len(scaled))
+    rows, before = np.repeat(np.arange(len(firsts)), counts), np.repeat(firsts, counts)
+    table[rows, np.arange(len(rows)) - before] = receptors[order]
+    return around[firsts], table
+
+
+def _of_three(terms: FloatArray) -> FloatArray:
+    """Return the sums of a term of each coordinate, all with all: from shape (n, 3, m) to (n, m, m, m)."""
+    return terms[:, 0, :, None, None] + terms[:, 1, None, :, None] + terms[:, 2, None, None, :]
 
 
 def _cells(scaled: FloatArray) -> FloatArray:

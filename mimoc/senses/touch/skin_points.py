@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -56,13 +57,13 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
     """
     patches = _patches(tree.hands, tree.development, density)
     groups, covered = body_groups(tree), None if regions is None else single_groups(regions)
-    points_m, spacing_m = {}, {}
+    points_m, spacing_m, moved_m = {}, {}, dict[Any, FloatArray]()
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
             continue
         parts = (body.name, *(part for part, home in tree.merged if home == body.name))
         patch = _joined([patches[part.removeprefix("left_").removeprefix("right_")] for part in parts])
-        points_m[body.name] = _points(body, patch.layout)
+        points_m[body.name] = _points(body, patch.layout, moved_m)
         spacing_m[body.name] = patch.spacing_m * math.sqrt(_area_m2(body) / patch.area_m2)
     return SkinPoints(points_m, spacing_m)
 
@@ -92,11 +93,20 @@ def _area_m2(body: Body) -> float:
     return sum(area(geom.type, geom.size_m) for geom in body.geoms)
 
 
-def _points(body: Body, layout: Layout) -> FloatArray:
-    """Return the points of a body; those of a left one mirror those of a right one."""
+def _points(body: Body, layout: Layout, moved_m: dict[Any, FloatArray]) -> FloatArray:
+    """Return the points of a body; those of a left one mirror those of a right one.
+
+    Args:
+        body: The body.
+        layout: Its points at 18 months.
+        moved_m: The points of bodies so far, before they are mirrored, to which those of this one are added.
+    """
     left = body.name.startswith("left_")
-    points_m = move_with_geoms(layout, [_mirrored(geom) for geom in body.geoms] if left else body.geoms)
-    points_m = points_m.round(DECIMALS) * (1, -1 if left else 1, 1) + 0.0  # + 0.0 turns -0.0 into 0.
+    geoms = [_mirrored(geom) for geom in body.geoms] if left else body.geoms
+    key = *map(id, layout), *((geom.type, geom.size_m, geom.pos_m, geom.euler_deg) for geom in geoms)
+    if key not in moved_m:
+        moved_m[key] = move_with_geoms(layout, geoms)
+    points_m = moved_m[key].round(DECIMALS) * (1, -1 if left else 1, 1) + 0.0  # + 0.0 turns -0.0 into 0.
     points_m.flags.writeable = False
     return points_m
 
