@@ -25,14 +25,14 @@ AGES_MONTHS = (6.0, 12.0)
 """The youngest and the oldest age of the infants that learn; all are tested at the oldest."""
 EPISODE_STEPS = 1000
 """Control steps after which a reach is given up (MIMo)."""
-STEPS, QUICK_STEPS = 245_760, 20_480
+STEPS, QUICK_STEPS = 245_760, 12_288
 """Control steps of each training run; docs/learning has reaching learnt in 200,000."""
-CHECKPOINT_EVERY, QUICK_CHECKPOINT_EVERY = 20_480, 10_240
+CHECKPOINT_EVERY, QUICK_CHECKPOINT_EVERY = 20_480, 6_144
 """Control steps between checkpoints, whose policies are tested too."""
 SEEDS, QUICK_SEEDS = (1, 2, 3), (1, 2)
-BALLS, QUICK_BALLS = 100, 20
+BALLS, QUICK_BALLS = 100, 5
 """Number of balls for which each infant reaches after training; they are the same for all."""
-CHECK_BALLS, QUICK_CHECK_BALLS = 20, 5
+CHECK_BALLS, QUICK_CHECK_BALLS = 20, 2
 """Number of these balls for which it reaches at each earlier checkpoint."""
 FIRST_BALL = 1000
 """Seed of the first ball, which is not the seed of any training run."""

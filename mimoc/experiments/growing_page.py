@@ -28,7 +28,8 @@ Each infant is trained for {steps:,} control steps of 10 ms, summed over all par
 seeds. Infants of the same seed begin with the same network. In the schedules in which the age changes, it has each of
 {stages} ages, {stage:g} months apart, for equally many steps: these schedules have the same experience of ages in
 different orders. At each checkpoint, and after training, **all** infants reach for the same balls with the body of
-{oldest:g} months: {check_balls} balls at each checkpoint, {balls} after training.
+{oldest:g} months, without the noise by which PPO explores: {check_balls} balls at each checkpoint, {balls} after
+training.
 
 ![Age, learning, tests at the oldest age, and the result of each infant](growing.png)
 
