@@ -13,12 +13,14 @@ EXAMPLE = "Example:  mimoc experiment growth -o out/growth --quick"
 def experiment(
     name: Annotated[
         str,
-        typer.Argument(metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms, development."),
+        typer.Argument(
+            metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms, development, growing."
+        ),
     ],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, figures and report.")],
     quick: Annotated[
         bool,
-        typer.Option("--quick", help="Fewer ages, seeds or steps: takes seconds, or minutes for delays."),
+        typer.Option("--quick", help="Fewer ages, seeds or steps: takes seconds, or minutes for delays and growing."),
     ] = False,
 ) -> None:
     """Reproduce an experiment of the paper: tables (CSV), figures (PNG), and a report that compares the results."""

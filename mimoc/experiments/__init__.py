@@ -16,6 +16,7 @@ EXPERIMENTS: Mapping[str, str] = {
     "inverse": "mimoc.experiments.inverse",
     "rooms": "mimoc.experiments.rooms",
     "development": "mimoc.experiments.development",
+    "growing": "mimoc.experiments.growing",
 }
 """Module of each experiment, imported when needed; its `run` takes a notebook and returns the path of the report."""
 

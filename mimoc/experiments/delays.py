@@ -11,7 +11,7 @@ from mimoc.compiler import pipeline
 from mimoc.experiments.delays_page import sections
 from mimoc.experiments.infant_reaches import DELAYS, reach_at_ages, write_reaches
 from mimoc.experiments.infant_reaches_page import infant_sections
-from mimoc.experiments.learner import Learner, detour, smoothness
+from mimoc.experiments.learner import Learner, binned_times_s, detour, smoothness
 from mimoc.experiments.notebook import Notebook
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
@@ -38,8 +38,6 @@ REACHES, QUICK_REACHES = 20, 4
 """Number of reaches of each, with each delay."""
 REACH_S = 3.0
 """Simulated time after which a reach is given up."""
-BINS = 25
-"""Number of bins of a plotted learning curve."""
 
 
 def run(notebook: Notebook) -> Path:
@@ -166,25 +164,10 @@ def _label(delay_ms: float) -> str:
 def _learning_panel(learners: Sequence[Learner]) -> Panel:
     curves = []
     for delay_ms, group in _by_delay(learners).items():
-        steps, times_s = zip(*(_binned(each) for each in group), strict=True)
+        steps, times_s = zip(*(binned_times_s(each.training.curve) for each in group), strict=True)
         middle, low, high = np.mean(times_s, axis=0), np.min(times_s, axis=0), np.max(times_s, axis=0)
         curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, band=(low, high)))
     return Panel("Control steps of training [thousands]", "Time to reach [s]", curves, "Learning")
-
-
-def _binned(learner: Learner) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean steps and the mean time to reach of each bin of a training run, shape (n,) each."""
-    steps, times_s = learner.training.curve.column("steps"), np.array(learner.time_s)
-    parts = np.array_split(np.arange(len(steps)), min(BINS, len(steps)))
-    return (
-        np.array([steps[part].mean() for part in parts]),
-        np.array([_mean_of_known(times_s[part]) for part in parts]),
-    )
-
-
-def _mean_of_known(values: np.ndarray) -> float:
-    known = values[~np.isnan(values)]
-    return float(known.mean()) if known.size else float("nan")
 
 
 def _path_panel(learners: Sequence[Learner]) -> Panel:

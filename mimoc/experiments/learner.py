@@ -7,13 +7,16 @@ from statistics import fmean
 import numpy as np
 
 from mimoc.experiments.smoothness import log_dimensionless_jerk, path_ratio, spectral_arc_length
-from mimoc.training import Episode, Training
+from mimoc.senses.sense import FloatArray
+from mimoc.training import Curve, Episode, Training
 from mimoc.units import ms_to_s
 
 STEP_MS = 10.0
 """Duration of a control step."""
 LAST = 0.2
 """Final fraction of the training over which learning is averaged."""
+BINS = 25
+"""Number of bins of a plotted learning curve."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +31,7 @@ class Learner:
     @property
     def time_s(self) -> list[float]:
         """Time to reach during training, for each row of the curve; NaN where no episode ended."""
-        steps = self.training.curve.column("episode_steps")
-        return (steps * ms_to_s(STEP_MS)).tolist()
+        return times_s(self.training.curve).tolist()
 
     def last_time_s(self) -> float:
         """Return the mean time to reach at the end of the training."""
@@ -55,6 +57,26 @@ class Learner:
     def reach_time_s(self) -> float:
         """Return the mean duration of a reach after training."""
         return fmean(each.duration_s for each in self.reaches)
+
+
+def times_s(curve: Curve) -> FloatArray:
+    """Return the mean duration of an episode for each row of a learning curve, shape (n,); NaN where none ended."""
+    return curve.column("episode_steps") * ms_to_s(STEP_MS)
+
+
+def binned_times_s(curve: Curve) -> tuple[FloatArray, FloatArray]:
+    """Return the mean steps and the mean time to reach of each bin of a training run, shape (n,) each."""
+    steps, found_s = curve.column("steps"), times_s(curve)
+    parts = np.array_split(np.arange(len(steps)), min(BINS, len(steps)))
+    return (
+        np.array([steps[part].mean() for part in parts]),
+        np.array([_mean_of_known(found_s[part]) for part in parts]),
+    )
+
+
+def _mean_of_known(values: FloatArray) -> float:
+    known = values[~np.isnan(values)]
+    return float(known.mean()) if known.size else float("nan")
 
 
 def smoothness(episode: Episode) -> tuple[float, float]:

@@ -41,6 +41,16 @@ SMALL = {
         "QUICK_SITTING_MONTHS": (0,),
         "VARIED_NAMES": ("no_head_lag",),
     },
+    "growing": {
+        "train": partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),
+        "AGES_MONTHS": (6, 6.5),
+        "EPISODE_STEPS": 20,
+        "QUICK_STEPS": 512,
+        "QUICK_CHECKPOINT_EVERY": 256,
+        "QUICK_SEEDS": (1,),
+        "QUICK_BALLS": 2,
+        "QUICK_CHECK_BALLS": 1,
+    },
 }
 """What makes an experiment small, by name."""
 
