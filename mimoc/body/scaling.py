@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.figures import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, GeomFigures, Part
+from mimoc.body.trunk import room_beside
 from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 from mimoc.units import deg_to_rad
@@ -58,22 +59,20 @@ PRESSED = 0.5
 
 
 def clear_arms(dimensions: Dimensions) -> Dimensions:
-    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`.
-
-    Seen along the upper arm, its axis and the end of the upper body's axis are points; the latter is the lower one.
-    """
+    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
     arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
     x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
     chest_x_m, _, chest_z_m = dimensions.origins["chest"]
-    tilt_rad = deg_to_rad(REST_ABDUCTION_DEG)
-    behind_m = x_m + chest_x_m - ribs.pos_m[0]
-    above_m = z_m + chest_z_m - ribs.pos_m[2]
-    beside_m = (-y_m - ribs.size_m[1]) * math.cos(tilt_rad) + above_m * math.sin(tilt_rad) + arm.pos_m[1]
-    apart_m = ribs.size_m[0] + (1 - PRESSED) * arm.size_m[0]
-    missing_m = math.sqrt(max(apart_m**2 - behind_m**2, 0.0)) - beside_m
-    if missing_m <= 0:
+    room_m = arm.pos_m[1] + room_beside(
+        outwards_m=-y_m - ribs.size_m[1],
+        above_m=z_m + chest_z_m - ribs.pos_m[2],
+        behind_m=x_m + chest_x_m - ribs.pos_m[0],
+        apart_m=ribs.size_m[0] + (1 - PRESSED) * arm.size_m[0],
+    )
+    if room_m >= 0:
         return dimensions
-    return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - missing_m / math.cos(tilt_rad), z_m)})
+    outwards_m = -room_m / math.cos(deg_to_rad(REST_ABDUCTION_DEG))
+    return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
 def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length: float, girth: float) -> Dimensions:

@@ -139,16 +139,27 @@ def _girdle(chest_radius_m: float, arm_y_m: float, arm_radius_m: float) -> Secti
 
 
 def _room_inwards(ribs: Section, axial: float, shoulder_y_m: float, arm_radius_m: float) -> float:
-    """Return how far an arm at rest can be moved towards the midline until it touches the chest, in [m].
+    """Return how far an arm at rest can be moved towards the midline until it touches the chest, in [m]."""
+    radius_m, half_width_m = ribs
+    outwards_m = shoulder_y_m - half_width_m + radius_m
+    above_m, behind_m = SHOULDER_ABOVE_CHEST_M * axial, SHOULDER_BACK * radius_m
+    return room_beside(outwards_m, above_m, behind_m, radius_m + arm_radius_m + CLEARANCE_M)
+
+
+def room_beside(outwards_m: float, above_m: float, behind_m: float, apart_m: float) -> float:
+    """Return how far an arm at rest can be moved towards the midline until its axis is so near that of the chest.
 
     Seen along the arm, its axis and the end of the chest's axis are points; the chest is the lower of the two.
+
+    Args:
+        outwards_m: How far the shoulder joint is to the side of the end of the chest's axis.
+        above_m: How far it is above it.
+        behind_m: How far it is behind it, or in front of it.
+        apart_m: The distance of the axes that is kept.
     """
-    radius_m, half_width_m = ribs
     tilt_rad = deg_to_rad(REST_ABDUCTION_DEG)
-    beside_m = (shoulder_y_m - half_width_m + radius_m) * math.cos(tilt_rad)
-    beside_m += SHOULDER_ABOVE_CHEST_M * axial * math.sin(tilt_rad)
-    apart_m = radius_m + arm_radius_m + CLEARANCE_M
-    return beside_m - math.sqrt(apart_m**2 - (SHOULDER_BACK * radius_m) ** 2)
+    beside_m = outwards_m * math.cos(tilt_rad) + above_m * math.sin(tilt_rad)
+    return beside_m - math.sqrt(max(apart_m**2 - behind_m**2, 0.0))
 
 
 def section(
