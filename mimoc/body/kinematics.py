@@ -81,7 +81,7 @@ def pose_all(
     placed = _frames_of_all(tree, poses_rad)
     geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
     homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
-    origins, turns = (np.stack(arrays, axis=1) for arrays in zip(*homes, strict=True))
+    origins, turns = (np.swapaxes(np.array(arrays), 0, 1) for arrays in zip(*homes, strict=True))
     places = np.array([geom.pos_m for geom in geoms])
     own = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
     return geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ own

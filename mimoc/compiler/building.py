@@ -213,7 +213,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         infant=infant,
         task_setup=task_setup,
         footprint=covered_floor(infant, spec.scene, tree),
-        scene_assets=younger.scene_assets if younger else load_scene_assets(spec, as_written(spec)),
+        scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
         sources=Sources(anatomy, measurements, actuation, senses),
     )
