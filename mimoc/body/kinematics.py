@@ -49,11 +49,6 @@ class Posed:
         local = np.einsum("nij,i->nj", self.rotations, direction)
         return self.centres @ direction + self.extents.along(local)
 
-    def extents_along(self, directions: FloatArray) -> FloatArray:
-        """Return the body's extent from the hip along unit vectors of the hip frame, shape (n, 3), as (n,), [m]."""
-        local = np.swapaxes(directions @ self.rotations, 0, 1)
-        return (directions @ self.centres.T + self.extents.along(local)).max(axis=1)
-
     def extent(self, direction: FloatArray) -> float:
         """Return the body's extent from the hip along a unit vector of the hip frame, in [m]."""
         return float(self.reaches(direction).max())

@@ -82,8 +82,13 @@ class Rollers:
         near = depths_m > (depths_m.max(axis=1) - _NEAR_M_PER_RAD * halves_rad)[:, None]
         kept = np.argsort(~near, axis=1)[:, : near.sum(axis=1).max()]
         poses = np.arange(len(kept))[:, None]
-        arrays = self.centres, self.rotations, self.half_edges, self.half_axes
-        return Rollers(*(array[poses, kept] for array in arrays), self.centres_of_mass)
+        return Rollers(
+            self.centres[poses, kept],
+            self.rotations[poses, kept],
+            self.half_edges[poses, kept],
+            self.half_axes[poses, kept],
+            self.centres_of_mass,
+        )
 
     def _height(self, pose: int, pitch_rad: float) -> float:
         """Return the height of the hip above the ground, in [m]."""

@@ -24,6 +24,8 @@ from mimoc.rounding import rounded_array
 KINDS = ("body", "jnt", "dof", "geom", "site", "cam", "light", "tendon", "actuator", "eq", "key", "qpos", "bvh", "pair")
 """What the arrays of a model begin with whose numbers can depend on age."""
 STATISTICS = ("meaninertia", "meanmass", "meansize", "extent", "center")
+
+
 class DifferenceError(Exception):
     """Two scenes differ in more than numbers."""
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import mujoco
 
-from mimoc.mjcf.constraints import Lock, Weld
+from mimoc.mjcf.constraints import Lock
 from mimoc.mjcf.furniture import WorldGeom
-from mimoc.mjcf.infant import Actuator, Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
+from mimoc.mjcf.infant import Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import SceneTree
 from mimoc.mjcf.world import World
@@ -17,6 +17,7 @@ from mimoc.mjcf.world import World
 XML_NAMES = {"user": "userdata"}
 """Attributes of MJCF that MuJoCo's elements have under another name."""
 
+Settings = tuple[tuple[str, tuple[float, ...]], ...]
 Slot = tuple[Any, str]
 """An element, and the attribute that begins with some numbers."""
 
@@ -46,7 +47,7 @@ def _form(kind: type, elements: str, attributes: dict[str, str], *parts: str) ->
     """
     numbers, names = tuple(attributes.values()), tuple(attributes)
     rest = attrgetter(*(field.name for field in fields(kind) if field.name not in {*numbers, *parts}))
-    read: Any = attrgetter(*numbers) if len(numbers) > 1 else lambda each: (getattr(each, numbers[0]),)
+    read: Any = attrgetter(*numbers) if len(numbers) > 1 else lambda each: tuple(getattr(each, key) for key in numbers)
     return Form(elements, lambda _: names, read, rest)
 
 
@@ -81,16 +82,21 @@ WELD = Form(
 )
 ACTUATOR = Form(
     "actuators",
-    lambda actuator: ("gear", "ctrlrange", *(XML_NAMES.get(name, name) for name, _ in actuator.settings)),
+    lambda actuator: ("gear", "ctrlrange", *_names(actuator.settings)),
     lambda actuator: (actuator.gear, actuator.control_range, *(numbers for _, numbers in actuator.settings)),
     lambda actuator: (actuator.name, actuator.mimo_actuator, actuator.joint, *(name for name, _ in actuator.settings)),
 )
 KEYFRAME = Form(
     "keys",
-    lambda key: ("qpos", *(name for name, _ in key.settings)),
+    lambda key: ("qpos", *_names(key.settings)),
     lambda key: (key.qpos, *(numbers for _, numbers in key.settings)),
     lambda key: (key.name, *(name for name, _ in key.settings)),
 )
+
+
+def _names(settings: Settings) -> tuple[str, ...]:
+    """Return MuJoCo's names of some attributes."""
+    return tuple(XML_NAMES.get(name, name) for name, _ in settings)
 
 
 def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:

@@ -7,7 +7,6 @@ from types import MappingProxyType
 
 from mimoc.fits.curves import LogCurve
 
-
 Values = tuple[tuple[str, float], ...]
 """Measurements in m, by name."""
 
@@ -127,6 +126,11 @@ class Measurements(Mapping[str, float]):
         }
         paper, both = self.paper and self.paper.scaled(factors, why, given_by), MappingProxyType(table)
         return replace(self, table=both, base=both, paper=paper)
+
+    def times(self, factors: Mapping[str, float]) -> "Measurements":
+        """Return `scaled` measurements, whose origins say nothing of it: for a search, which tries many factors."""
+        numbers = {name: Measured(measured.value_m * factors[name], "") for name, measured in self.table.items()}
+        return Measurements(self.age_months, numbers, numbers, self.paper and self.paper.times(factors))
 
     def replaced(self, given: Mapping[str, Measured]) -> "Measurements":
         """Return the measurements with some of them given, of both sides or of one."""
