@@ -23,13 +23,13 @@ def scale_damping(tree: BodyTree, anatomy: Anatomy) -> BodyTree:
         tree: The body, with its final strength.
         anatomy: Anatomy of that body.
     """
-    factors = dict(_factors(tree, anatomy))
+    average = grow_average(tree.age_months, anatomy, tree.development)
+    factors = {} if tree is average else dict(_factors(tree, average, anatomy))
     return replace(tree, bodies=tuple(_scale_body(body, factors) for body in tree.bodies)) if factors else tree
 
 
-def _factors(tree: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, tuple[float, float]]]:
+def _factors(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> Iterator[tuple[str, tuple[float, float]]]:
     """Yield the joints whose motors are too strong for their damping or armature, with the factors of both."""
-    average = grow_average(tree.age_months, anatomy, tree.development)
     here = average.joints
     there = {joint.name.format(side=side): joint for side, part in anatomy.parts for joint in part.joints}
     for motor, usual, (_, figures) in zip(tree.motors, average.motors, anatomy.motors, strict=True):

@@ -8,7 +8,8 @@ for right and left.
 """
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
+from types import MappingProxyType
 
 from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
 from mimoc.body.assembly import Anatomy, assemble
@@ -59,7 +60,13 @@ def volumes(anatomy: Anatomy, dimensions: Dimensions) -> dict[str, float]:
 
 def masses(anatomy: Anatomy, volumes_m3: Mapping[str, float]) -> dict[str, float]:
     """Return the mass of each geom by its name with `{side}`, in kg, from their volumes."""
-    return {name: density(figures, anatomy.hands) * volumes_m3[name] for name, figures in anatomy.geoms.items()}
+    return {name: kg_per_m3 * volumes_m3[name] for name, kg_per_m3 in _densities(anatomy).items()}
+
+
+@lru_cache(maxsize=16)
+def _densities(anatomy: Anatomy) -> Mapping[str, float]:
+    """Return the density of each geom by its name with `{side}`, in [kg/m³]."""
+    return MappingProxyType({name: density(figures, anatomy.hands) for name, figures in anatomy.geoms.items()})
 
 
 FIVE_FINGER_HAND: Mapping[str, Size] = {

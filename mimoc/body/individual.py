@@ -77,22 +77,28 @@ def individualise(measurements: Measurements, individual: IndividualSpec, weigh:
     heads = _times(HEADS, length or 1.0)
     _factor(wanted.head_m, measurements["head_circumference"], heads, HEADS_CM, of_size + " has no head of {}")
 
-    def thick(girth: float) -> Measurements:
-        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys)
-        return replace(_scaled(measurements, wanted, girth, keys), paper=paper)
+    alone = replace(measurements, paper=None)
+
+    def thick(girth: float, told: bool = True) -> Measurements:
+        """Return the measurements with this factor on girths, whose origins say so if it is *told*."""
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, told)
+        return replace(_scaled(alone, wanted, girth, keys, told), paper=paper)
 
     if wanted.weight_kg is None:
         head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
         return thick(length or head or 1.0)
     bounds = SIZES if length is None else _times(BUILDS, length)
-    return thick(_solve(lambda girth: weigh(thick(girth)), wanted.weight_kg, bounds, of_size))
+    return thick(_solve(lambda girth: weigh(thick(girth, told=False)), wanted.weight_kg, bounds, of_size))
 
 
-def _scaled(average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...]) -> Measurements:
+def _scaled(
+    average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...], told: bool = True
+) -> Measurements:
     """Return the measurements of a child of the requested length and head, with the given factor of its girths."""
     length = wanted.length_m / average["crown_sole_length"] if wanted.length_m else girth
     head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
-    return average.scaled(_factors(average, length, girth, head), WHY, keys)
+    factors = _factors(average, length, girth, head)
+    return average.scaled(factors, WHY, keys) if told else average.times(factors)
 
 
 def _factors(measurements: Measurements, length: float, girth: float, head: float) -> dict[str, float]:
@@ -126,7 +132,12 @@ def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, ch
     if not lightest_kg <= wanted_kg <= heaviest_kg:
         possible = _range((lightest_kg, heaviest_kg), WEIGHTS_KG, "kg")
         raise IndividualError(f"a child of {child} cannot weigh {wanted_kg:.1f} kg; {possible}")
-    return root(lambda factor: weigh(factor) - wanted_kg, low, high, _PRECISION)
+    ends_kg = {low: lightest_kg, high: heaviest_kg}  # The search begins there.
+
+    def excess_kg(factor: float) -> float:
+        return (ends_kg[factor] if factor in ends_kg else weigh(factor)) - wanted_kg
+
+    return root(excess_kg, low, high, _PRECISION)
 
 
 def _range(bounds: Bounds, limits: Bounds, unit: str) -> str:

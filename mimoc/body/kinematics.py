@@ -27,8 +27,7 @@ class Posed:
     @property
     def centre_of_mass(self) -> FloatArray:
         """Centre of mass, shape (3,), [m]; exact, because every geom is symmetric."""
-        masses = np.array([geom.mass_kg for geom in self.geoms])
-        return masses @ self.centres / masses.sum()
+        return centres_of_mass(self.geoms, self.centres)
 
     @property
     def solid(self) -> "Posed":
@@ -50,11 +49,6 @@ class Posed:
         local = np.einsum("nij,i->nj", self.rotations, direction)
         return self.centres @ direction + self.extents.along(local)
 
-    def extents_along(self, directions: FloatArray) -> FloatArray:
-        """Return the body's extent from the hip along unit vectors of the hip frame, shape (n, 3), as (n,), [m]."""
-        local = np.swapaxes(directions @ self.rotations, 0, 1)
-        return (directions @ self.centres.T + self.extents.along(local)).max(axis=1)
-
     def extent(self, direction: FloatArray) -> float:
         """Return the body's extent from the hip along a unit vector of the hip frame, in [m]."""
         return float(self.reaches(direction).max())
@@ -69,6 +63,29 @@ def pose(tree: BodyTree, angles_rad: Mapping[str, float]) -> Posed:
     places = np.array([geom.pos_m for geom in geoms])
     own = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
     return Posed(geoms, origins + (turns @ places[:, :, None])[:, :, 0], turns @ own)
+
+
+def pose_all(
+    tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]
+) -> tuple[tuple[Geom, ...], FloatArray, FloatArray]:
+    """Return what `pose` does, of p poses at once: the n geoms, their centres and rotations.
+
+    Returns:
+        The geoms; their centres, shape (p, n, 3), [m]; and the rotations hip from geom, shape (p, n, 3, 3).
+    """
+    placed = _frames_of_all(tree, poses_rad)
+    geoms = tuple(geom for body in tree.bodies for geom in body.geoms)
+    homes = [placed[body.name] for body in tree.bodies for _ in body.geoms]
+    origins, turns = (np.swapaxes(np.array(arrays), 0, 1) for arrays in zip(*homes, strict=True))
+    places = np.array([geom.pos_m for geom in geoms])
+    own = np.array([matrix_from_euler(geom.euler_deg) for geom in geoms])
+    return geoms, origins + (turns @ places[:, :, None])[..., 0], turns @ own
+
+
+def centres_of_mass(geoms: Sequence[Geom], centres: FloatArray) -> FloatArray:
+    """Return the centre of mass of geoms in some poses, shape (..., 3), from their centres, shape (..., n, 3)."""
+    masses = np.array([geom.mass_kg for geom in geoms])
+    return masses @ centres / masses.sum()
 
 
 def frames(tree: BodyTree, angles_rad: Mapping[str, float]) -> dict[str, Frame]:
@@ -127,6 +144,24 @@ def _frame(
             turn = turn @ matrix_from_axis(joint.axis, angle_rad)
             origin = anchor - turn @ joint.anchor_m
     return origin, turn
+
+
+def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> dict[str, Frame]:
+    """Return what `frames` does, of p poses at once: shapes (p, 3) and (p, 3, 3)."""
+    count = len(poses_rad)
+    found: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
+    for body in tree.bodies:
+        origin, turn = found[body.parent]
+        origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
+        for joint in body.joints:
+            turned = [index for index, angles_rad in enumerate(poses_rad) if angles_rad.get(joint.name)]
+            if turned:
+                anchor_m, before = np.array(joint.anchor_m), turn[turned]
+                own = [matrix_from_axis(joint.axis, poses_rad[index][joint.name]) for index in turned]
+                turn[turned] = after = before @ np.array(own)
+                origin[turned] = origin[turned] + before @ anchor_m - after @ anchor_m
+        found[body.name] = origin, turn
+    return {body.name: found[body.name] for body in tree.bodies}
 
 
 def _turns(

@@ -1,15 +1,15 @@
 """Starting poses of an infant, resting on the ground."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mimoc.body import BodyTree, Joint
-from mimoc.body.kinematics import FloatArray, Posed, pose
+from mimoc.body.kinematics import pose
+from mimoc.body.resting import rollers
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
-from mimoc.geometry.solvers import minimum
 from mimoc.schema.names import SIDES
 from mimoc.units import deg_to_rad, rad_to_deg
 
@@ -70,14 +70,6 @@ satisfy their couplings."""
 CONTACT_DEPTH_M = 1e-4
 """Penetration depth of a resting body, such that the first physics step already supports its weight."""
 
-_STEP_DEG = 0.5
-"""Step of pitch in the search for the resting pitch."""
-_STEPS = 16
-"""Number of steps that are tried at once."""
-_NEAR_M = 0.05
-"""Within a step, no other geom becomes the lowest: no part of an infant is farther than 1.5 m from another."""
-_PRECISION_RAD = 1e-9
-
 
 def standing_height(tree: BodyTree) -> float:
     """Return the height of the hip above the soles when all joints are at zero, in [m]."""
@@ -86,10 +78,23 @@ def standing_height(tree: BodyTree) -> float:
 
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
     """Return the angle of each hinge of *tree* in a pose, in [rad], within its range."""
+    return _angles(tree, wanted, tree.joints, _straight(tree))
+
+
+def _straight(tree: BodyTree) -> dict[str, float]:
+    """Return the angle of each hinge that is nearest to zero, in [rad]."""
+    return {name: deg_to_rad(clip(joint, 0.0)) for name, joint in tree.joints.items()}
+
+
+def _angles(
+    tree: BodyTree, wanted: Pose, joints: Mapping[str, Joint], straight: Mapping[str, float]
+) -> dict[str, float]:
+    """Return `pose_angles` of a body with these joints and these angles when it is straight."""
     named_deg = {
         "robot:" + name.format(side=side): angle for name, angle in wanted.angles_deg.items() for side in SIDES
     }
-    angles = {name: deg_to_rad(clip(joint, named_deg.get(name, 0.0))) for name, joint in tree.joints.items()}
+    bent = {name: deg_to_rad(clip(joints[name], angle)) for name, angle in named_deg.items() if name in joints}
+    angles = {**straight, **bent}
     if wanted.on_feet:
         for side in SIDES:
             angles |= _on_foot(tree, side, angles)
@@ -121,54 +126,29 @@ def _on_foot(tree: BodyTree, side: str, angles: Mapping[str, float]) -> dict[str
 
 
 def resting_state(tree: BodyTree, wanted: Pose) -> tuple[float, ...]:
-    """Return a pose at rest on the ground as qpos: position and quaternion of the hip, then the hinges.
+    """Return a pose at rest on the ground as qpos: position and quaternion of the hip, then the hinges."""
+    (state,) = resting_states(tree, [wanted])
+    return state
+
+
+def resting_states(tree: BodyTree, wanted: Sequence[Pose]) -> list[tuple[float, ...]]:
+    """Return some poses at rest on the ground as qpos; see `resting_state`.
 
     The body, as if it were rigid, rolls about y to the nearest minimum of the height of its centre of mass.
 
     Args:
         tree: The body.
-        wanted: The pose; the minimum is the one that is reached downhill from its pitch.
+        wanted: The poses; the minimum is the one that is reached downhill from the pitch of each.
     """
-    angles = pose_angles(tree, wanted)
-    posed = pose(tree, angles)
-    pitch = _resting_pitch(posed, deg_to_rad(wanted.pitch_deg))
-    height_m = posed.solid.extent(_down(pitch)) - CONTACT_DEPTH_M
-    return (0.0, 0.0, height_m, *pitched(pitch), *angles.values())
+    joints, straight = tree.joints, _straight(tree)
+    poses_rad = [_angles(tree, each, joints, straight) for each in wanted]
+    found = rollers(tree, poses_rad).rest(np.array([deg_to_rad(each.pitch_deg) for each in wanted]))
+    return [
+        (0.0, 0.0, height_m - CONTACT_DEPTH_M, *pitched(pitch_rad), *angles.values())
+        for angles, (pitch_rad, height_m) in zip(poses_rad, found, strict=True)
+    ]
 
 
 def pitched(pitch_rad: float) -> Quaternion:
     """Return the rotation of a hip about y as a quaternion."""
     return quaternion_from_axis((0.0, 1.0, 0.0), pitch_rad)
-
-
-def _resting_pitch(posed: Posed, start_rad: float) -> float:
-    """Return the pitch at which a body that starts at *start_rad* comes to rest: the next minimum downhill."""
-    centre, solid = posed.centre_of_mass, posed.solid
-    step = deg_to_rad(_STEP_DEG)
-
-    def heights(pitches_rad: FloatArray, of: Posed = solid) -> FloatArray:
-        downs = _downs(pitches_rad)
-        return of.extents_along(downs) - downs @ centre
-
-    behind, ahead = heights(np.array([start_rad - step, start_rad + step])).tolist()
-    path_rad = np.array([start_rad + (-step if behind < ahead else step) * number for number in range(_STEPS + 1)])
-    while not (rising := np.flatnonzero(np.diff(heights(path_rad)) >= 0)).size:
-        path_rad += path_rad[-1] - path_rad[0]
-    lowest = float(path_rad[rising[0]])
-    reaches_m = solid.reaches(_down(lowest))
-    near = solid.only(np.flatnonzero(reaches_m > reaches_m.max() - _NEAR_M).tolist())
-    low, high = lowest - step, lowest + step
-    found = minimum(lambda pitches_rad: heights(pitches_rad, near), low, high, _PRECISION_RAD)
-    return round(found, 6)  # Further digits are noise.
-
-
-def _down(pitch_rad: float) -> FloatArray:
-    """Return the direction of gravity in the frame of a hip that is rotated about y, shape (3,)."""
-    return _downs(np.array([pitch_rad]))[0]
-
-
-def _downs(pitches_rad: FloatArray) -> FloatArray:
-    """Return the directions of gravity in the frame of a hip that is rotated about y by n angles, shape (n, 3)."""
-    downs = np.zeros((len(pitches_rad), 3))
-    downs[:, 0], downs[:, 2] = np.sin(pitches_rad), -np.cos(pitches_rad)
-    return downs

@@ -8,6 +8,8 @@ from mimoc.body.tree import BodyTree
 
 def prune(tree: BodyTree, names: Collection[str]) -> BodyTree:
     """Return a body without the named parts, the parts attached to them, and all references to these."""
+    if not names:
+        return tree
     gone: set[str] = set()
     for body in tree.bodies:
         if body.name in names or body.parent in gone:

@@ -2,19 +2,16 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.density import masses, volumes
 from mimoc.body.dimensions import Dimensions
 from mimoc.body.maturing.feet import foot_height
 from mimoc.body.maturing.head import head_gain
-from mimoc.body.maturing.head_shape import head_dimensions
 from mimoc.body.maturing.masses import matured_masses, share_out
 from mimoc.body.maturing.parts import matured
-from mimoc.body.proportions import proportions
 from mimoc.body.scaling import check_limbs, check_trunk, clear_arms, scale_part
-from mimoc.body.segments import body_dimensions
+from mimoc.body.shapes import MEASURED, MIMOS, Kind, Shapes, unscaled_shapes
 from mimoc.fits import Measurements
 
 SIDES = ("", "right", "left")
@@ -32,19 +29,6 @@ class Solids:
     dimensions: Dimensions
     volumes_m3: Mapping[str, float]
     masses_kg: Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """Which shapes a child's measurements are made into."""
-
-    published: bool = False
-    """Whether they are MIMo's, whose volumes strength and masses follow."""
-    foot_height: float | None = None
-    """Height of the feet by the law `maturing`, relative to MIMo's, which changes the head too; None is neither."""
-
-
-MIMOS, MEASURED = Kind(published=True), Kind()
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,10 +128,6 @@ def _of_sides(of_side: Callable[[str], Solids], measurements: Measurements, scal
     return {**found, SIDES[2]: found[SIDES[1]] if measurements.symmetric and not scales else of_side(SIDES[2])}
 
 
-Shapes = tuple[Dimensions, Mapping[str, float]]
-"""Dimensions and volumes."""
-
-
 def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: str, kind: Kind) -> Shapes:
     """Return the shapes from one side's measurements, or from both sides' if *side* is empty.
 
@@ -158,8 +138,7 @@ def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: 
         side: `left`, `right` or empty.
         kind: Which shapes.
     """
-    base = tuple((name, measured.value_m) for name, measured in measurements.base.items())
-    shapes = _unscaled(tuple(measurements.of_side(side).items()), base, anatomy, kind)
+    shapes = unscaled_shapes(measurements, side, anatomy, kind)
     dimensions = shapes[0]
     parts = [part for here, part in anatomy.parts if here in (side, "")] if scales else []
     for part in parts:
@@ -171,17 +150,3 @@ def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: 
         check = check_limbs if side else check_trunk
         check(dimensions)
     return shapes if dimensions is shapes[0] else (dimensions, volumes(anatomy, dimensions))
-
-
-Values = tuple[tuple[str, float], ...]
-"""Measurements in m, by name."""
-
-
-@lru_cache(maxsize=16)
-def _unscaled(values: Values, base: Values, anatomy: Anatomy, kind: Kind) -> Shapes:
-    """Return the shapes of a body; both sides of most children are the same one."""
-    p = proportions(dict(values), dict(base), kind.published, kind.foot_height or 1.0)
-    dimensions = body_dimensions(p, anatomy.hands)
-    if kind.foot_height is not None:
-        dimensions |= head_dimensions(p)
-    return dimensions, volumes(anatomy, dimensions)

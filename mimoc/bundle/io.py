@@ -17,6 +17,7 @@ from typing import Any
 
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.atomic_swap import swap_folders
+from mimoc.bundle.later_files import LaterFiles
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
 from mimoc.bundle.plugins_needed import check_plugins
 from mimoc.errors import BundleError
@@ -44,6 +45,8 @@ class Bundle:
         Raises:
             BundleError: If the archive that holds them is damaged.
         """
+        if isinstance(self.files, LaterFiles):
+            return self.files.arrays
         return MappingProxyType(unpack_arrays(self.files[ARRAYS]) if ARRAYS in self.files else {})
 
     def __repr__(self) -> str:

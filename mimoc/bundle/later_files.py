@@ -3,23 +3,24 @@
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 
+from mimoc.bundle.arrays import Array
+
 
 class LaterFiles(Mapping[str, bytes]):
     """Content by path, read-only."""
 
-    def __init__(self, ready: Mapping[str, bytes], wanted: str, make: Callable[[], Mapping[str, bytes]]):
+    def __init__(self, arrays: Mapping[str, Array], make: Callable[[], Mapping[str, bytes]]):
         """Promise some files.
 
         Args:
-            ready: Files that are there already.
-            wanted: Path of a file that is among them, if the bundle has it at all.
-            make: Returns all files, those included.
+            arrays: What the file of the large arrays holds, read-only, rounded as it is in the file.
+            make: Returns all files.
         """
-        self._ready, self._wanted, self._make = ready, wanted, make
+        self.arrays, self._make = arrays, make
 
     def __getitem__(self, path: str) -> bytes:
         """Return the content of a file."""
-        return self._ready[path] if path == self._wanted else self._all[path]
+        return self._all[path]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._all)

@@ -1,8 +1,9 @@
 """Builders, which compile the bundles of a spec for any seed of its scene."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -89,12 +90,13 @@ class Builder:
     @cached_property
     def files(self) -> Mapping[str, bytes]:
         """The infant's files, by path in the bundle."""
-        return {**printing.render_infant(self.infant), **self.arrays}
+        arrays = {ARRAYS: pack_arrays(self.arrays)} if self.arrays else {}
+        return {**printing.render_infant(self.infant), **arrays}
 
     @cached_property
-    def arrays(self) -> Mapping[str, bytes]:
-        """The file with the large arrays of all senses, if there are any."""
-        return _arrays(self.sources.senses)
+    def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
+        """The large arrays of all senses by name, as they are in the file, read-only."""
+        return MappingProxyType(dict(_arrays(self.sources.senses)))
 
     @cached_property
     def origins(self) -> Mapping[str, Any]:
@@ -211,7 +213,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         infant=infant,
         task_setup=task_setup,
         footprint=covered_floor(infant, spec.scene, tree),
-        scene_assets=younger.scene_assets if younger else load_scene_assets(spec, as_written(spec)),
+        scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
         sources=Sources(anatomy, measurements, actuation, senses),
     )
@@ -245,14 +247,13 @@ def _equip(
     return actuation, senses, task_setup, infant, Manifest.model_validate(rounded(data))
 
 
-def _arrays(senses: Mapping[str, Placed]) -> dict[str, bytes]:
-    """Return the file with the large arrays of all senses, if there are any."""
-    arrays = {
-        f"{sense}/{name}": rounded_array(array)
-        for sense, placed in senses.items()
-        for name, array in placed.arrays.items()
-    }
-    return {ARRAYS: pack_arrays(arrays)} if arrays else {}
+def _arrays(senses: Mapping[str, Placed]) -> Iterator[tuple[str, npt.NDArray[Any]]]:
+    """Yield the large arrays of all senses, with their names."""
+    for sense, placed in senses.items():
+        for name, array in placed.arrays.items():
+            kept = rounded_array(array).view()
+            kept.flags.writeable = False
+            yield f"{sense}/{name}", kept
 
 
 def _scaled_parts(spec: InfantSpec, tree: body.BodyTree) -> dict[str, tuple[str, ...]]:

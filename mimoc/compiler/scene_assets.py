@@ -7,7 +7,7 @@ from mimoc.errors import SpecError, TextureError, ToyError, UnknownToysError
 from mimoc.kinds import function_of
 from mimoc.looks.own_textures import read_textures
 from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallpaper, Wallpapers
-from mimoc.schema.infant import InfantSpec
+from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.source import Source
 from mimoc.toys import TOY_SOURCES
 from mimoc.toys.builtin.build import BUILTIN_TOYS
@@ -25,16 +25,18 @@ class SceneAssets:
     """The toys to choose from."""
 
 
-def load_scene_assets(spec: InfantSpec, written: Source) -> SceneAssets:
+def load_scene_assets(spec: InfantSpec) -> SceneAssets:
     """Return the toys and wallpapers for the scenes of a spec.
 
     Args:
-        spec: The spec.
-        written: Its file: paths are relative to its folder, and problems are located in it.
+        spec: The spec; paths are relative to the folder of its file, and problems are located in this.
 
     Raises:
         SpecError: If a toy or a texture is missing or cannot be read.
     """
+    if spec.scene.toys is None and not any(path for _, path in spec.scene.textures):
+        return SceneAssets()
+    written = as_written(spec)
     folder = written.folder
     wallpapers = Wallpapers(
         floors=(*FLOORS.values(), *_own("floor", spec, written, folder)),

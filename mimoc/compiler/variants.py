@@ -1,15 +1,15 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them."""
 
+import copy
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import mujoco
 
-from mimoc.bundle.arrays import ARRAYS
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.later_files import LaterFiles
-from mimoc.bundle.model import load_model, prepare
+from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.aged import aged, quickly_aged
 from mimoc.compiler.building import Builder, builder
@@ -40,7 +40,7 @@ class SpecVariants:
         """
         self._spec = spec
         self._builders: dict[float, Builder] = {}
-        self._made: dict[tuple[float, int], Variant] = {}
+        self._made: dict[tuple[float, int], Callable[[], Variant]] = {}
         self._mould: Mould | None = None
         self._own = builder(spec)
         self._own_scene = self._own.furnished(spec.scene.seed)
@@ -66,12 +66,11 @@ class SpecVariants:
         """
         mould, seed = other._usable_mould(), self._spec.scene.seed
         try:
-            model = mould.cast(self._own_scene.scene)
+            model = mould.cast(self._own_scene.scene).model()
         except (DifferenceError, ValueError):  # Opening what is printed says what MuJoCo rejects.
             return Variant(self.own, load_model(self.own))
-        prepare(model)
         self._mould = mould
-        files = LaterFiles(self._own.arrays, ARRAYS, lambda: self.own.files)
+        files = LaterFiles(self._own.arrays, lambda: self.own.files)
         return Variant(Bundle(files, self._own.manifest_of(seed, self._own_scene), None), model)
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
@@ -81,14 +80,16 @@ class SpecVariants:
             SpecError: If there is no such infant.
             ModelError: If MuJoCo rejects it.
         """
-        return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed)).again()
+        return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed))()
 
-    def _make(self, age_months: float, scene_seed: int) -> Variant:
+    def _make(self, age_months: float, scene_seed: int) -> Callable[[], Variant]:
+        """Return what gives out an infant, each time with a model of its own."""
         built = self._builder(age_months)
         furnished = built.furnished(scene_seed)
-        files = LaterFiles(built.arrays, ARRAYS, lambda: self._files(age_months, scene_seed))
+        files = LaterFiles(built.arrays, lambda: self._files(age_months, scene_seed))
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
-        return Variant(bundle, self._model(bundle, scene_seed, furnished.scene))
+        model = self._model(bundle, scene_seed, furnished.scene)
+        return lambda: Variant(bundle, model())
 
     def _builder(self, age_months: float) -> Builder:
         return _kept(self._builders, age_months, lambda: builder(quickly_aged(self._spec, age_months), None, self._own))
@@ -97,18 +98,16 @@ class SpecVariants:
         """Return the files of an infant, among them its spec."""
         return builder(aged(self._spec, age_months))(scene_seed, check=False).files
 
-    def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> mujoco.MjModel:
-        """Return the model of a bundle: in the scene of the spec, it is cast from the infant of another age."""
-        if scene_seed != self._spec.scene.seed:
-            return load_model(bundle)
-        try:
-            model = self._usable_mould().cast(scene)
-        except DifferenceError:  # Such as other poses, since some do not suit every age.
-            return load_model(bundle)
-        except ValueError:  # MuJoCo rejects it, and says more of what is printed.
-            return load_model(bundle)
-        prepare(model)
-        return model
+    def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> Callable[[], mujoco.MjModel]:
+        """Return what gives out models of a bundle: in the scene of the spec, cast from the infant of another age."""
+        if scene_seed == self._spec.scene.seed:
+            try:
+                return self._usable_mould().cast(scene).model
+            except DifferenceError:  # Such as other poses, since some do not suit every age.
+                pass
+            except ValueError:  # MuJoCo rejects it, and says more of what is printed.
+                pass
+        return partial(copy.copy, load_model(bundle))
 
     def _usable_mould(self) -> Mould:
         """Return the mould of this infant, or of another one that it was cast from."""

@@ -2,9 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 
 from mimoc.fits.curves import LogCurve
+
+Values = tuple[tuple[str, float], ...]
+"""Measurements in m, by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +56,11 @@ class Measurements(Mapping[str, float]):
     @property
     def unreplaced(self) -> "Measurements":
         """The same child before its spec replaced any single measurement."""
-        return replace(self, table=self.base, paper=self.paper and self.paper.unreplaced)
+        paper = self.paper and self.paper.unreplaced
+        same = self.table is self.base and paper is self.paper
+        return self if same else replace(self, table=self.base, paper=paper)
 
-    @property
+    @cached_property
     def symmetric(self) -> bool:
         """Whether no side has any measurement of its own."""
         return self.table.keys() == self.base.keys()
@@ -68,6 +74,19 @@ class Measurements(Mapping[str, float]):
 
     def __len__(self) -> int:
         return len(self.table)
+
+    @cached_property
+    def base_values(self) -> Values:
+        """The measurements before any was replaced, in metres."""
+        return tuple((name, measured.value_m) for name, measured in self.base.items())
+
+    def values_of(self, side: str) -> Values:
+        """Return what `of_side` does, as a tuple; that of children whose sides are alike is always the same one."""
+        return self._values_of_both if self.symmetric else tuple(self.of_side(side).items())
+
+    @cached_property
+    def _values_of_both(self) -> Values:
+        return self.base_values if self.table is self.base else tuple(self.of_side("").items())
 
     def of_side(self, side: str) -> dict[str, float]:
         """Return the measurements of one side, in metres; *side* is `left`, `right`, or empty for the middle.
@@ -105,8 +124,13 @@ class Measurements(Mapping[str, float]):
             else measured
             for name, measured in self.table.items()
         }
-        paper = self.paper and self.paper.scaled(factors, why, given_by)
-        return replace(self, table=MappingProxyType(table), base=MappingProxyType(table), paper=paper)
+        paper, both = self.paper and self.paper.scaled(factors, why, given_by), MappingProxyType(table)
+        return replace(self, table=both, base=both, paper=paper)
+
+    def times(self, factors: Mapping[str, float]) -> "Measurements":
+        """Return `scaled` measurements, whose origins say nothing of it: for a search, which tries many factors."""
+        numbers = {name: Measured(measured.value_m * factors[name], "") for name, measured in self.table.items()}
+        return Measurements(self.age_months, numbers, numbers, self.paper and self.paper.times(factors))
 
     def replaced(self, given: Mapping[str, Measured]) -> "Measurements":
         """Return the measurements with some of them given, of both sides or of one."""

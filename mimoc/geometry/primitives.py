@@ -90,9 +90,10 @@ def depths(kind: Kind, size: Size, points: FloatArray) -> FloatArray:
         points: Shape (n, 3), in its frame.
     """
     if kind == "box":
-        return (size - np.abs(points)).min(axis=1)
+        x, y, z = (size - np.abs(points)).T
+        return np.minimum(np.minimum(x, y), z)
     if kind == "cylinder":
-        return _depths_in_cylinder(points, size).min(axis=1)
+        return np.minimum(*_depths_in_cylinder(points, size).T)
     if kind == "ellipsoid":
         return signed_depths(size, points)
     return size[0] - np.linalg.norm(_from_axis(kind, size, points), axis=1)

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 Function = Callable[[float], float]
+FloatArray = npt.NDArray[np.float64]
 
 SHARES = np.linspace(0.0, 1.0, 41)
 """Places between the ends of a bracket that are tried at once for a minimum."""
@@ -29,21 +30,23 @@ def root(
     return float(root_scalar(function, bracket=(low, high), xtol=precision, method=method).root)
 
 
-def minimum(
-    function: Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]], low: float, high: float, precision: float
-) -> float:
-    """Return where a function, which has one minimum between *low* and *high*, is least.
+def narrowed(
+    function: Callable[[FloatArray], FloatArray], lows: FloatArray, highs: FloatArray, width: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return narrower brackets of where each of n functions is least, each with one minimum within its bracket.
 
     Every infant is built with it, and SciPy's solvers take longer to import than that.
 
     Args:
-        function: From n numbers to its n values.
-        low: One end of the bracket.
-        high: The other end.
-        precision: Largest error of the result.
+        function: From m numbers for each function, shape (n, m), to their values.
+        lows: The lower ends of the brackets, shape (n,).
+        highs: The upper ends.
+        width: How wide a bracket may be in the end.
     """
-    while high - low > precision:
-        tried = low + (high - low) * SHARES
-        least = int(function(tried).argmin())
-        low, high = float(tried[max(least - 1, 0)]), float(tried[min(least + 1, len(tried) - 1)])
-    return (low + high) / 2
+    rows, last = np.arange(len(lows)), len(SHARES) - 1
+    while (wide := highs - lows > width).any():
+        tried = lows[:, None] + (highs - lows)[:, None] * SHARES
+        least = function(tried).argmin(axis=1)
+        lows = np.where(wide, tried[rows, np.maximum(least - 1, 0)], lows)
+        highs = np.where(wide, tried[rows, np.minimum(least + 1, last)], highs)
+    return lows, highs

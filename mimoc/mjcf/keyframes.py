@@ -1,10 +1,10 @@
 """The poses of a body as MuJoCo's keyframes."""
 
 from mimoc.body import BodyTree
-from mimoc.body.poses import POSES, resting_state
+from mimoc.body.poses import POSES, resting_states
 from mimoc.mjcf.scene import Keyframe
 
 
 def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
     """Return every pose of this body as a state that rests on the ground, z = 0."""
-    return tuple(Keyframe(name, resting_state(tree, wanted)) for name, wanted in POSES.items())
+    return tuple(map(Keyframe, POSES, resting_states(tree, [*POSES.values()])))

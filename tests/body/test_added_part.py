@@ -11,7 +11,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
-from mimoc.body import anatomy, assembly, density, growth, segments, solids
+from mimoc.body import anatomy, assembly, density, growth, segments
+from mimoc.body import shapes as body_shapes
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
 from mimoc.body.maturing import feet, head, parts
@@ -59,7 +60,7 @@ SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {
 SENSES["vision"] = {"width_px": 16, "height_px": 16}
 CACHES = (
     *(assembly.assemble, density.reference_volumes, growth.grow_reference, skin_points._patches),
-    *(head.head_gain, feet.foot_height, feet._feet, parts.matured, solids._unscaled),
+    *(head.head_gain, feet.foot_height, feet._feet, parts.matured, body_shapes._shapes),
 )
 
 

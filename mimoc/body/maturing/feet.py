@@ -36,7 +36,7 @@ def foot_height(age_months: float, hands: str) -> float:
         age_months: Age of the infant.
         hands: `mitten` or `five_finger`; the toes differ.
     """
-    average, wanted_kg = measure(age_months), foot_mass_kg(age_months)
+    average, wanted_kg = dict(measure(age_months)), foot_mass_kg(age_months)
     p = proportions(average, average)
 
     def excess_kg(height: float) -> float:

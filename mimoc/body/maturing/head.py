@@ -4,9 +4,8 @@ import math
 from functools import lru_cache
 
 from mimoc.body.assembly import assemble
-from mimoc.body.density import masses, volumes
-from mimoc.body.proportions import proportions
-from mimoc.body.segments import body_dimensions
+from mimoc.body.density import masses
+from mimoc.body.shapes import MIMOS, unscaled_shapes
 from mimoc.fits import measure
 
 ADULT_SHARE, NEWBORN_EXCESS, DECAY_MONTHS = 0.20, 0.10, 18.0
@@ -24,7 +23,7 @@ def head_share(age_months: float) -> float:
 def head_gain(age_months: float, hands: str) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
     average, anatomy = measure(age_months).published, assemble(hands, False)
-    shapes = body_dimensions(proportions(average, average, published=True), hands)
-    published_kg = masses(anatomy, volumes(anatomy, shapes))
+    _, volumes_m3 = unscaled_shapes(average, "", anatomy, MIMOS)
+    published_kg = masses(anatomy, volumes_m3)
     body_kg = sum(published_kg[geom.name] for _, part in anatomy.parts for geom in part.geoms)
     return head_share(age_months) * body_kg / published_kg["head"]

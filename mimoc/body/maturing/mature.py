@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.maturing.joints import (
@@ -59,6 +61,7 @@ def relative_volumes(tree: BodyTree, anatomy: Anatomy) -> dict[str, float]:
     return found
 
 
+@lru_cache(maxsize=16)
 def maturing_groups(anatomy: Anatomy) -> Mapping[str, str]:
     """Return the group that each joint's strength matures with, by joint."""
     of_part: dict[str, str] = {}
@@ -67,18 +70,26 @@ def maturing_groups(anatomy: Anatomy) -> Mapping[str, str]:
         own = part.matures_with or part.group.removeprefix("{side}_")
         of_part[part.name.format(side=side)] = own or of_part[(part.parent or "").format(side=side)]
         found |= {joint.name.format(side=side): of_part[part.name.format(side=side)] for joint in part.joints}
-    return found
+    return MappingProxyType(found)
 
 
+@lru_cache(maxsize=16)
 def sided_names(anatomy: Anatomy) -> Mapping[str, str]:
     """Return the name with `{side}` of each joint."""
-    return {joint.name.format(side=side): joint.name for side, part in anatomy.parts for joint in part.joints}
+    named = ((joint.name.format(side=side), joint.name) for side, part in anatomy.parts for joint in part.joints)
+    return MappingProxyType(dict(named))
 
 
 def passive_scales(joint: str, group: str, growth: Growth) -> dict[str, float]:
     """Return the factors of size on a joint's stiffness, friction, damping and armature, by attribute."""
     size = growth.relative_volumes[joint] * (growth.head_gain if group == NECK else 1.0)
-    return {attribute: size * growth.relative_length**power for attribute, power in POWERS.items()}
+    return {attribute: size * length for attribute, length in _length_scales(growth.relative_length).items()}
+
+
+@lru_cache(maxsize=8)
+def _length_scales(relative_length: float) -> Mapping[str, float]:
+    """Return the factors of the standing height on what all joints have, by attribute."""
+    return MappingProxyType({attribute: relative_length**power for attribute, power in POWERS.items()})
 
 
 def stiffening(joint: str, tone: float) -> float:
@@ -88,7 +99,12 @@ def stiffening(joint: str, tone: float) -> float:
 
 def strengths(motor: str, group: str, age_months: float) -> tuple[float, float]:
     """Return the strength of a motor towards negative and positive angles, relative to that at 18 months."""
-    return STRENGTH[group](age_months), STRENGTH[FORWARDS.get(motor, group)](age_months)
+    return _strength(group, age_months), _strength(FORWARDS.get(motor, group), age_months)
+
+
+@lru_cache(maxsize=64)
+def _strength(group: str, age_months: float) -> float:
+    return STRENGTH[group](age_months)
 
 
 def _motor(motor: Motor, name: str, group: str, age_months: float, growth: Growth) -> Motor:

@@ -44,16 +44,28 @@ def move_with_geoms(layout: Layout, geoms: Sequence[Geom]) -> FloatArray:
     Each stays where it is on its geom; where that is now inside another geom, it moves to the nearest place outside.
     """
     points_m = np.concatenate([place(geom, multiples) for geom, multiples in zip(geoms, layout, strict=True)])
+    inside = np.logical_or.reduce([depth(geom, points_m) > DEPTH_TOLERANCE_M for geom in geoms])
+    moving = np.flatnonzero(inside)  # All others stay where they are.
     for _ in range(MAX_STEPS):
-        before_m = points_m.copy()
-        for geom in geoms:
-            inside = depth(geom, points_m) > DEPTH_TOLERANCE_M
-            points_m[inside] = _to_surface(geom, points_m[inside])
-        for geom, other in permutations(geoms, 2):
-            covered = (np.abs(depth(geom, points_m)) < DEPTH_TOLERANCE_M) & (depth(other, points_m) > DEPTH_TOLERANCE_M)
-            points_m[covered] = _to_seam(geom, other, points_m[covered])
-        if np.array_equal(points_m, before_m):
+        if not moving.size:
             break
+        before_m = points_m[moving]
+        points_m[moving] = after_m = _moved(before_m, geoms)
+        moving = moving[(after_m != before_m).any(axis=1)]
+    return points_m
+
+
+def _moved(points_m: FloatArray, geoms: Sequence[Geom]) -> FloatArray:
+    """Return points moved once out of each geom that they are in, then along each to where they leave the others."""
+    points_m = points_m.copy()
+    for geom in geoms:
+        inside = depth(geom, points_m) > DEPTH_TOLERANCE_M
+        if inside.any():
+            points_m[inside] = _to_surface(geom, points_m[inside])
+    for geom, other in permutations(geoms, 2):
+        covered = (np.abs(depth(geom, points_m)) < DEPTH_TOLERANCE_M) & (depth(other, points_m) > DEPTH_TOLERANCE_M)
+        if covered.any():
+            points_m[covered] = _to_seam(geom, other, points_m[covered])
     return points_m
 
 

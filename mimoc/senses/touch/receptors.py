@@ -19,6 +19,8 @@ BODY_OFFSET = np.array([1e3, 0.0, 0.0])
 """From each body to the next in scaled space, in field radii: their receptors do not meet."""
 CELL_STRIDES = np.array([1e8, 1e4, 1.0])
 """Turns the corner of a cell into one number."""
+AROUND = np.array([-1.0, 0.0, 1.0])
+"""Of a cell and its neighbours, along each coordinate."""
 
 
 @dataclass(frozen=True)
@@ -122,19 +124,24 @@ def _receptors(parts: tuple[tuple[int, str, int, float], ...], points: bytes, nb
 
 
 def _neighbours(scaled: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the cells that have receptors within one unit, and a table of these."""
-    corners = np.floor(scaled)[:, :, None] + (-1.0, 0.0, 1.0)
-    gaps = np.maximum(np.maximum(corners - scaled[:, :, None], scaled[:, :, None] - corners - 1.0), 0.0)
-    receptors, *columns = np.nonzero(_of_three(gaps * gaps) < 1.0)
-    around = _of_three(corners * CELL_STRIDES[:, None])[receptors, *columns]
-    order = np.argsort(around, kind="stable")
-    around = around[order]
-    firsts = np.flatnonzero(np.diff(around, prepend=-np.inf))
-    counts = np.diff(firsts, append=len(around))
-    table = np.full((len(firsts) + 1, counts.max()), len(scaled))
-    rows, before = np.repeat(np.arange(len(firsts)), counts), np.repeat(firsts, counts)
-    table[rows, np.arange(len(rows)) - before] = receptors[order]
-    return around[firsts], table
+    """Return the cells that have receptors within one unit, and a table of these.
+
+    A cell and a receptor near it are one integer, the receptor in its lowest bits: a plain sort brings them in order.
+    """
+    count = len(scaled)
+    bits, corners = count.bit_length(), np.floor(scaled)
+    gaps = np.stack([scaled - (corners - 1.0) - 1.0, np.zeros_like(scaled), corners + 1.0 - scaled], axis=2)
+    near = _of_three(gaps * gaps).reshape(count, -1) < 1.0
+    steps = _of_three((AROUND * CELL_STRIDES[:, None])[None]).astype(np.int64).ravel()
+    own = (_cells(scaled).astype(np.int64) << bits) + np.arange(count)
+    pairs = np.sort((own[:, None] + (steps << bits))[near])
+    cells, receptors = pairs >> bits, pairs & ((1 << bits) - 1)
+    firsts = np.flatnonzero(np.append(True, cells[1:] != cells[:-1]))
+    counts = np.diff(firsts, append=len(cells))
+    table = np.full((len(firsts) + 1, counts.max()), count)
+    places = np.arange(len(cells)) + np.repeat(np.arange(len(firsts)) * table.shape[1] - firsts, counts)
+    table.ravel()[places] = receptors
+    return cells[firsts].astype(float), table
 
 
 def _of_three(terms: FloatArray) -> FloatArray:

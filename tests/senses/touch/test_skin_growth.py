@@ -10,7 +10,7 @@ from support.skin_bodies import SPACING_M, average, child, children, outside_all
 from mimoc.body import Body, Geom, assemble, grow, grow_reference
 from mimoc.fits import measure
 from mimoc.geometry.primitives import area
-from mimoc.senses.touch.exposed import lay_out, move_with_geoms
+from mimoc.senses.touch.exposed import MAX_STEPS, _moved, lay_out, move_with_geoms
 from mimoc.senses.touch.skin_points import skin_points
 from mimoc.senses.touch.surface import place
 
@@ -77,6 +77,22 @@ def test_points_stay_where_they_are_on_their_geoms_or_move_to_the_nearest_place_
             nearest, _ = KDTree(seen(body, 3000)).query(carried_m[~free])
             assert moved_m[free].max() < 1e-11
             assert np.all(moved_m[~free] < 1.5 * nearest + 1e-4), body.name
+
+
+@given(children())
+@settings(max_examples=5)
+def test_points_that_are_inside_nothing_need_not_be_tried_again(tree):
+    """All points, tried again and again as long as any moves, come to the same places."""
+    reference = {body.name: body for body in grow_reference(tree.hands).bodies}
+    for body in tree.bodies:
+        if len(body.geoms) > 1 and not body.name.startswith("left_"):
+            layout = lay_out(reference[body.name].geoms, SPACING_M[part(body.name)])
+            plain_m = np.concatenate([place(*each) for each in zip(body.geoms, layout, strict=True)])
+            for _ in range(MAX_STEPS):
+                before_m, plain_m = plain_m, _moved(plain_m, body.geoms)
+                if np.array_equal(plain_m, before_m):
+                    break
+            assert move_with_geoms(layout, body.geoms) == pytest.approx(plain_m, abs=1e-14), body.name
 
 
 def ball(name: str, x_m: float) -> Geom:
