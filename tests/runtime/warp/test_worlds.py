@@ -238,11 +238,13 @@ def test_a_task_that_is_passed_as_an_object_stays_on_the_cpu():
 
 
 def test_what_cannot_live_on_a_device_is_told():
+    jitter = {"noise": {"delay_jitter_ms": 5}, "delays": {"sensory_ms": 10}}
     for error, text, sources, options in (
         (DeviceError, "device 'cuda:7' is not there; MuJoCo Warp finds cpu", bundle(9), {"device": "cuda:7"}),
+        (DeviceError, "device 'gpu' is not there", bundle(9), {"device": "gpu"}),
         (MixtureError, "commands", [bundle(9), build(age_months=9, body={"hands": "five_finger"})], {}),
         (WorldsError, "models differ in", [build(age_months=9, scene={"kind": "crib"}), build(age_months=9)], {}),
-        (DeviceError, "'infant' has noise", build(age_months=9, noise={"proprioception_deg": 1}), {}),
+        (DeviceError, "'infant' has delays with jitter", build(age_months=9, **jitter), {}),
         (UnknownNameError, "'numbers' is not a kind of arrays", bundle(9), {"arrays": "numbers"}),
         (UnknownNameError, "'skin' is not a way to tell of touch", bundle(9), {"touch": "skin"}),
         (UnknownNameError, "option of infants on device 'warp:cpu'", bundle(9), {"width": 3}),
