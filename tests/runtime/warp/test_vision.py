@@ -103,6 +103,17 @@ def test_an_episode_begins_with_what_is_seen_at_its_start(pair):
     assert isinstance(ours.infants[0].senses["vision"], ClosedEyes)
 
 
+def test_an_infant_whose_simulation_breaks_down_is_not_in_the_way_of_what_others_see(pair):
+    ours, _ = pair
+    ours.reset(seed=0)
+    speeds = ours.worlds.data.qvel.numpy()
+    speeds[0] = 1e12
+    ours.worlds.data.qvel.assign(speeds)
+    seen, _, terminated, _, info = ours.step(np.zeros(ours.action_space.shape, np.float32))
+    assert info["unstable"].tolist() == terminated.tolist() == [True, False]
+    assert np.ptp(seen["eye_left"], axis=(1, 2, 3)).min() > 100
+
+
 @pytest.mark.parametrize("supersample", [1, 2])
 def test_acuity_and_foveation_of_each_age_are_those_of_the_cpu_on_the_same_picture(supersample):
     """Of 256 levels each is the nearest, but for rounding of numbers midway between two."""

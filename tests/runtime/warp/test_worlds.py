@@ -114,7 +114,7 @@ def test_every_actuation_model_moves_as_on_the_cpu(pair, model):
     ours, theirs = pair([build(age_months=age, actuation={"model": model}) for age in (6, 12)])
     ours.reset(seed=0), theirs.reset(seed=0)
     generator = np.random.default_rng(2)
-    for _ in range(10):
+    for _ in range(5):
         command = actions(theirs, generator)
         seen, expected = ours.step(command)[0], theirs.step(command)[0]
     assert_close(seen, expected, theirs.infants[0])
@@ -127,7 +127,7 @@ def test_every_task_earns_what_it_does_on_the_cpu(pair, kind):
     assert_close(seen, expected, theirs.infants[0])
     generator = np.random.default_rng(3)
     earned = []
-    for _ in range(8):
+    for _ in range(5):
         command = 0.5 * actions(theirs, generator)
         seen, rewards, terminated, _, info = ours.step(command)
         expected, wanted, ends, _, told = theirs.step(command)
@@ -222,11 +222,11 @@ def test_commands_that_are_not_finite_are_an_error():
     command[1, 3] = np.nan
     with pytest.raises(ValueError, match=r"expected finite actions, got .* for infant 1"):
         env.step(command)
+    with pytest.raises(ValueError, match=r"of shape \(2, 44\), got shape \(2, 3\)"):
+        env.step(command[:, :3])
     env.step(torch.from_numpy(command))
     with pytest.raises(DeviceError, match="last actions of infant 1 were not finite"):
         env.step(0 * command)
-    with pytest.raises(ValueError, match=r"of shape \(2, 44\), got shape \(2, 3\)"):
-        mimoc.make_vec(bundle(9), 2, device="warp:cpu").step(command[:, :3])
     env.close()
 
 
