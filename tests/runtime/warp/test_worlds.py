@@ -127,7 +127,7 @@ def test_every_task_earns_what_it_does_on_the_cpu(pair, kind):
     assert_close(seen, expected, theirs.infants[0])
     generator = np.random.default_rng(3)
     earned = []
-    for _ in range(5):
+    for _ in range(8):
         command = 0.5 * actions(theirs, generator)
         seen, rewards, terminated, _, info = ours.step(command)
         expected, wanted, ends, _, told = theirs.step(command)
