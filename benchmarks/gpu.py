@@ -17,6 +17,7 @@ AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
 SENSES = {
     "proprioception": {"proprioception": {}, "vestibular": {}},
     "touch sums": {"proprioception": {}, "vestibular": {}, "touch": {}},
+    "both eyes": {"proprioception": {}, "vestibular": {}, "vision": {}},
 }
 WARM_UP = 3
 KERNELS = 15

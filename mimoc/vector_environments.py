@@ -44,8 +44,9 @@ def make_vec(
             may differ in age, measures, strength and scene, and are repeated in turn if there are fewer than infants.
         num_envs: Number of infants; by default, as many as sources.
         threads: Threads that share the work; by default, as many as this process may use.
-        device: Where the infants live: `cpu` for MuJoCo itself; `cuda:0`, or another GPU, for MuJoCo Warp. `warp:cpu`
-            is MuJoCo Warp on the CPU, to try out what runs on a GPU: it is slow, and compiles for minutes at first.
+        device: Where the infants live: `cpu` for MuJoCo itself; `cuda`, `cuda:0`, or another GPU, for MuJoCo Warp.
+            `warp:cpu` is MuJoCo Warp on the CPU, to try out what runs on a GPU: it is slow, and compiles for minutes at
+            first.
         render_mode: `rgb_array` for pictures of all infants from `render()`, on the CPU.
         autoreset_mode: When an infant whose episode has ended is reset: in the next step (Gymnasium's default), in the
             same one (`SameStep`), or by the caller (`Disabled`).
@@ -171,6 +172,7 @@ def _on_device(
     options: dict[str, Any],
 ) -> "WarpInfants":
     """Return infants in worlds of MuJoCo Warp."""
+    from mimoc.runtime.warp.infants import StartingInfant
     from mimoc.runtime.warp.vector_env import WarpInfants
 
     known = ["max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
@@ -178,7 +180,7 @@ def _on_device(
         raise UnknownNameError(f"option of infants on device '{device}'", name, known)
     if render_mode is not None:
         raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
-    infants = [InfantEnv(**parts) for parts in prepared]
+    infants = [StartingInfant(**parts) for parts in prepared]
     return WarpInfants(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
 
 

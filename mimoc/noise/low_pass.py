@@ -24,9 +24,8 @@ class LowPassed:
 
     def advance(self, elapsed_s: float, generator: np.random.Generator) -> FloatArray:
         """Return the values after some time, shape (count,); after an infinite time they are drawn anew."""
-        kept = math.exp(-elapsed_s / self._time_constant_s)
-        drawn = generator.standard_normal(len(self.values))
-        self.values = kept * self.values + math.sqrt(1 - kept * kept) * drawn
+        kept, added = low_pass_step(elapsed_s, self._time_constant_s)
+        self.values = kept * self.values + added * generator.standard_normal(len(self.values))
         return self.values
 
 
@@ -44,10 +43,21 @@ class Smooth:
 
     def advance(self, elapsed_s: float, generator: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return the values and their rates [1/s] after some time, shape (count,) each; see `LowPassed.advance`."""
-        past = min(elapsed_s / self._time_constant_s, FORGOTTEN)
-        kept, drawn = _transition(past), generator.standard_normal(self.values.shape)
-        self.values = kept @ self.values + _root(np.eye(2) - kept @ kept.T) @ drawn
+        kept, added = smooth_step(elapsed_s, self._time_constant_s)
+        self.values = kept @ self.values + added @ generator.standard_normal(self.values.shape)
         return self.values[0], self.values[1] / self._time_constant_s
+
+
+def low_pass_step(elapsed_s: float, time_constant_s: float) -> tuple[float, float]:
+    """Return the shares of the present value and of a new random number in the value after some time."""
+    kept = math.exp(-elapsed_s / time_constant_s)
+    return kept, math.sqrt(1 - kept * kept)
+
+
+def smooth_step(elapsed_s: float, time_constant_s: float) -> tuple[FloatArray, FloatArray]:
+    """Return the same of a smooth value and its rate by the time constant, shape (2, 2) each."""
+    kept = _transition(min(elapsed_s / time_constant_s, FORGOTTEN))
+    return kept, _root(np.eye(2) - kept @ kept.T)
 
 
 def _transition(past: float) -> FloatArray:

@@ -46,10 +46,11 @@ def batched_model(
     Raises:
         WorldsError: If MuJoCo Warp cannot simulate a model, or bodies differ in what worlds must share.
     """
-    put = [_put(model) for model in models]
-    own = own_fields(put) | {name for name in changed if name in _batched()}
+    put = [_put(model) for model in models] if len(models) > 1 else []
+    differing = own_fields(put) if put else set()
+    own = differing | {name for name in changed if name in _batched()}
     batched = _put(models[0], dict.fromkeys(sorted(own), len(body_of_world)))
-    for name in own:
+    for name in differing:
         values = np.concatenate([getattr(each, name).numpy() for each in put])
         getattr(batched, name).assign(values[body_of_world])
     batched.opt.tolerance.fill_(TOLERANCE)

@@ -1,9 +1,8 @@
 """Rewards, and how episodes end on a device."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import mujoco_warp as mjw
-import numpy as np
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
@@ -23,7 +22,9 @@ NEVER = 2**31 - 1
 class Ending:
     """What comes of each control step; arrays have the shape (worlds,) if nothing else is said."""
 
-    def __init__(self, infants: Sequence[InfantEnv], body: wp.array, terms: int, max_steps: int | None):
+    def __init__(
+        self, infants: Sequence[InfantEnv], body: wp.array, terms: int, max_steps: int | None, seeds: wp.array
+    ):
         """Make arrays.
 
         Args:
@@ -31,6 +32,7 @@ class Ending:
             body: Which body lives in each world.
             terms: Number of terms of the reward.
             max_steps: Control steps after which any episode is truncated.
+            seeds: Of each world, shape (worlds,).
         """
         worlds = body.shape[0]
         limits = [min(NEVER if each is None else each for each in (env.max_steps, max_steps)) for env in infants]
@@ -44,7 +46,7 @@ class Ending:
         """The start of the next episode of worlds that begin one now, -1 for others."""
         self.finished = wp.zeros(worlds, dtype=int)
         """Whether an episode has ended in this very step."""
-        self.seeds = put(np.arange(worlds), wp.int32)
+        self.seeds = seeds
         self.status = wp.zeros(2, dtype=int)
         """First world plus one whose contacts or constraints overflow, and first with commands that are not finite."""
 
@@ -52,6 +54,12 @@ class Ending:
         """Forget what the last step earned."""
         for array in (self.terms, self.success, self.terminated):
             array.zero_()
+
+    def forget(self, worlds: Iterable[int]) -> None:
+        """Choose the same starts again, after the first, in worlds that have a new seed."""
+        episodes = self.episode.numpy()
+        episodes[list(worlds)] = 0
+        self.episode.assign(episodes)
 
     def judge(self, data: mjw.Data, actions: wp.array, mode: AutoresetMode, starts: Starts) -> None:
         """Add up rewards, find what ends, and choose where to begin again."""

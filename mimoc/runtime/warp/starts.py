@@ -15,7 +15,8 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import flat, put
 from mimoc.runtime.warp.tasks import DeviceTask
 from mimoc.runtime.warp.touch import Feeling
-from mimoc.senses.sense import FloatArray
+from mimoc.runtime.warp.vision.sight import VISION, Sight
+from mimoc.senses.sense import FloatArray, IntArray
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart")
 """Fields of a state that an episode begins with; the first physics step computes all others."""
@@ -50,14 +51,15 @@ class Starts:
     samples: Mapping[str, wp.array]
     """What each sense tells at the start, shape (starts, n)."""
 
-    def restore(self, start: wp.array, model: mjw.Model, data: mjw.Data, memory: wp.array) -> None:
+    def restore(self, start: wp.array, model: mjw.Model, data: mjw.Data, memory: wp.array | None) -> None:
         """Put worlds into their starts; -1 leaves a world as it is."""
         for name, table in self.state.items():
             _restore_all(start, table, getattr(data, name))
         for name, place in self.model.items():
             inputs = [start, place.columns, place.table]
             wp.launch(_restore, (start.shape[0], place.columns.shape[0]), inputs, [flat(getattr(model, name))])
-        _restore_all(start, self.memory, memory)
+        if memory is not None:
+            _restore_all(start, self.memory, memory)
 
 
 def model_fields(infant: InfantEnv) -> list[ModelField]:
@@ -95,8 +97,39 @@ def drawn(
         _places(infants[0], model, tables),
         tables["memory"],
         tables["commands"],
-        {name: tables[f"sense {name}"] for name in infants[0].senses},
+        {name: tables[f"sense {name}"] for name in _numbers(infants[0])},
     )
+
+
+def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Model, data: mjw.Data) -> wp.array:
+    """Return what is seen at each start, shape (starts, n), in 8 bits.
+
+    The worlds are lent for it, each for the starts of its own body, and are left as they were.
+
+    Args:
+        starts: The starts.
+        sight: The eyes.
+        body_of_world: Which body lives in each world.
+        model: The model of all worlds.
+        data: Their states.
+    """
+    changed = [getattr(data, name) for name in starts.state] + [getattr(model, name) for name in starts.model]
+    kept = [wp.clone(array) for array in changed]
+    first, counts = starts.first.numpy()[body_of_world], starts.count.numpy()[body_of_world]
+    same = body_of_world[:, None] == body_of_world
+    turns, rank = same.sum(axis=1), np.tril(same, -1).sum(axis=1)
+    seen: dict[int, IntArray] = {}
+    for earlier in range(int(np.ceil(counts / turns).max())):
+        own = rank + earlier * turns
+        chosen = np.where(own < counts, first + own, -1)
+        starts.restore(put(chosen, wp.int32), model, data, None)
+        mjw.kinematics(model, data)
+        mjw.camlight(model, data)
+        pictures = sight.look(data).numpy().copy()  # On the CPU it is the same memory again.
+        seen |= {start: picture for start, picture in zip(chosen.tolist(), pictures, strict=True) if start >= 0}
+    for array, former in zip(changed, kept, strict=True):
+        wp.copy(array, former)
+    return put(np.stack([seen[start] for start in sorted(seen)]), wp.uint8)
 
 
 def _starts(
@@ -120,10 +153,15 @@ def _start(infant: InfantEnv, task: DeviceTask, touch: Feeling | None) -> dict[s
         found.setdefault(f"model {field.name}", np.zeros(0))
         values = np.asarray(getattr(infant.model, field.name)[field.rows], float).ravel()
         found[f"model {field.name}"] = np.concatenate([found[f"model {field.name}"], values])
-    for name in infant.senses:
-        sample = np.array(infant.schedule.arrived(name), float)
+    for name in _numbers(infant):
+        sample = np.array(infant.senses[name](infant.data), float)  # Without noise, which is drawn for each episode.
         found[f"sense {name}"] = touch.start(sample) if touch and name == "touch" else sample
     return found
+
+
+def _numbers(infant: InfantEnv) -> list[str]:
+    """Return the senses that are vectors of numbers."""
+    return [name for name in infant.senses if name != VISION]
 
 
 def _places(infant: InfantEnv, model: mjw.Model, tables: Mapping[str, wp.array]) -> dict[str, Place]:

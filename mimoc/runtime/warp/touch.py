@@ -24,6 +24,8 @@ class Feeling(Protocol):
 
     bodies: IntArray
     """The body in which each number is felt, shape (n,)."""
+    width: int
+    """How many numbers make a force."""
 
     def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
         """Write what is felt now, shape (worlds, n)."""
@@ -40,9 +42,9 @@ class BodySums:
     def __init__(self, infants: Sequence[InfantEnv], body_of_world: wp.array):
         """Find the bodies."""
         touch, model = _touch(infants[0]), infants[0].model
-        self._width, self._quantity = touch.width, _quantity(infants[0])
+        self.width, self._quantity = touch.width, _quantity(infants[0])
         felt, self._part_of_point = np.unique(touch.receptors.bodies, return_inverse=True)
-        self.bodies = np.repeat(felt, self._width)
+        self.bodies = np.repeat(felt, self.width)
         parts = np.full(model.nbody, -1)
         parts[felt] = np.arange(len(felt))
         self._geoms, self._parts = _skin(infants[0]), put(parts, wp.int32)
@@ -50,13 +52,13 @@ class BodySums:
     def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
         """Write the sums."""
         sample.zero_()
-        inputs = [contacts_of(data), self._geoms, self._parts, self._quantity, self._width, data.xmat]
+        inputs = [contacts_of(data), self._geoms, self._parts, self._quantity, self.width, data.xmat]
         wp.launch(_sum_by_body, (data.naconmax, 2), inputs, [sample])
 
     def start(self, sample: FloatArray) -> FloatArray:
         """Return the sums of a sample of all points."""
-        sums = np.zeros((len(self.bodies) // self._width, self._width))
-        np.add.at(sums, self._part_of_point, sample.reshape(-1, self._width))
+        sums = np.zeros((len(self.bodies) // self.width, self.width))
+        np.add.at(sums, self._part_of_point, sample.reshape(-1, self.width))
         return sums.ravel()
 
 
@@ -66,7 +68,7 @@ class AllPoints:
     def __init__(self, infants: Sequence[InfantEnv], body_of_world: wp.array):
         """Find the points of each infant."""
         touch, model = _touch(infants[0]), infants[0].model
-        self.bodies, self._quantity = touch.bodies, _quantity(infants[0])
+        self.bodies, self.width, self._quantity = touch.bodies, touch.width, _quantity(infants[0])
         self._sharing = wp.vec2i(touch.width, int(infants[0].manifest.senses.touch.response == "nearest"))
         on = touch.receptors.bodies
         first, last = (np.searchsorted(on, np.arange(model.nbody), side) for side in ("left", "right"))

@@ -12,7 +12,6 @@ from gymnasium.vector.utils import batch_space
 
 from mimoc.bundle.poses import pose_of
 from mimoc.errors import MimocError, UnknownNameError
-from mimoc.noise.spec import NoiseEntry
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.matching import check_mixture
 from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
@@ -22,7 +21,7 @@ from mimoc.runtime.warp.ending import NOT_FINITE, OVERFLOW
 from mimoc.runtime.warp.starts import Starts
 from mimoc.runtime.warp.worlds import Worlds
 
-SENSES = {"proprioception", "vestibular", "touch", "nothing"}
+SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
 """Senses that are there on a device."""
 STARTS = 256
 """Starts that are drawn of each infant whose episodes begin with chance."""
@@ -63,7 +62,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             infants: The different infants, as single environments, which draw the starts; they are closed with this
                 one, and repeated in turn.
             num_envs: Number of worlds; by default, as many as infants.
-            device: Warp's name of it: `cuda:0`, or `cpu`, which is slow and serves tests.
+            device: Warp's name of it: `cuda:0`, `cuda` for the present GPU, or `cpu`, which is slow and serves tests.
             autoreset_mode: When an infant whose episode has ended is reset; see Gymnasium.
             max_episode_steps: Control steps after which any episode is truncated.
             arrays: What observations and rewards are: `numpy`, `torch` or `warp`.
@@ -78,13 +77,13 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             WorldsError: If their bodies cannot live in worlds of one model.
             UnknownNameError: If there is no such kind of arrays or touch.
         """
+        self.device = _device(device)
         check_mixture(infants)
         for infant in infants:
             _check(infant)
         self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
         self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
         self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
-        self.device = _device(device)
         which = np.arange(self.num_envs) % len(infants)
         with wp.ScopedDevice(self.device):
             room = contacts, constraints
@@ -171,14 +170,14 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Return the start of each infant that is reset, -1 for others."""
         body = np.arange(self.num_envs) % len(self.infants)
         first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
-        found, kept = np.full(self.num_envs, -1), self.worlds.ended.seeds.numpy()
+        found, given = np.full(self.num_envs, -1), {}
         for world in which:
             seed = seeds[world]
             if seed is not None:
-                kept[world] = seed % 2**31
+                given[world] = seed
             own = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
             found[world] = first[world] + own
-        self.worlds.ended.seeds.assign(kept)
+        self.worlds.seed(given)
         return found
 
     def _starts_in(self, pose: str | None) -> Starts:
@@ -238,7 +237,8 @@ def _device(name: str) -> Any:
         return wp.get_device(name)
     except (ValueError, RuntimeError):
         there = ", ".join(each.alias for each in wp.get_devices())
-        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {there} on this machine") from None
+        none = "" if wp.is_cuda_available() else " and no NVIDIA GPU with its driver"
+        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {there}{none} on this machine") from None
 
 
 def _check(infant: InfantEnv) -> None:
@@ -252,5 +252,8 @@ def _check(infant: InfantEnv) -> None:
             f"infant '{infant.manifest.name}' has the sense '{missing[0]}', which is not there on a device; leave it "
             "out, or leave out device"
         )
-    if infant.manifest.noise != NoiseEntry(low_pass_ms=infant.manifest.noise.low_pass_ms):
-        raise DeviceError(f"infant '{infant.manifest.name}' has noise, which is not there on a device; leave it out")
+    if infant.manifest.noise.delay_jitter_ms:
+        raise DeviceError(
+            f"infant '{infant.manifest.name}' has delays with jitter, which is not there on a device; leave out "
+            "delay_jitter_ms, or leave out device"
+        )

@@ -1,27 +1,30 @@
 """The worlds of all infants on a device: one control step of all of them, without a word to the CPU."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
-from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
-from mimoc.bundle.model import in_subtrees
 from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model
 from mimoc.runtime.warp.capacity import Capacity, measured
-from mimoc.runtime.warp.lines import Line, delay_steps
-from mimoc.runtime.warp.starts import Starts, drawn, model_fields
+from mimoc.runtime.warp.chance import Chance
+from mimoc.runtime.warp.lines import Line
+from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
+from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
+from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
 from mimoc.runtime.warp.tasks import device_task
 from mimoc.runtime.warp.tasks.task import Judged
 from mimoc.runtime.warp.touch import feeling
 from mimoc.runtime.warp.vectors import VectorReader
+from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
@@ -52,8 +55,10 @@ class Worlds:
         self.data = batched_data(models, body_of_world, capacity.contacts, capacity.constraints)
         self.body = put(body_of_world, wp.int32)
         self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
+        self.chance = Chance(put(np.arange(count), wp.int32))
+        self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
-        self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps)
+        self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
         self.memory = wp.zeros((count, self.default_starts.memory.shape[1]), dtype=float)
         self._judged = Judged(
@@ -66,35 +71,61 @@ class Worlds:
         )
 
     def _open_signals(self, touch: str) -> None:
-        """Find what is sensed and commanded, with its delays."""
-        self._touch = feeling(touch, self._infants, self.body) if "touch" in self._infants[0].senses else None
-        self._readers: dict[str, Any] = {
-            name: self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
-            for name in self._infants[0].senses
-            if name != "nothing"
+        """Find what is sensed and commanded, with its delays and noise."""
+        first, count = self._infants[0], self.body.shape[0]
+        self._touch = feeling(touch, self._infants, self.body) if "touch" in first.senses else None
+        self.spaces = [space_of(infant, self._touch) for infant in self._infants]
+        self.channels: dict[str, Channel] = {
+            name: self._channel(name) for name in first.senses if name not in (VISION, "nothing")
         }
-        self._columns = put(self._infants[0].actuation.actuators, wp.int32)
-        self.commands = Line(self._delays(MOTOR), self.period, self.body)
-        self.lines = {name: Line(self._delays(name), self.period, self.body) for name in self._readers}
-        self.spaces = [self._spaces(infant) for infant in self._infants]
-        self._bounds = {
-            name: [put([getattr(space[name], bound) for space in self.spaces]) for bound in ("low", "high")]
-            for name in self.lines
+        self.sight = self._sight() if VISION in first.senses else None
+        if self.sight:
+            self.channels[VISION] = self.sight
+        self._columns = put(first.actuation.actuators, wp.int32)
+        self._own_columns = put(np.arange(len(first.actuation.actuators)), wp.int32)
+        delays = np.stack([delays_of(infant, MOTOR) for infant in self._infants])
+        self.commands = Line(delays, self.period, self.body)
+        self._motor_noise = motor_noise(self._infants, self.body, self.chance)
+        spaces: dict[str, Any] = dict(self.spaces[0].items())
+        self.observation = {
+            name: wp.zeros((count, *space.shape), dtype=wp.uint8 if space.dtype == np.uint8 else float)
+            for name, space in spaces.items()
         }
-        shapes: dict[str, Any] = {name: space.shape for name, space in self.spaces[0].items()}
-        self.observation = {name: wp.zeros((self.body.shape[0], *shape), dtype=float) for name, shape in shapes.items()}
         self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
+
+    def _channel(self, name: str) -> Numbers:
+        """Return a sense of numbers."""
+        width = self._touch.width if self._touch and name == "touch" else 1
+        read = self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
+        noise = noise_of(name, self._infants, self.body, self.chance, width)
+        return Numbers(name, self._infants, self.spaces, self.body, read, noise)
+
+    def _sight(self) -> Sight:
+        """Return the eyes of all infants."""
+        manifests, models = zip(*((each.manifest, each.model) for each in self._infants), strict=True)
+        return Sight(manifests, models, self.body.numpy(), self.body, self.model, self.period)
 
     def starts(self, pose: str | None) -> Starts:
         """Return the starts of all bodies in a pose."""
-        return drawn(self._infants, self._most_starts, pose, self.model, self.task, self._touch)
+        found = drawn(self._infants, self._most_starts, pose, self.model, self.task, self._touch)
+        if self.sight is None:
+            return found
+        seen = seen_at(found, self.sight, self.body.numpy(), self.model, self.data)
+        return replace(found, samples={**found.samples, VISION: seen})
+
+    def seed(self, seeds: Mapping[int, int]) -> None:
+        """Give new seeds to some worlds."""
+        self.chance.restart(seeds)
+        self.ended.forget(seeds)
 
     def begin(self, starts: Starts, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
         starts.restore(chosen, self.model, self.data, self.memory)
         self.commands.refill(chosen, starts.commands)
-        for name, line in self.lines.items():
-            line.refill(chosen, starts.samples[name])
+        if self._motor_noise:
+            self._motor_noise.begin(chosen, starts.commands)
+        for channel in self.channels.values():
+            channel.refill(chosen, starts.samples)
         self.ended.begin(chosen)
 
     def step(self) -> None:
@@ -102,9 +133,10 @@ class Worlds:
         wp.launch(_tick, 1, [], [self.clock])
         self.commands.send(self.clock, -1)
         for index in range(self.period):
-            self.commands.apply(self.clock, index, self._columns, self.data.ctrl)
+            self._command(index)
             mjw.step(self.model, self.data)
-            self._sample(self.period - 1 - index)
+            for channel in self.channels.values():
+                channel.sample(self.model, self.data, self.clock, self.period - 1 - index)
         self.ended.clear()
         self.task.judge(self.model, self.data, self._judged)
         self.ended.judge(self.data, self.commands.entering, self._mode, self.default_starts)
@@ -118,18 +150,20 @@ class Worlds:
 
     def observe(self) -> None:
         """Write what has arrived of all senses, and what the task adds."""
-        for name, line in self.lines.items():
-            low, high = self._bounds[name]
-            line.arrive(self.clock, low, high, self.observation[name])
+        for channel in self.channels.values():
+            channel.arrive(self.clock, self.observation)
         if self.task.goal:
             self.task.observe(self.memory, self.observation[GOAL])
 
-    def _sample(self, rest: int) -> None:
-        """Sample the senses of which something is sent now."""
-        for name, line in self.lines.items():
-            if (line.delays % self.period == rest).any():
-                self._readers[name](self.model, self.data, line.entering)
-                line.send(self.clock, rest)
+    def _command(self, index: int) -> None:
+        """Set the controls of a physics step."""
+        if self._is_noisy:
+            self.chance.advance()
+        if self._motor_noise:
+            self.commands.apply(self.clock, index, self._own_columns, self._motor_noise.commanded)
+            self._motor_noise(self.data.ctrl)
+        else:
+            self.commands.apply(self.clock, index, self._columns, self.data.ctrl)
 
     def _capacity(self, room: tuple[int | None, int | None]) -> Capacity:
         """Return the room for contacts and constraints, measured where nothing was said."""
@@ -139,32 +173,6 @@ class Worlds:
         poses, pairs = [each.manifest.pose for each in self._infants], self.model.nxn_geom_pair_filtered.numpy()
         found = measured([each.model for each in self._infants], poses, pairs)
         return Capacity(contacts or found.contacts, constraints or found.constraints)
-
-    def _delays(self, signal: str) -> IntArray:
-        """Return the delays of a signal's numbers, of each body, shape (bodies, n)."""
-        return np.stack([_delays_of(infant, signal, self._touch) for infant in self._infants])
-
-    def _spaces(self, infant: InfantEnv) -> Dict:
-        """Return what an infant observes here; it differs from the CPU where touch is told by bodies."""
-        spaces: Mapping[str, Any] = infant.observation_space.spaces  # pyright: ignore[reportAttributeAccessIssue]
-        found = dict(spaces)
-        if self._touch is not None:
-            low, high = (getattr(spaces["touch"], bound).flat[0] for bound in ("low", "high"))
-            found["touch"] = Box(low, high, (len(self._touch.bodies),), np.float32)
-        return Dict(found)
-
-
-def _delays_of(infant: InfantEnv, signal: str, touch: Any) -> IntArray:
-    """Return the delay of each number of a signal of an infant, shape (n,), in physics steps."""
-    model, manifest = infant.model, infant.manifest
-    in_legs = in_subtrees(model, [model.body(leg).id for leg in manifest.delays.legs])
-    if signal == MOTOR:
-        bodies = model.jnt_bodyid[model.actuator_trnid[infant.actuation.actuators, 0]]
-        return delay_steps(manifest, signal, in_legs[bodies], len(bodies))
-    sense: Any = infant.senses[signal]
-    bodies = touch.bodies if signal == "touch" else sense.bodies
-    count = len(touch.bodies) if signal == "touch" else len(sense.layout)
-    return delay_steps(manifest, signal, None if bodies is None else in_legs[bodies], count)
 
 
 @wp.kernel(enable_backward=False)
