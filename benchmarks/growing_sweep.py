@@ -55,6 +55,7 @@ class Tally:
     failures: list[str] = field(default_factory=list)
 
     def add(self, other: "Tally") -> None:
+        """Add what became of others."""
         self.depths_m += other.depths_m
         self.largest_j = max(self.largest_j, other.largest_j)
         self.failures += other.failures
@@ -120,7 +121,9 @@ class Life:
         own_m, others_m = depths_m(self.infant)
         tally.depths_m.append(own_m)
         if own_m >= DEEPEST_M or others_m > before_m + 1e-5:
-            tally.failures.append(f"{told}, {age_months:g} months: {1e3 * own_m:.2f} mm, others {1e3 * others_m:.2f} mm")
+            tally.failures.append(
+                f"{told}, {age_months:g} months: {1e3 * own_m:.2f} mm, others {1e3 * others_m:.2f} mm"
+            )
 
     def end(self, told: str, tally: Tally) -> None:
         """Flail for a last time."""

@@ -121,7 +121,9 @@ def carry_on(former: Living, now: Living) -> None:
     now.task.state = copy.deepcopy(former.task.state)
     clip_angles(now.model, now.data)
     mujoco.mj_fwdPosition(former.model, former.data)
-    settle(now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs, depths_of(former.model, former.data))
+    settle(
+        now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs, depths_of(former.model, former.data)
+    )
     mujoco.mj_kinematics(now.model, now.data)
     now.constraints.carry_on(former.constraints, former.data, now.data)
     mujoco.mj_forward(now.model, now.data)
