@@ -5,7 +5,7 @@
 Infants flail with random commands and grow: from birth to the last age in quarter months, in one jump, and in one jump
 back. Wanted just after each growth: no contact of the infant deeper than 0.2 mm, none of anything else that growth made
 deeper than that; while they flail on: finite energy, and no warning of MuJoCo. Infants that fail are listed with what
-repeats them, and the exit code is 1. The whole sweep needs an hour or two of one core; `--seeds 1` ten minutes.
+repeats them, and the exit code is 1. The whole sweep needs some hours of one core; `--seeds 1` a quarter of an hour.
 """
 
 import argparse
