@@ -28,7 +28,9 @@ Processes = Annotated[
 ]
 Threads = Annotated[
     int | None,
-    typer.Option("--threads", min=1, help="Threads that share the work; default: as many as may be used."),
+    typer.Option(
+        "--threads", min=1, help="Threads that share the work of all together; default: as many as may be used."
+    ),
 ]
 OwnTask = Annotated[
     str | None,
@@ -40,14 +42,21 @@ Steps = Annotated[int, typer.Option("--steps", min=1, help="Control steps to tra
 Force = Annotated[bool, typer.Option("--force", help="Discard the training run in the folder and start over.")]
 Grow = Annotated[
     str | None,
-    typer.Option("--grow", metavar="A:B", help="Let the infant grow from A to B months over the training, as in 6:12."),
+    typer.Option(
+        "--grow", metavar="A:B", help="Let the infant have ages from A to B months over the training, as in 6:12."
+    ),
 ]
 Schedule = Annotated[
-    str, typer.Option("--schedule", help="Order of these ages: grown, adult (only the oldest), reversed or shuffled.")
+    str,
+    typer.Option(
+        "--schedule", help="Order of the ages of --grow: grown, adult (only the oldest), reversed or shuffled."
+    ),
 ]
 GrowSteps = Annotated[
     int | None,
-    typer.Option("--grow-steps", min=1, help="Control steps that growth takes; default: all."),
+    typer.Option(
+        "--grow-steps", min=1, help="Control steps that growth takes, summed over all environments; default: all."
+    ),
 ]
 
 

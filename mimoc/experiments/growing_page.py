@@ -60,11 +60,20 @@ them, each other schedule 1/{stages} of them, `grown` the last ones, `reversed` 
 `adult` is therefore no small thing for the others, and `reversed` is tested after it has been {youngest:g} months old,
 not {oldest:g}: its result mixes what the order did with what was forgotten.
 
+The body also changes within episodes. In `grown` and `reversed`, it becomes larger or smaller by {stage:g} months at a
+time, while the ball stays where it hangs: the arm, its strength and the angles at which the hand meets the ball are
+others than at the start of the episode, by about as little as from one stage to the next. `shuffled` jumps between
+ages up to {span:g} months apart, in the midst of an episode, too: a ball hung for a larger child can then be out of a
+smaller one's reach until the episode ends, which may cost `shuffled` episodes that the other schedules do not lose.
+Each parallel environment changes its age {jumps} times in a training. Observations do not contain the age; a policy can
+only infer it from what the infant senses.
+
 Growing could pay in other ways that are not tested here: fewer falls, lighter training, skills for all ages. One
 task, one algorithm with one set of hyperparameters, one range of ages and {seeds} seeds say nothing of others. Reaching
-was chosen because an infant that is held upright can do it at each of these ages, so that no schedule begins with a
-task that cannot be solved. But a random policy touches {random:.0%} of the balls as well, sooner or later: where a
-fixed body learns quickly, there is little for growth to win."""
+was chosen because an infant that is held upright can do it at each of these ages, as the ball is hung within the reach
+of the arm of that age, so that no schedule begins with a task that cannot be solved. But a random policy touches
+{random:.0%} of the balls as well, sooner or later: where a fixed body learns quickly, there is little for growth to
+win."""
 
 MEASURES = {
     "time to touch after training": GrowingLearner.time_s,
@@ -88,6 +97,7 @@ def sections(
     youngest, oldest = ages_months
     stages = round((oldest - youngest) / STAGE_MONTHS) + 1
     known = {**numbers, "youngest": youngest, "oldest": oldest, "stages": stages, "stage": STAGE_MONTHS}
+    known |= {"span": oldest - youngest, "jumps": stages - 1}
     schedules = "\n".join(f"- `{name}`: {meaning};" for name, meaning in COURSES.items()).removesuffix(";") + "."
     random = fmean(each.success for each in untrained)
     return (

@@ -14,11 +14,11 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.delays.schedule import Schedule
 from mimoc.errors import MimocError, UnknownNameError
-from mimoc.model_fields import ModelFields
+from mimoc.model_fields import WORLD, ModelFields
 from mimoc.rounding import rounded
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.physics_state import STATE, physics_of
-from mimoc.runtime.settling import clip_angles, settle
+from mimoc.runtime.settling import clip_angles, depths_of, settle
 from mimoc.tasks.task import Task
 
 OLDEST_MONTHS = 24.0
@@ -120,8 +120,10 @@ def carry_on(former: Living, now: Living) -> None:
     now.fields.inherit(former.fields)
     now.task.state = copy.deepcopy(former.task.state)
     clip_angles(now.model, now.data)
-    settle(now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs)
-    mujoco.mj_kinematics(former.model, former.data)
+    mujoco.mj_fwdPosition(former.model, former.data)
+    settle(
+        now.model, now.data, now.manifest.root_body, now.constraints.fixed_dofs, depths_of(former.model, former.data)
+    )
     mujoco.mj_kinematics(now.model, now.data)
     now.constraints.carry_on(former.constraints, former.data, now.data)
     mujoco.mj_forward(now.model, now.data)
@@ -146,6 +148,10 @@ def _seed(seed: Any) -> int:
 
 
 def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
-    """Return the sizes of a model's state and the names of all its elements but keyframes, which are last."""
+    """Return the sizes of a model's state and the names of all its elements but keyframes, which are last.
+
+    The world's own geoms are left out, which come before those of bodies: a larger crib has more bars.
+    """
     names = model.names[: model.name_keyadr[0]] if model.nkey else model.names
-    return model.nq, model.nv, model.na, model.nu, names
+    first, end = model.name_geomadr[0], model.name_geomadr[np.count_nonzero(model.geom_bodyid == WORLD)]
+    return model.nq, model.nv, model.na, model.nu, names[:first] + names[end:]

@@ -1,5 +1,7 @@
 """An infant that has just grown, brought out of what its new size makes it reach into."""
 
+from collections.abc import Mapping
+
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -22,18 +24,22 @@ DAMPING = 1e-5
 """Of contacts that contradict each other, relative to the largest."""
 
 Mask = npt.NDArray[np.bool_]
+Depths = Mapping[tuple[int, int], float]
+"""The deepest penetration of each pair of bodies that touch, in [m]; the world is a body, too."""
 
 
-def settle(model: mujoco.MjModel, data: mujoco.MjData, root_body: str, fixed: IntArray) -> None:
+def settle(model: mujoco.MjModel, data: mujoco.MjData, root_body: str, fixed: IntArray, before: Depths) -> None:
     """Lift an infant by as much as it sinks into what it is on, and part it from itself and from what it touches.
 
-    Joints, and what lies around, give way by as little as needed, weighted by inertia.
+    Joints, and what lies around, give way by as little as needed, weighted by inertia; nothing else is pushed deeper
+    into anything than it was.
 
     Args:
         model: The infant and its world.
         data: Its state; of what is derived from it, the positions are computed anew.
         root_body: The infant's root, which has a free joint.
         fixed: Degrees of freedom that do not give way.
+        before: Penetrations before it grew.
     """
     root = model.body(root_body).id
     height = model.jnt_qposadr[model.body_jntadr[root]] + 2
@@ -43,13 +49,25 @@ def settle(model: mujoco.MjModel, data: mujoco.MjData, root_body: str, fixed: In
     for _ in range(ROUNDS):
         mujoco.mj_fwdPosition(model, data)
         own, depths_m = infants[data.contact.geom], -data.contact.dist
-        if not (own.any(axis=1) & (depths_m > CLOSE_M)).any():
+        pairs = model.geom_bodyid[data.contact.geom].tolist()
+        usual_m = np.where(own.any(axis=1), 0.0, [before.get((first, second), 0.0) for first, second in pairs])
+        if not (depths_m > np.maximum(usual_m, CLOSE_M)).any():
             return
         lift_m = _lift_m(data, own, depths_m)
         if lift_m:
             data.qpos[height] += lift_m
         else:
-            _part(model, data, np.flatnonzero(own.any(axis=1) & (depths_m > 0)), yielding)
+            excess_m = np.maximum(depths_m - np.maximum(usual_m, LEFT_M), 0.0)
+            _part(model, data, np.flatnonzero(depths_m > 0), excess_m, yielding)
+
+
+def depths_of(model: mujoco.MjModel, data: mujoco.MjData) -> Depths:
+    """Return how deep each pair of bodies penetrate each other in a state whose contacts have been computed."""
+    found: dict[tuple[int, int], float] = {}
+    pairs = model.geom_bodyid[data.contact.geom].tolist()
+    for (first, second), distance in zip(pairs, data.contact.dist.tolist(), strict=True):
+        found[first, second] = max(found.get((first, second), 0.0), -distance)
+    return found
 
 
 def clip_angles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
@@ -67,19 +85,28 @@ def _lift_m(data: mujoco.MjData, own: Mask, depths_m: FloatArray) -> float:
     return float(((depths_m[sunk] - LEFT_M) / upwards[sunk]).max()) if sunk.any() else 0.0
 
 
-def _part(model: mujoco.MjModel, data: mujoco.MjData, touching: IntArray, yielding: FloatArray) -> None:
-    """Move all degrees of freedom, by how much each yields, so that no contact is deeper than what is left.
+def _part(
+    model: mujoco.MjModel, data: mujoco.MjData, touching: IntArray, excess_m: FloatArray, yielding: FloatArray
+) -> None:
+    """Move all degrees of freedom, by how much each yields, so that no contact is too deep.
 
-    Contacts that are not deep stay as they are: a hand between the head and the floor is not pushed into the floor.
+    Contacts that are not too deep stay as they are: neither a hand between the head and the floor nor a toy beneath a
+    leg is pushed into the floor.
+
+    Args:
+        model: The infant and its world.
+        data: Its state.
+        touching: Contacts with penetration.
+        excess_m: By how much each contact is too deep, shape (ncon,).
+        yielding: How much each degree of freedom gives way, shape (nv,).
     """
     rows = np.array([_gap_rate(model, data, index) for index in touching])
-    excess_m = np.maximum(-data.contact.dist[touching] - LEFT_M, 0.0)
     yielding, before = yielding.copy(), data.qpos.copy()
     for _ in range(AT_LIMITS):
         weighted = rows * yielding
         coupling = weighted @ rows.T
         coupling[np.diag_indices_from(coupling)] += DAMPING * coupling.diagonal().max() + np.finfo(float).tiny
-        move = np.linalg.solve(coupling, excess_m) @ weighted
+        move = np.linalg.solve(coupling, excess_m[touching]) @ weighted
         move /= max(1.0, np.abs(move).max() / FARTHEST)
         data.qpos[:] = before
         mujoco.mj_integratePos(model, data.qpos, move, 1.0)

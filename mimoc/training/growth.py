@@ -8,9 +8,13 @@ from stable_baselines3.common.vec_env import VecNormalize
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
+from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
 from mimoc.training.sb3_infants import InfantVecEnv
 from mimoc.training.settings import Settings
+
+GROWN = "grown"
+"""The schedule if none is given."""
 
 
 def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, steps: int) -> dict[str, Any]:
@@ -24,10 +28,12 @@ def growth_settings(grow: str | None, schedule: str, grow_steps: int | None, ste
 
     Raises:
         MimocError: If this is no range of ages, no schedule, or no number of steps.
+        TrainingError: If there is a schedule or a number of steps without a range of ages.
     """
     if grow is None:
-        if grow_steps is not None:
-            raise TrainingError("grow_steps needs a range of ages as well: grow, such as 6:12")
+        if schedule != GROWN or grow_steps is not None:
+            name = "schedule" if schedule != GROWN else "grow_steps"
+            raise TrainingError(f"{name} needs a range of ages as well: grow, such as 6:12")
         return {}
     growth_schedule(schedule, read_ages(grow), grow_steps or steps)
     return {"grow": grow, "schedule": schedule, "grow_steps": grow_steps or steps}
@@ -51,14 +57,14 @@ def growth_of(bundle: Bundle, settings: Settings) -> Growth | None:
         settings: Settings of the training run.
 
     Raises:
-        MimocError: If the infant cannot be built at the first or the last age.
+        MimocError: If the infant cannot be built at the first or the last age, or has other parts there.
     """
     if not settings.growth:
         return None
     growth, variants = settings.growth, BundleVariants(bundle)
     ages_months = read_ages(growth["grow"])
-    for age_months in ages_months:
-        variants(age_months, bundle.manifest.seed)
+    youngest, oldest = (variants(age_months, bundle.manifest.seed) for age_months in ages_months)
+    check_same_body(youngest.model, oldest.model)
     steps = max(growth["grow_steps"] // settings.envs, 1)
     return Growth(growth_schedule(growth["schedule"], ages_months, steps, seed=settings.seed), variants)
 

@@ -13,6 +13,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.bundle.io import Bundle
+from mimoc.bundle.variants import Variant, opened
 from mimoc.compiler import pipeline
 from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
@@ -40,7 +41,7 @@ STEPS = 500_000
 """Training steps in the paper."""
 ENVS = 8
 CHECKPOINT_EVERY = 20_480
-PLOT_EVERY_S = 20.0
+PLOT_EVERY_S = 60.0
 """Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
 
 
@@ -91,8 +92,8 @@ def train(
         envs: Number of parallel environments.
         checkpoint_every: Control steps between checkpoints: the most that a kill can lose.
         hyper: Hyperparameters that differ from the defaults in `mimoc.training.hyperparameters`.
-        threads: Threads that share the work of all environments; by default, as many as this process may use. The
-            result is the same.
+        threads: Threads that share the work of all environments, unless *processes* is given; by default, as many as
+            this process may use. The result is the same.
         processes: Whether to run each environment in a process of its own, which pays for tasks and senses of a
             script's own that are slow, or one after another; by default all are worked through together. The result
             is the same. A script that passes True needs `if __name__ == "__main__":`.
@@ -117,16 +118,15 @@ def train(
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
     settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
     bundle = pipeline.compiled(source)
-    open_one = partial(_open_one, bundle, task, senses or {})
+    open_one = partial(_open_one, opened(bundle), task, senses or {})
     check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
-    report = progress or (lambda done, total: None)
+    report, growing = progress or (lambda done, total: None), growth_of(bundle, settings)
     with open_run_folder(out, settings, bundle, force=force) as folder:
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
-            growth = growth_of(bundle, settings)
-            with _one_thread(), _open(open_one, settings, growth, threads, processes) as (agent, env):
+            with _one_thread(), _open(open_one, settings, growing, threads, processes) as (agent, env):
                 reached = _train_to_end(folder, agent, env, settings, open_one, report)
         folder.write_curve(reached.curve.to_csv())
         folder.write_plot(_plot(reached))
@@ -134,10 +134,10 @@ def train(
 
 
 def _open_one(
-    bundle: Bundle, task: Any, senses: Mapping[str, Any], variants: BundleVariants | None = None
+    infant: Variant, task: Any, senses: Mapping[str, Any], variants: BundleVariants | None = None
 ) -> InfantEnv:
-    """Open one of the parallel environments, with copies of a script's objects of its own."""
-    return InfantEnv(bundle, variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
+    """Open one of the parallel environments, with a copy of the model and of a script's objects of its own."""
+    return InfantEnv(infant.again(), variants=variants, task=deepcopy(task), senses=deepcopy(dict(senses)))
 
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:

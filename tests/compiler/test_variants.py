@@ -41,19 +41,25 @@ def differences(model: mujoco.MjModel, expected: mujoco.MjModel) -> list[str]:
     values = [(name, getattr(model, name), getattr(expected, name)) for name in names]
     plain = [(name, *pair) for name, *pair in values if isinstance(pair[0], (np.ndarray, int, float, bytes))]
     statistics = [(name, getattr(model.stat, name), getattr(expected.stat, name)) for name in STATISTICS]
-    return [name for name, found, wanted in (*plain, *statistics) if not np.array_equal(found, wanted)]
+    return [name for name, found, wanted in (*plain, *statistics) if not equal(found, wanted)]
+
+
+def equal(found: Any, wanted: Any) -> bool:
+    """Return whether two arrays or numbers are the same; MuJoCo 3.5 has no normals of degenerate faces of meshes."""
+    return np.array_equal(found, wanted, equal_nan=np.asarray(wanted).dtype.kind == "f")
 
 
 @pytest.mark.parametrize("infant", INFANTS)
 def test_a_variant_is_what_a_build_of_its_age_gives(infant):
     variants = SpecVariants(spec(**INFANTS[infant]))
+    found = {age_months: variants(age_months, 0) for age_months in AGES_MONTHS}
+    built = {age_months: mimoc.build(aged(spec(**INFANTS[infant]), age_months)) for age_months in AGES_MONTHS}
     for age_months in AGES_MONTHS:
-        found = variants(age_months, 0)
-        built = mimoc.build(aged(spec(**INFANTS[infant]), age_months))
-        assert differences(found.model, load_model(built)) == [], age_months
-        assert found.bundle.manifest == built.manifest
-        assert all(np.array_equal(found.bundle.arrays[name], built.arrays[name]) for name in built.arrays)
-    assert found.bundle.files == built.files
+        ours, theirs = found[age_months].bundle, built[age_months]
+        assert differences(found[age_months].model, load_model(theirs)) == [], age_months
+        assert ours.manifest == theirs.manifest
+        assert all(np.array_equal(ours.arrays[name], theirs.arrays[name]) for name in theirs.arrays)
+    assert found[AGES_MONTHS[-1]].bundle.files == built[AGES_MONTHS[-1]].files
 
 
 @pytest.mark.parametrize("infant", INFANTS)

@@ -121,6 +121,26 @@ def test_infants_among_toys_grow_without_sinking_into_them(live, keys):
         assert env.data.joint(toy.joint).qpos[:3] == pytest.approx(before[:3], abs=0.05)
 
 
+@pytest.mark.parametrize(("pose", "seed"), [("prone", 3), ("supine", 1)])
+def test_toys_are_not_pushed_into_the_floor(live, pose, seed):
+    """Limbs come to lie on toys that they were beside."""
+    env = live(0, scene={"kind": "room", "toys": {"count": [4, 4]}, "seed": seed, "pose": pose})
+    env.grow(to=3)
+    assert deepest_m(env) < DEEPEST_M
+    assert max(-contact.dist for contact in env.data.contact) < DEEPEST_M
+
+
+def test_a_crib_grows_along(live):
+    """It has more bars at 24 months than at 12, and the infant goes on all the same."""
+    env = live(12, scene={"kind": "crib", "toys": {"count": [2, 2]}})
+    bars, twin = env.model.ngeom, copy.deepcopy(env)
+    env.grow(to=24)
+    assert env.model.ngeom > bars
+    assert deepest_m(env) < DEEPEST_M
+    env.set_state(twin.get_state())
+    assert same(flail(env, 5), flail(twin, 5))
+
+
 def test_five_fingers_grow_too(live):
     env = live(3, body={"hands": "five_finger"}, scene={"pose": "sitting"})
     env.grow(to=12)

@@ -276,9 +276,34 @@ def test_a_training_of_an_infant_that_grows_resumes_to_the_bit(learn, learned, s
     assert "--grow 6:7 --schedule shuffled --grow-steps 256" in command
 
 
+def test_growing_infants_that_step_elsewhere_give_the_same_policy(learn, learned, same):
+    growth = {"grow": "17.5:18", "grow_steps": EVERY}
+    ways = {"together": None, "one after another": False}
+    together, alone = (learned(learn(name, EVERY, **growth, processes=way).policy) for name, way in ways.items())
+    assert same(together, alone)
+
+
+def test_an_interrupted_training_of_an_infant_that_grows_resumes_to_the_bit(learn, learned, same):
+    growth = {"grow": "17:18", "schedule": "reversed", "grow_steps": 2 * EVERY}
+    with pytest.raises(KeyboardInterrupt):
+        learn("parts", **growth, progress=interrupt(at=EVERY + 40))
+    parts = learn("parts", **growth)
+    assert parts.resumed_at == EVERY
+    assert same(learned(parts.policy), learned(learn("whole", **growth).policy))
+
+
+def test_an_infant_that_cannot_have_an_age_is_refused_before_anything_is_written(learn, bundle, tmp_path):
+    files = {name: content for name, content in bundle.files.items() if name != "resolved.yaml"}
+    with pytest.raises(BundleError, match=r"cannot be built at 6 months: there is no resolved\.yaml"):
+        learn("run", source=mimoc.Bundle(files, bundle.manifest, None), grow="6:12")
+    assert not (tmp_path / "run").exists()
+
+
 def test_growth_needs_a_range_of_ages(learn, tmp_path):
     with pytest.raises(MimocError, match="range of ages"):
         learn("run", grow="12:6")
     with pytest.raises(TrainingError, match="needs a range of ages"):
         learn("run", grow_steps=10)
+    with pytest.raises(TrainingError, match="schedule needs a range of ages"):
+        learn("run", schedule="adult")
     assert not (tmp_path / "run").exists()
