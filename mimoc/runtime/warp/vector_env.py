@@ -1,7 +1,7 @@
 """The Gymnasium vector environment of many infants on a device."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import gymnasium
 import numpy as np
@@ -148,6 +148,30 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             ended = self.worlds.ended
             given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
             return self._observed(), *given, self._info()
+
+    def grow(self, to: Any) -> NoReturn:
+        """Infants do not grow on a device; each keeps the age that it was given.
+
+        Raises:
+            DeviceError: Always.
+        """
+        raise DeviceError(f"infants on device '{self.device}' keep their ages; give each its own, or leave out device")
+
+    def get_state(self) -> NoReturn:
+        """States cannot be saved on a device.
+
+        Raises:
+            DeviceError: Always.
+        """
+        raise DeviceError(f"states of infants on device '{self.device}' cannot be saved or restored; leave out device")
+
+    def set_state(self, states: Any) -> NoReturn:
+        """States cannot be restored on a device.
+
+        Raises:
+            DeviceError: Always.
+        """
+        self.get_state()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the infants that drew the starts."""
