@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from mimoc.milestones import validate_milestones
     from mimoc.plugins import register
     from mimoc.recording import record
+    from mimoc.recording.reading import read_recording
+    from mimoc.recording.recorder import Recorder
+    from mimoc.recordings import replay_recording
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
@@ -37,6 +40,7 @@ _HOMES = {
     "MimocError": "mimoc.errors",
     "Posture": "mimoc.control",
     "Reach": "mimoc.control",
+    "Recorder": "mimoc.recording.recorder",
     "Task": "mimoc.tasks.task",
     "Verdict": "mimoc.tasks.task",
     "build": "mimoc.compiler.pipeline",
@@ -47,8 +51,10 @@ _HOMES = {
     "make": "mimoc.environments",
     "make_vec": "mimoc.vector_environments",
     "read_bundle": "mimoc.bundle.io",
+    "read_recording": "mimoc.recording.reading",
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
+    "replay_recording": "mimoc.recordings",
     "run_experiment": "mimoc.experiments",
     "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime",
@@ -70,6 +76,7 @@ __all__ = [
     "MimocError",
     "Posture",
     "Reach",
+    "Recorder",
     "Task",
     "Verdict",
     "__version__",
@@ -81,8 +88,10 @@ __all__ = [
     "make",
     "make_vec",
     "read_bundle",
+    "read_recording",
     "record",
     "register",
+    "replay_recording",
     "run_experiment",
     "sb3_vec_env",
     "torque_limits",

@@ -15,8 +15,8 @@ from mimoc.recording.folder import EpisodeFiles, part_stem, with_extension, writ
 from mimoc.recording.tables import Described
 from mimoc.units import ms_to_s
 
-KILLED = "killed"
-"""How an episode ended whose process was killed."""
+UNFINISHED = "unfinished"
+"""How an episode ended that is still being recorded, or was when its process was killed."""
 
 
 def rate_hz(step_ms: float) -> Fraction:
@@ -24,7 +24,9 @@ def rate_hz(step_ms: float) -> Fraction:
     return 1 / Fraction(ms_to_s(step_ms)).limit_denominator(1_000_000)
 
 
-def write_part(stem: Path, number: int, block: Block, described: Described, told: Mapping[str, Any]) -> None:
+def write_part(
+    stem: Path, number: int, block: Block, described: Described, told: Mapping[str, Any], *, is_only: bool
+) -> None:
     """Write some rows of an episode; its sidecar comes last, and without it the rest counts for nothing.
 
     Args:
@@ -33,6 +35,7 @@ def write_part(stem: Path, number: int, block: Block, described: Described, told
         block: The rows.
         described: What their numbers are.
         told: What its sidecar says.
+        is_only: Whether there will be no other part.
 
     Raises:
         OutputError: If a file cannot be written.
@@ -42,7 +45,7 @@ def write_part(stem: Path, number: int, block: Block, described: Described, told
         if reading.kind == "picture":
             pictures = block.dense[reading.name][: block.rows]
             frames.write_pictures(with_extension(part, f".{reading.name}"), pictures, rate_hz(described.step_ms))
-    tables.write_block(with_extension(part, ".parquet"), block, described)
+    tables.write_block(with_extension(part, ".parquet"), block, described, quickly=not is_only)
     write_json(with_extension(part, ".json"), {**told, "rows": block.rows})
 
 
@@ -82,7 +85,7 @@ def read_sidecars(episode: EpisodeFiles) -> dict[str, Any]:
         first["rows"] += other["rows"]
         for name in ("changes", "states"):
             first[name] += other[name]
-    return {"ended": KILLED, **first}
+    return {"ended": UNFINISHED, **first}
 
 
 def _read_sidecar(path: Path) -> dict[str, Any]:

@@ -82,7 +82,7 @@ class RecordingFolder:
         return found
 
     def mark(self, run: str, steps: int) -> None:
-        """Come back to where a run was after some steps, and remove what it has recorded since; or note that it is here.
+        """Come back to where a run was after some steps, and remove what it has recorded since; or note this place.
 
         It comes back only if nothing else was recorded since.
 

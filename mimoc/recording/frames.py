@@ -1,6 +1,6 @@
 """Pictures of a recording: written without loss and, beside it, as a small video; joined and read again."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -69,15 +69,25 @@ def read_pictures(path: Path, count: int | None = None) -> Picture:
     Raises:
         RecordingError: If the file is damaged or missing, or has fewer pictures than *count*.
     """
-    av = require_av()
-    try:
-        with av.open(str(path)) as container:
-            found = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
-    except (av.error.FFmpegError, OSError, IndexError):
-        raise RecordingError(f"{path}: the file is damaged or missing") from None
+    found = list(decoded(path))
     if count is not None and len(found) < count:
         raise RecordingError(f"{path}: there are {len(found)} pictures in it, where {count} were recorded")
     return np.stack(found[:count])
+
+
+def decoded(path: Path) -> Iterator[Picture]:
+    """Yield the pictures of a video, one after the other.
+
+    Raises:
+        RecordingError: If the file is damaged or missing.
+    """
+    av = require_av()
+    try:
+        with av.open(str(path)) as container:
+            for frame in container.decode(video=0):
+                yield frame.to_ndarray(format="rgb24")
+    except (av.error.FFmpegError, OSError, IndexError):
+        raise RecordingError(f"{path}: the file is damaged or missing") from None
 
 
 def _copy(av: Any, joined: Any, parts: Sequence[Path], rate_hz: Fraction) -> None:

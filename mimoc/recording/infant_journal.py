@@ -92,7 +92,7 @@ class InfantJournal(Journal):
     ) -> None:
         """End the episode before, and begin one."""
         self.end("reset")
-        reset = {"seed": seed, "options": to_plain(dict(options)), "before": to_plain(self._before)}
+        reset = {"seed": seed, "options": dict(options), "before": self._before}
         self._begin(reset, observation, info)
 
     def stepping(self) -> None:
@@ -142,7 +142,7 @@ class InfantJournal(Journal):
         episode = self._episode
         if episode is None:
             return
-        self._write_part()
+        self._write_part(is_last=True)
         stem = self._stem_of(episode.number)
         stems = tuple(part_stem(stem, number) for number in range(episode.parts))
         self._episode = None
@@ -172,14 +172,15 @@ class InfantJournal(Journal):
             self._block = block
         block.put(self._infant.data.time, action, judged, observation)
 
-    def _write_part(self) -> None:
+    def _write_part(self, *, is_last: bool = False) -> None:
         """Have the rows since the last part written."""
         episode, block = self._episode, self._block
         assert episode is not None
         assert block is not None
         told = {"changes": episode.changes, "states": episode.states} | ({} if episode.parts else episode.head)
         stem = self._stem_of(episode.number)
-        self._writer(partial(_write, stem, episode.parts, block, self._described, told))
+        is_only = is_last and not episode.parts
+        self._writer(partial(_write, stem, episode.parts, block, self._described, told, is_only))
         episode.parts += 1
         episode.changes, episode.states, self._block = [], [], None
 
@@ -192,9 +193,10 @@ class InfantJournal(Journal):
         return physics_of(self._infant.model, self._infant.data).tobytes()
 
 
-def _write(stem: Path, number: int, block: Block, described: Described, told: dict[str, Any]) -> None:
+def _write(stem: Path, number: int, block: Block, described: Described, told: dict[str, Any], is_only: bool) -> None:
     """Write a part, in the writer's thread, where states become text."""
-    episode_writer.write_part(stem, number, block, described, {name: to_plain(each) for name, each in told.items()})
+    plain = {name: to_plain(each) for name, each in told.items()}
+    episode_writer.write_part(stem, number, block, described, plain, is_only=is_only)
 
 
 def _described(infant: InfantEnv) -> Described:

@@ -117,7 +117,7 @@ class Recording:
         """Give each infant its journal."""
         here, journals, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
-            about = {"infant": number, "bundle": digests[number], "versions": here}
+            about = {"infant": number, "bundle": digests[number], "versions": here, "objects": _objects(infant)}
             stem_of = partial(folder.stem, number)
             journal = InfantJournal(infant, self._writer, stem_of, first, _fitting(pace, infant, len(digests)), about)
             infant.journal = journal
@@ -234,7 +234,7 @@ def _tidy(folder: RecordingFolder) -> None:
         files.discard(leftover)
     for episode in episodes_in(folder.path):
         if not episode.is_whole:
-            episode_writer.finish(episode, episode_writer.KILLED)
+            episode_writer.finish(episode, episode_writer.UNFINISHED)
 
 
 def _fitting(pace: Pace, infant: InfantEnv, infants: int) -> Pace:
@@ -251,9 +251,14 @@ def _spaces(infant: InfantEnv) -> list[Any]:
 
 def _notes_on(infant: InfantEnv) -> list[str]:
     """Return what of an infant cannot be made again from its bundle."""
-    objects = [f"sense '{name}'" for name, sense in infant.senses.items() if isinstance(sense, CustomSense)]
-    objects += ["task"] if isinstance(infant.task, CustomTask) else []
     return [
-        f"the {each} is an object of a script's own, which a recording does not contain: to replay it, pass an equal one"
-        for each in objects
+        f"{what} is an object of a script's own ({name}), which no recording contains: pass an equal one to replay it"
+        for what, name in _objects(infant).items()
     ]
+
+
+def _objects(infant: InfantEnv) -> dict[str, str]:
+    """Return the class of each object that a script has passed, by what it is."""
+    objects = {f"senses.{name}": each for name, each in infant.senses.items() if isinstance(each, CustomSense)}
+    task = {"task": infant.task} if isinstance(infant.task, CustomTask) else {}
+    return {what: each.class_name for what, each in {**task, **objects}.items()}

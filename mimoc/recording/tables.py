@@ -23,7 +23,8 @@ KEY = b"mimoc"
 """Key of what mimoc says of the columns in the schema's metadata."""
 OBSERVATION = "observation."
 """What the names of the columns of observations begin with."""
-COMPRESSION = {"compression": "zstd", "compression_level": 3}
+SPLIT = ("float", "double")
+"""Types whose bytes are compressed apart: floats of one quantity share signs and exponents."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,13 +71,19 @@ class Described:
         return cls(readings, written_out(columns["action"]["layout"]), told["step_ms"])
 
 
-def write_block(path: Path, block: Block, described: Described) -> None:
+def write_block(path: Path, block: Block, described: Described, *, quickly: bool = False) -> None:
     """Write the rows of a block, but for pictures.
+
+    Args:
+        path: The file.
+        block: The rows.
+        described: What their numbers are.
+        quickly: Whether the file is soon to be joined with others, so that little work goes into making it small.
 
     Raises:
         OutputError: If the file cannot be written.
     """
-    _write(path, [_table(block, described)])
+    _write(path, [_table(block, described)], quickly=quickly)
 
 
 def join(path: Path, parts: Sequence[Path]) -> None:
@@ -188,13 +195,13 @@ def _aligned(table: Any, schema: Any) -> Any:
     return pa.table(columns, schema=schema)
 
 
-def _write(path: Path, tables: Sequence[Any] | Iterator[Any], schema: Any = None) -> None:
+def _write(path: Path, tables: Sequence[Any] | Iterator[Any], schema: Any = None, *, quickly: bool = False) -> None:
     temporary = files.temporary_path(path)
     writer = None
     try:
         for table in tables:
             writer = writer or pq.ParquetWriter(
-                temporary, schema or table.schema, use_dictionary=False, write_statistics=False, **COMPRESSION
+                temporary, schema or table.schema, write_statistics=False, **_encoding(table.schema, quickly)
             )
             writer.write_table(table, row_group_size=len(table))
         assert writer is not None
@@ -203,6 +210,26 @@ def _write(path: Path, tables: Sequence[Any] | Iterator[Any], schema: Any = None
         files.discard(temporary)
         raise files.write_error(path, error) from None
     files.move_into_place(temporary, path)
+
+
+def _encoding(schema: Any, quickly: bool) -> dict[str, Any]:
+    """Return how the columns of a schema are encoded and compressed."""
+    if quickly:
+        return {"use_dictionary": False, "compression": "lz4"}
+    leaves = [leaf for field in schema for leaf in _leaves(field.name, field.type)]
+    split = {path: "BYTE_STREAM_SPLIT" for path, kind in leaves if str(kind) in SPLIT}
+    return {"use_dictionary": False, "column_encoding": split, "compression": "zstd", "compression_level": 1}
+
+
+def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the path of each column in a file of Parquet, with its type."""
+    if pa.types.is_struct(kind):
+        for field in kind:
+            yield from _leaves(f"{path}.{field.name}", field.type)
+    elif pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
+        yield from _leaves(f"{path}.list.element", kind.value_type)
+    else:
+        yield path, kind
 
 
 def _read(path: Path) -> Any:
