@@ -10,7 +10,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.environments import open_bundle
 from mimoc.errors import RecordingError
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
-from mimoc.recording.replaying import Replayed, Watch, replay
+from mimoc.recording.record import Watch
+from mimoc.recording.replaying import Replayed, replay
 from mimoc.runtime.env import InfantEnv
 
 NONE: Mapping[str, Any] = MappingProxyType({})

@@ -45,6 +45,10 @@ Grow = Annotated[
 Schedule = Annotated[
     str, typer.Option("--schedule", help="Order of these ages: grown, adult (only the oldest), reversed or shuffled.")
 ]
+Record = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="DIR", help="Record all episodes in this folder (needs `mimoc[record]`)."),
+]
 GrowSteps = Annotated[
     int | None,
     typer.Option("--grow-steps", min=1, help="Control steps that growth takes; default: all."),
@@ -66,6 +70,7 @@ def train(
     grow: Grow = None,
     schedule: Schedule = "grown",
     grow_steps: GrowSteps = None,
+    record: Record = None,
     force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
@@ -87,6 +92,7 @@ def train(
             threads=threads,
             processes=processes,
             force=force,
+            record=record,
             progress=show,
             task=import_object(task) if task else None,
             **growth,

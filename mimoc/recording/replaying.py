@@ -14,6 +14,7 @@ from mimoc.recording.comparing import Difference, Recorded, state_differs
 from mimoc.recording.folder import versions
 from mimoc.recording.infant_journal import ACTION, NOTHING_YET
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.record import Watch
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, SEED
 from mimoc.runtime.physics_state import set_physics
@@ -23,8 +24,6 @@ ROWS = 250
 """Rows that are compared at once."""
 Open = Callable[[Bundle, bool], InfantEnv]
 """Opens the environment of a bundle; the flag says whether it needs scenes of other seeds, too."""
-Watch = Callable[[InfantEnv, Observation], None]
-"""Called with what is observed after each reset and each control step."""
 
 
 @dataclass(frozen=True, slots=True)
