@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mimoc.milestones import validate_milestones
     from mimoc.plugins import register
     from mimoc.recording import record
+    from mimoc.recording.export import export_recording
     from mimoc.recording.reading import read_recording
     from mimoc.recording.recorder import Recorder
     from mimoc.recordings import replay_recording
@@ -45,6 +46,7 @@ _HOMES = {
     "Verdict": "mimoc.tasks.task",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
+    "export_recording": "mimoc.recording.export",
     "growth_schedule": "mimoc.runtime.growth_schedule",
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.loading",
@@ -82,6 +84,7 @@ __all__ = [
     "__version__",
     "build",
     "evaluate",
+    "export_recording",
     "growth_schedule",
     "load_policy",
     "load_spec",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
     from mimoc.recording.replaying import Watch
 
-EXAMPLE = "Example:  mimoc replay recordings/reach"
+EXAMPLE = "Example:  mimoc replay recordings/random"
 
 Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
 Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]

@@ -27,17 +27,21 @@ def write_pictures(stem: Path, pictures: Picture, rate_hz: Fraction) -> None:
     Raises:
         OutputError: If a file cannot be written.
     """
-    open_lossless: Callable[[Path], Video] = lambda path: Lossless(path, rate_hz)  # noqa: E731
-    open_small: Callable[[Path], Video] = lambda path: Mp4(path, rate_hz, SMALL)  # noqa: E731
-    for extension, open_one in ((LOSSLESS, open_lossless), (VIDEO, open_small)):
+    opening: dict[str, Callable[[Path, Fraction], Video]] = {LOSSLESS: Lossless, VIDEO: open_small}
+    for extension, open_one in opening.items():
         path = Path(f"{stem}{extension}")
         try:
-            video = open_one(path)
+            video = open_one(path, rate_hz)
             for picture in pictures:
                 video.add(picture)
         except OSError as error:
             raise files.write_error(path, error) from None
         video.save()
+
+
+def open_small(path: Path, rate_hz: Fraction) -> Video:
+    """Return a small video to add pictures to."""
+    return Mp4(path, rate_hz, SMALL)
 
 
 def join_videos(path: Path, parts: Sequence[Path], rate_hz: Fraction) -> None:
