@@ -71,6 +71,14 @@ class Recording:
         """What cannot be replayed without help, one line each."""
         return tuple(dict.fromkeys(note for infant in self._infants for note in _notes_on(infant)))
 
+    def wait(self) -> None:
+        """Wait until what was handed over to be written is written.
+
+        Raises:
+            OutputError: If something could not be written.
+        """
+        self._writer.drain()
+
     def mark(self, run: str, steps: int) -> None:
         """End all episodes here, and remove what the same run has recorded beyond this place before.
 
