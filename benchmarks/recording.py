@@ -30,10 +30,7 @@ def main() -> None:
     parser.add_argument("--eyes", action="store_true")
     options = parser.parse_args()
     spec = mimoc.load_spec(CONFIG).with_(senses={"vision": None})
-    touch = {
-        name: spec.with_(senses={"touch": kept}) for name, kept in {"with touch": {}, "without touch": None}.items()
-    }
-    for name, each in touch.items():
+    for name, each in {"with touch": spec, "without touch": spec.with_(senses={"touch": None})}.items():
         compare(name, each, options.steps, episode=options.steps)
         compare(f"{name}, episodes of {TURN} steps", each, options.steps, episode=TURN)
     if options.eyes:
@@ -86,9 +83,8 @@ def all_senses() -> None:
             env.reset(seed=0)
             for action in np.random.default_rng(0).uniform(-1, 1, (2000, *env.action_space.shape)):
                 env.step(action.astype(np.float32))
-        print(
-            f"2,000 steps with all senses: {size_of(path) / 1e6:.2f} MB, {size_of(path / 'episodes') / 1e6:.2f} without the bundle"
-        )
+        sizes_mb = [size_of(each) / 1e6 for each in (path, path / "episodes")]
+        print(f"2,000 steps with all senses: {sizes_mb[0]:.2f} MB, {sizes_mb[1]:.2f} without the bundle")
         for replayed in mimoc.replay_recording(path):
             print(replayed)
 

@@ -13,7 +13,6 @@ from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
-    from mimoc.recording.replaying import Watch
 
 EXAMPLE = "Example:  mimoc replay recordings/random"
 
@@ -53,7 +52,7 @@ def replay(
     filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size) if video and found else nullcontext()
     chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
     with console.progress("replaying") as show, filmed as watch:
-        watching: dict[str, Watch] = {"watch": watch} if watch else {}
+        watching: dict[str, Any] = {"watch": watch} if watch else {}
         for replayed in recordings.replay_recording(found, **chosen, **watching, progress=show):
             count, steps = count + 1, steps + replayed.episode.steps
             if replayed.difference:

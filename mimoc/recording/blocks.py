@@ -99,6 +99,8 @@ class Block:
         self.action = np.empty((rows, actuators))
         self.numbers: dict[str, Array] = {"time_s": np.empty(rows), "reward": np.empty(rows)}
         self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
+        self._infos: dict[str, Array] = {}
+        self._terms: dict[str, Array] = {}
         self.dense = {
             each.name: np.empty((rows, *each.shape), each.dtype) for each in self.readings if each.kind != "sparse"
         }
@@ -129,21 +131,25 @@ class Block:
         numbers["time_s"][row] = time_s
         numbers["reward"][row], numbers["terminated"][row], numbers["truncated"][row], info = judged
         for name, value in info.items():
-            if isinstance(value, Mapping):
+            column = self._infos.get(name)
+            if column is not None:
+                column[row] = value
+            elif isinstance(value, Mapping):
                 for term, amount in value.items():
-                    self._column(f"term.{term}", amount)[row] = amount
+                    self._column(self._terms, "term", term, amount)[row] = amount
             else:
-                self._column(f"info.{name}", value)[row] = value
+                self._column(self._infos, "info", name, value)[row] = value
         for name, array in self.dense.items():
             array[row] = observation[name]
         for name, array in self.sparse.items():
             array.put(row, observation[name])
         self.rows += 1
 
-    def _column(self, name: str, value: Any) -> Array:
+    def _column(self, known: dict[str, Array], prefix: str, name: str, value: Any) -> Array:
         """Return the array of a number of the info; where there is none, it is NaN or False."""
-        found = self.numbers.get(name)
+        found = known.get(name)
         if found is None:
             is_flag = isinstance(value, (bool, np.bool_))
-            found = self.numbers[name] = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
+            found = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
+            known[name] = self.numbers[f"{prefix}.{name}"] = found
         return found

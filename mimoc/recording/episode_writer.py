@@ -1,17 +1,15 @@
 """Writing of episodes: in parts while they are recorded, each whole or absent, and in one set of files at their end."""
 
 import json
-import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle import files
 from mimoc.errors import RecordingError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block
-from mimoc.recording.folder import EpisodeFiles, part_stem, with_extension, write_json
+from mimoc.recording.folder import PART, WHOLE, EpisodeFiles, part_stem, with_extension, write_json
 from mimoc.recording.tables import Described
 from mimoc.units import ms_to_s
 
@@ -24,9 +22,7 @@ def rate_hz(step_ms: float) -> Fraction:
     return 1 / Fraction(ms_to_s(step_ms)).limit_denominator(1_000_000)
 
 
-def write_part(
-    stem: Path, number: int, block: Block, described: Described, told: Mapping[str, Any], *, is_only: bool
-) -> None:
+def write_part(stem: Path, number: int, block: Block, described: Described, told: Mapping[str, Any]) -> None:
     """Write some rows of an episode; its sidecar comes last, and without it the rest counts for nothing.
 
     Args:
@@ -35,7 +31,6 @@ def write_part(
         block: The rows.
         described: What their numbers are.
         told: What its sidecar says.
-        is_only: Whether there will be no other part.
 
     Raises:
         OutputError: If a file cannot be written.
@@ -45,30 +40,30 @@ def write_part(
         if reading.kind == "picture":
             pictures = block.dense[reading.name][: block.rows]
             frames.write_pictures(with_extension(part, f".{reading.name}"), pictures, rate_hz(described.step_ms))
-    tables.write_block(with_extension(part, ".parquet"), block, described, quickly=not is_only)
+    tables.write_block(with_extension(part, PART), block, described)
     write_json(with_extension(part, ".json"), {**told, "rows": block.rows})
 
 
-def finish(episode: EpisodeFiles, ended: str) -> None:
+def finish(episode: EpisodeFiles, ended: str, described: Described | None = None) -> None:
     """Join the parts of an episode.
 
     Args:
         episode: Where they are.
         ended: How it ended.
+        described: What its numbers are; by default what its files say.
 
     Raises:
         OutputError: If a file cannot be written.
         RecordingError: If a part is damaged.
     """
     stem = episode.stems[0].with_name(episode.stems[0].name.partition(".")[0])
-    described = tables.describe(episode.tables[0])
+    described = described or tables.describe(episode.tables[0])
     for reading in described.readings:
-        if reading.kind == "picture":
-            for extension in (frames.LOSSLESS, frames.VIDEO):
-                parts = episode.pictures(reading.name, extension)
-                whole = with_extension(stem, f".{reading.name}{extension}")
-                _one_or(parts, whole, lambda whole, parts: frames.join_videos(whole, parts, rate_hz(described.step_ms)))
-    _one_or(episode.tables, with_extension(stem, ".parquet"), tables.join)
+        for extension in (frames.LOSSLESS, frames.VIDEO) if reading.kind == "picture" else ():
+            parts = episode.pictures(reading.name, extension)
+            whole = with_extension(stem, f".{reading.name}{extension}")
+            frames.join_videos(whole, parts, rate_hz(described.step_ms))
+    tables.join(with_extension(stem, WHOLE), episode.tables)
     write_json(with_extension(stem, ".json"), {**read_sidecars(episode), "ended": ended})
     for path in sorted(stem.parent.glob(f"{stem.name}.part*"), key=lambda path: path.suffix != ".json"):
         path.unlink(missing_ok=True)
@@ -95,29 +90,3 @@ def _read_sidecar(path: Path) -> dict[str, Any]:
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise RecordingError(f"{path}: the file is damaged or missing") from None
     return told
-
-
-def _one_or(parts: Sequence[Path], whole: Path, join: Any) -> None:
-    """Join files, or copy the only one there is."""
-    if len(parts) > 1:
-        join(whole, parts)
-        return
-    temporary = files.temporary_path(whole)
-    try:
-        _link(parts[0], temporary)
-    except FileNotFoundError:
-        raise RecordingError(f"{parts[0]}: the file is missing") from None
-    except OSError as error:
-        files.discard(temporary)
-        raise files.write_error(whole, error) from None
-    files.move_into_place(temporary, whole)
-
-
-def _link(source: Path, target: Path) -> None:
-    """Give a file a second name, or copy it where that cannot be."""
-    try:
-        target.hardlink_to(source)
-    except FileNotFoundError:
-        raise
-    except OSError:
-        shutil.copyfile(source, target)

@@ -18,6 +18,8 @@ from mimoc.errors import OutputError, RecordingError
 from mimoc.version import __version__
 
 RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
+WHOLE, PART = ".parquet", ".arrow"
+"""Extensions of the rows of an episode, and of those of a part."""
 FORMAT = 1
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"^(\d{4,})-(\d{6,})(?:\.part(\d{4,}))?\.json$")
@@ -44,7 +46,7 @@ class EpisodeFiles:
     @property
     def tables(self) -> list[Path]:
         """The rows of each part."""
-        return [with_extension(stem, ".parquet") for stem in self.stems]
+        return [with_extension(stem, WHOLE if self.is_whole else PART) for stem in self.stems]
 
     def pictures(self, name: str, extension: str) -> list[Path]:
         """Return the videos of a picture's name in each part."""

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -18,7 +19,7 @@ from mimoc.recording.tables import Described
 from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import Journal
-from mimoc.runtime.physics_state import physics_of
+from mimoc.runtime.physics_state import STATE, physics_of
 from mimoc.senses.sense import Observation
 
 NOTHING_YET = 0.0, False, False
@@ -46,7 +47,7 @@ class _Episode:
     number: int
     head: dict[str, Any]
     """What its sidecar says once."""
-    action_dtype: str = ACTION
+    action_dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(ACTION))
     """Type of the latest action: they are written in double precision."""
     steps: int = 0
     parts: int = 0
@@ -79,7 +80,7 @@ class InfantJournal(Journal):
         self._episode: _Episode | None = None
         self._block: Block | None = None
         self._before: dict[str, Any] | None = None
-        self._physics = b""
+        self._physics, self._model, self._state = b"", infant.model, physics_of(infant.model, infant.data)
         self._described = _described(infant)
 
     def resetting(self) -> None:
@@ -113,9 +114,9 @@ class InfantJournal(Journal):
         episode = self._episode
         assert episode is not None
         action = np.asarray(action)
-        if (dtype := action.dtype.name) != episode.action_dtype:
-            episode.action_dtype = dtype
-            self._change("action_dtype", dtype)
+        if action.dtype != episode.action_dtype:
+            episode.action_dtype = action.dtype
+            self._change("action_dtype", action.dtype.name)
         episode.steps += 1
         self._put(action, judged, observation)
         self._physics = self._physics_now()
@@ -142,11 +143,13 @@ class InfantJournal(Journal):
         episode = self._episode
         if episode is None:
             return
-        self._write_part(is_last=True)
+        self._write_part()
         stem = self._stem_of(episode.number)
         stems = tuple(part_stem(stem, number) for number in range(episode.parts))
         self._episode = None
-        self._writer(partial(episode_writer.finish, EpisodeFiles(0, episode.number, stems, False), how))
+        self._writer(
+            partial(episode_writer.finish, EpisodeFiles(0, episode.number, stems, False), how, self._described)
+        )
 
     def go_on_from(self, number: int) -> None:
         """Begin the next episode with another number, where no episode is being recorded."""
@@ -172,15 +175,14 @@ class InfantJournal(Journal):
             self._block = block
         block.put(self._infant.data.time, action, judged, observation)
 
-    def _write_part(self, *, is_last: bool = False) -> None:
+    def _write_part(self) -> None:
         """Have the rows since the last part written."""
         episode, block = self._episode, self._block
         assert episode is not None
         assert block is not None
         told = {"changes": episode.changes, "states": episode.states} | ({} if episode.parts else episode.head)
         stem = self._stem_of(episode.number)
-        is_only = is_last and not episode.parts
-        self._writer(partial(_write, stem, episode.parts, block, self._described, told, is_only))
+        self._writer(partial(_write, stem, episode.parts, block, self._described, told))
         episode.parts += 1
         episode.changes, episode.states, self._block = [], [], None
 
@@ -190,13 +192,17 @@ class InfantJournal(Journal):
             self._physics = self._physics_now()
 
     def _physics_now(self) -> bytes:
-        return physics_of(self._infant.model, self._infant.data).tobytes()
+        infant = self._infant
+        if infant.model is not self._model:
+            self._model, self._state = infant.model, physics_of(infant.model, infant.data)
+        mujoco.mj_getState(infant.model, infant.data, self._state, STATE)
+        return self._state.tobytes()
 
 
-def _write(stem: Path, number: int, block: Block, described: Described, told: dict[str, Any], is_only: bool) -> None:
+def _write(stem: Path, number: int, block: Block, described: Described, told: dict[str, Any]) -> None:
     """Write a part, in the writer's thread, where states become text."""
     plain = {name: to_plain(each) for name, each in told.items()}
-    episode_writer.write_part(stem, number, block, described, plain, is_only=is_only)
+    episode_writer.write_part(stem, number, block, described, plain)
 
 
 def _described(infant: InfantEnv) -> Described:

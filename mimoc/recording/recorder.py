@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
@@ -152,9 +152,10 @@ class EnvRecorder(gymnasium.Wrapper[Any, Any, Any, Any]):
         """Return itself."""
         return self
 
-    def __exit__(self, *error: Any) -> None:
+    def __exit__(self, *error: Any) -> Literal[False]:
         """Close it."""
         self.close()
+        return False
 
 
 class VectorRecorder(VectorWrapper):

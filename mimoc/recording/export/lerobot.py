@@ -5,7 +5,7 @@ format (huggingface.co/docs/lerobot/lerobot-dataset-v3).
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "
 """Columns with one number a row, with their types."""
 
 
-def export_lerobot(recording: ReadRecording, episodes: Sequence[Episode], out: Path) -> list[str]:
+def export_lerobot(recording: ReadRecording, episodes: Iterable[Episode], out: Path) -> list[str]:
     """Write a data set of LeRobot's: a row for each control step, with what was observed before it.
 
     Returns:
