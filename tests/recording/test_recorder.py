@@ -155,7 +155,7 @@ def test_what_is_done_besides_steps_comes_out_again(reaching, tmp_path):
         "action_dtype",
         "state",
     ]
-    assert [(each.steps, each.ended) for each in episodes] == [(12, "truncated"), (0, "closed")]
+    assert [(each.steps, each.ended) for each in episodes] == [(12, "reset"), (0, "closed")]
     assert replayed(tmp_path / "done") == []
 
 

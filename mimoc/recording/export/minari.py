@@ -1,7 +1,6 @@
 """A recording as a data set of Minari, which it writes itself."""
 
 import os
-import re
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -33,6 +32,7 @@ def export_minari(recording: ReadRecording, episodes: Iterable[Episode], out: Pa
         raise MissingExtraError("minari", "minari") from None
     episodes = list(episodes)
     bundle = recording.bundle()
+    name = f"mimoc/{bundle.manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
     readings = episodes[0].described.readings
     buffers = (EpisodeBuffer(id=number, **_buffer(episode)) for number, episode in enumerate(episodes))
@@ -40,7 +40,7 @@ def export_minari(recording: ReadRecording, episodes: Iterable[Episode], out: Pa
     with _datasets_in(out), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # It misses an author and a link to the code, which are the user's to give.
         minari.create_dataset_from_buffers(
-            dataset_id=dataset_name(bundle.manifest.name),
+            dataset_id=name,
             buffer=buffers,  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
             observation_space=spaces.Dict({each.name: _space(each) for each in readings}),
             action_space=spaces.Box(low, high, dtype=np.float32),
@@ -48,12 +48,7 @@ def export_minari(recording: ReadRecording, episodes: Iterable[Episode], out: Pa
             jpeg_encoding=False,
             description=f"Recorded with mimoc {versions['mimoc']} and MuJoCo {versions.get('mujoco', '')}",
         )
-    return _notes(episodes, dataset_name(bundle.manifest.name))
-
-
-def dataset_name(name: str) -> str:
-    """Return what the data set of an infant is called."""
-    return f"mimoc/{re.sub(r'[^A-Za-z0-9_]+', '_', name).strip('_') or 'infant'}-v0"
+    return _notes(episodes, name)
 
 
 def _notes(episodes: Iterable[Episode], name: str) -> list[str]:
