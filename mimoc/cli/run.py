@@ -30,29 +30,27 @@ def _policies() -> str:
     return ", ".join((*own, *announced("mimoc.policies")))
 
 
+PolicyName = Annotated[str, typer.Option("--policy", help=f"{_policies()}; or a trained policy.zip.")]
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run.")
+]
+VideoFile = Annotated[
+    Path | None, typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
+]
+RecordFolder = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`)."),
+]
+
+
 def run(
     infant: InfantPath,
-    policy: Annotated[
-        str,
-        typer.Option(
-            "--policy",
-            help=f"{_policies()}; or a trained policy.zip.",
-        ),
-    ] = "random",
+    policy: PolicyName = "random",
     steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,
-    seed: Annotated[
-        int,
-        typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run."),
-    ] = 0,
+    seed: Seed = 0,
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
-    video: Annotated[
-        Path | None,
-        typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif."),
-    ] = None,
-    record: Annotated[
-        Path | None,
-        typer.Option("--record", metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`)."),
-    ] = None,
+    video: VideoFile = None,
+    record: RecordFolder = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,

@@ -78,7 +78,8 @@ def train(
     from mimoc.cli import console
     from mimoc.training import hyperparameters
 
-    growth: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps}
+    others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
+    others |= {"threads": threads, "processes": processes}
     with console.progress("training") as show, resumable():
         done = training.train(
             load_infant(infant),
@@ -89,12 +90,9 @@ def train(
             envs=envs,
             checkpoint_every=every,
             hyper=hyperparameters.parse(algo, assignments or []),
-            threads=threads,
-            processes=processes,
             force=force,
-            record=record,
             progress=show,
             task=import_object(task) if task else None,
-            **growth,
+            **others,
         )
     console.print_training(done, out)

@@ -16,13 +16,15 @@ from mimoc.recording.recorder import Recording
 from mimoc.training.settings import Settings
 
 
-def check_recordable(record: str | Path, bundle: Bundle, settings: Settings, processes: bool | None) -> None:
-    """Check that a training can be recorded in a folder, before anything is written.
+def check_recordable(record: str | Path | None, bundle: Bundle, settings: Settings, processes: bool | None) -> None:
+    """Check that a training can be recorded in a folder, if there is one, before anything is written.
 
     Raises:
         TrainingError: If the environments are not all in one process.
         RecordingError: If the folder holds anything but a recording of these infants.
     """
+    if record is None:
+        return
     if processes is not None:
         raise TrainingError(
             "a training is recorded with all environments together; leave out --processes and --one-process, or the"

@@ -125,8 +125,7 @@ def train(
     open_one = partial(_open_one, bundle, task, senses or {})
     check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
-    if record is not None:
-        check_recordable(record, bundle, settings, processes)
+    check_recordable(record, bundle, settings, processes)
     report = progress or (lambda done, total: None)
     with open_run_folder(out, settings, bundle, force=force) as folder:
         before = _read_progress(folder)
