@@ -40,5 +40,5 @@ def test_several_infants_are_not_filmed_at_once(invoke, built, here):
     with mimoc.Recorder(mimoc.make_vec(built, num_envs=2), "two") as envs:
         envs.reset(seed=0)
     code, out, err = invoke("replay", "two", "--video", "film.gif")
-    assert (code, out, err) == (2, "", "two: 2 infants are recorded; choose one for --video with --infant\n")
+    assert (code, out, err) == (2, "", "two: 2 infants are recorded here; choose one for --video with --infant\n")
     assert invoke("replay", "two", "--eyes").code == 2
