@@ -15,6 +15,7 @@ def facts(folder) -> list[tuple]:
     return [(each.infant, each.number, each.ended, each.actions.tobytes(), each.rewards.tobytes()) for each in found]
 
 
+@pytest.mark.slow
 def test_a_resumed_training_has_recorded_what_an_uninterrupted_one_has(learn, tmp_path):
     """What a killed interval has recorded is replaced, not repeated."""
 
