@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from mimoc.milestones import validate_milestones
     from mimoc.plugins import register
     from mimoc.recording import record
+    from mimoc.recording.export import export_recording
+    from mimoc.recording.reading import read_recording
+    from mimoc.recording.recorder import Recorder
+    from mimoc.recordings import replay_recording
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
@@ -37,18 +41,22 @@ _HOMES = {
     "MimocError": "mimoc.errors",
     "Posture": "mimoc.control",
     "Reach": "mimoc.control",
+    "Recorder": "mimoc.recording.recorder",
     "Task": "mimoc.tasks.task",
     "Verdict": "mimoc.tasks.task",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
+    "export_recording": "mimoc.recording.export",
     "growth_schedule": "mimoc.runtime.growth_schedule",
     "load_policy": "mimoc.training",
     "load_spec": "mimoc.compiler.loading",
     "make": "mimoc.environments",
     "make_vec": "mimoc.vector_environments",
     "read_bundle": "mimoc.bundle.io",
+    "read_recording": "mimoc.recording.reading",
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
+    "replay_recording": "mimoc.recordings",
     "run_experiment": "mimoc.experiments",
     "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime",
@@ -70,19 +78,23 @@ __all__ = [
     "MimocError",
     "Posture",
     "Reach",
+    "Recorder",
     "Task",
     "Verdict",
     "__version__",
     "build",
     "evaluate",
+    "export_recording",
     "growth_schedule",
     "load_policy",
     "load_spec",
     "make",
     "make_vec",
     "read_bundle",
+    "read_recording",
     "record",
     "register",
+    "replay_recording",
     "run_experiment",
     "sb3_vec_env",
     "torque_limits",

@@ -46,6 +46,20 @@ def open_infant(bundle: Bundle | InfantSpec | str | Path, **options: Any) -> Inf
 open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
 
 
+def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> InfantEnv:
+    """Return the environment of a bundle, on request with scenes of other seeds, which are built from its spec.
+
+    Raises:
+        MimocError: If the bundle has no spec that can be built.
+    """
+    parts = _opened(bundle)
+    if other_scenes:
+        from mimoc.compiler.variants import SpecVariants, spec_of
+
+        parts["variants"] = SpecVariants(spec_of(bundle))
+    return InfantEnv(**parts, **options)
+
+
 def prepared(source: Bundle | InfantSpec | str | Path, like: Variants | None = None) -> dict[str, Any]:
     """Return what the environments of an infant are made of; see `make`.
 

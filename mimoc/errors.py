@@ -122,6 +122,10 @@ class OutputError(MimocError):
     """A file cannot be written."""
 
 
+class RecordingError(MimocError):
+    """A recording cannot be made, read or replayed."""
+
+
 class MissingExtraError(MimocError):
     """An optional dependency is not installed."""
 

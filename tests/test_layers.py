@@ -76,14 +76,14 @@ LAYERS = {
     "control": layer("control control.*", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies.*", RUNNING, ""),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
-    "recording": layer("recording recording.*", f"{RUNNING} rollout", "gymnasium av PIL mujoco"),
+    "recording": layer("recording recording.*", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
         "training training.* experiments experiments.* importers importers.*",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording",
         "gymnasium mujoco stable_baselines3 torch",
     ),
     "mimoc": layer(
-        "__init__ environments vector_environments registration",
+        "__init__ environments vector_environments recordings registration",
         f"{BUILDING} compiler milestones {RUNNING} device rollout recording training",
         "gymnasium",
     ),

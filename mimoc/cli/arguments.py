@@ -15,6 +15,9 @@ InfantPath = Annotated[
         help="Bundle folder written by `mimoc build`, or a spec (.yaml, or `-` for standard input) to build in memory.",
     ),
 ]
+RecordingPath = Annotated[
+    Path, typer.Argument(metavar="RECORDING", help="Folder written by `mimoc run` or `mimoc train` with `--record`.")
+]
 PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]

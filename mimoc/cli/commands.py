@@ -9,8 +9,10 @@ from mimoc.cli import (
     check,
     experiment,
     explain,
+    export,
     import_config,
     render,
+    replay,
     rooms,
     run,
     see,
@@ -55,4 +57,6 @@ app.command(epilog=explain.EXAMPLE)(explain.explain)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=see.EXAMPLE)(see.see)
 app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
+app.command(epilog=replay.EXAMPLE)(replay.replay)
+app.command(epilog=export.EXAMPLE)(export.export)
 app.command("import", epilog=import_config.EXAMPLE)(import_config.import_config)

@@ -1,8 +1,8 @@
 """`mimoc run`."""
 
 import sys
-from collections.abc import Iterator
-from contextlib import closing, contextmanager, nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from mimoc.recording.record import Capture
+    from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import PolicyMaker, Run
 
-EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1"
+EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"
 
 
 def _policies() -> str:
@@ -29,53 +30,69 @@ def _policies() -> str:
     return ", ".join((*own, *announced("mimoc.policies")))
 
 
+PolicyName = Annotated[str, typer.Option("--policy", help=f"{_policies()}; or a trained policy.zip.")]
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run.")
+]
+VideoFile = Annotated[
+    Path | None, typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif.")
+]
+RecordFolder = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="DIR", help="Record all that it does and senses (needs `mimoc[record]`)."),
+]
+
+
 def run(
     infant: InfantPath,
-    policy: Annotated[
-        str,
-        typer.Option(
-            "--policy",
-            help=f"{_policies()}; or a trained policy.zip.",
-        ),
-    ] = "random",
+    policy: PolicyName = "random",
     steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,
-    seed: Annotated[
-        int,
-        typer.Option("--seed", min=0, help="Random seed of policy and episodes; the same seed gives the same run."),
-    ] = 0,
+    seed: Seed = 0,
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
-    video: Annotated[
-        Path | None,
-        typer.Option("--video", metavar="FILE", help="Record a video: .mp4 (needs `mimoc[record]`) or .gif."),
-    ] = None,
+    video: VideoFile = None,
+    record: RecordFolder = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
 ) -> None:
-    """Run the infant under a policy and print a summary; show it in a window or record a video."""
+    """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc import recording
     from mimoc.cli import console
     from mimoc.runtime.env import InfantEnv
-    from mimoc.runtime.rollout import Run
+    from mimoc.runtime.rollout import Run, policy_of
 
     if eyes and not video:
         raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
     if video:
         recording.check_video(video)
-    with closing(InfantEnv(load_infant(infant), render_mode="human" if window else None)) as env:
-        rollout = Run(env, _read_policy(policy), seed)
-        recorded = recording.filming(rollout, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
-        _run(rollout, steps, recorded, video)
+    chosen = _read_policy(policy)
+    bundle = load_infant(infant)
+    with closing(InfantEnv(bundle, render_mode="human" if window else None)) as env, ExitStack() as recorded:
+        act = policy_of(env, chosen)  # Refuses bad names before anything is written.
+        recorded.enter_context(_recording(env, record))
+        rollout = Run(env, lambda env: act, seed)
+        filmed = recording.filming(rollout, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
+        _run(rollout, steps, filmed, [each for each in (video, record) if each])
     console.print_run(rollout.summary())
-    if video:
-        print(video)
+    for written in (video, record):
+        if written:
+            print(written)
 
 
-def _run(rollout: "Run", steps: int, recorded: "AbstractContextManager[Capture | None]", video: Path | None) -> None:
-    """Take some control steps with a progress bar, and record them if there is a video."""
+def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
+    """Return what records an environment in a folder, if there is one."""
+    if folder is None:
+        return nullcontext()
+    from mimoc.recording.recorder import Recording
+
+    return Recording([env], folder)
+
+
+def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Capture | None]", written: Sequence[Path]) -> None:
+    """Take some control steps with a progress bar, and film them if there is a video."""
     from mimoc.cli import console
 
-    with _interruptible(video), console.progress("running") as show, recorded as capture:
+    with _interruptible(written), console.progress("running") as show, filmed as capture:
         for step in range(steps):
             rollout.step()
             if capture:
@@ -84,13 +101,14 @@ def _run(rollout: "Run", steps: int, recorded: "AbstractContextManager[Capture |
 
 
 @contextmanager
-def _interruptible(video: Path | None) -> Iterator[None]:
-    """On Ctrl-C, say that the video recorded so far is kept."""
+def _interruptible(written: Sequence[Path]) -> Iterator[None]:
+    """On Ctrl-C, say that what was recorded so far is kept."""
     try:
         yield
     except KeyboardInterrupt:
-        if video:
-            print(f"stopped; {video} shows the run up to this point", file=sys.stderr)
+        if written:
+            shows = "shows" if len(written) == 1 else "show"
+            print(f"stopped; {' and '.join(map(str, written))} {shows} the run up to this point", file=sys.stderr)
         raise
 
 

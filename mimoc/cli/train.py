@@ -52,6 +52,10 @@ Schedule = Annotated[
         "--schedule", help="Order of the ages of --grow: grown, adult (only the oldest), reversed or shuffled."
     ),
 ]
+Record = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="DIR", help="Record all episodes in this folder (needs `mimoc[record]`)."),
+]
 GrowSteps = Annotated[
     int | None,
     typer.Option(
@@ -75,6 +79,7 @@ def train(
     grow: Grow = None,
     schedule: Schedule = "grown",
     grow_steps: GrowSteps = None,
+    record: Record = None,
     force: Force = False,
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
@@ -82,7 +87,8 @@ def train(
     from mimoc.cli import console
     from mimoc.training import hyperparameters
 
-    growth: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps}
+    others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
+    others |= {"threads": threads, "processes": processes}
     with console.progress("training") as show, resumable():
         done = training.train(
             load_infant(infant),
@@ -93,11 +99,9 @@ def train(
             envs=envs,
             checkpoint_every=every,
             hyper=hyperparameters.parse(algo, assignments or []),
-            threads=threads,
-            processes=processes,
             force=force,
             progress=show,
             task=import_object(task) if task else None,
-            **growth,
+            **others,
         )
     console.print_training(done, out)

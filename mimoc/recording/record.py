@@ -1,7 +1,7 @@
 """Recording a run as a video in real time."""
 
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from mimoc.recording.film import Film
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import PolicyMaker, Run, Summary
+from mimoc.senses.sense import Observation
 from mimoc.units import ms_to_s
 
 RATE_HZ = 25
@@ -20,6 +21,8 @@ HEIGHT_PX = 360
 """Default height of a video."""
 Capture = Callable[[], None]
 """Called after each control step; captures a frame when one is due."""
+Watch = Callable[[InfantEnv, Observation], None]
+"""Called with an environment and what it observes."""
 
 
 def record(
@@ -75,38 +78,53 @@ def filming(
     run: Run, file: str | Path, *, eyes: bool = False, rate_hz: int = RATE_HZ, height_px: int = HEIGHT_PX
 ) -> Iterator[Capture]:
     """Record a run, as `record` does; yield the function to call after each step."""
-    step_s = Fraction(ms_to_s(run.env.manifest.step_ms)).limit_denominator(1_000_000)
-    with closing(Film(run.env, height_px, eyes)) as film:
-        video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
+    with film_of(file, run.env.manifest.step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px) as watch:
+        watch(run.env, run.observation)
+        yield lambda: watch(run.env, run.observation)
+
+
+@contextmanager
+def film_of(
+    file: str | Path, step_ms: float, *, eyes: bool = False, rate_hz: int = RATE_HZ, height_px: int = HEIGHT_PX
+) -> Iterator[Watch]:
+    """Record a video of one environment, as `record` does.
+
+    Yield the function to call with the environment and what it observes, at the start and after each step.
+    """
+    step_s = Fraction(ms_to_s(step_ms)).limit_denominator(1_000_000)
+    with ExitStack() as opened:
+        film: Film | None = None
+        video: Video | None = None
+        steps = 0
+
+        def watch(env: InfantEnv, observation: Observation) -> None:
+            """Capture a frame if one is due."""
+            nonlocal film, video, steps
+            if film is None or video is None:
+                film = opened.enter_context(closing(Film(env, height_px, eyes)))
+                video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
+            if steps * step_s * video.rate_hz >= video.pictures:
+                video.add(film.frame(observation))
+            steps += 1
+
         try:
-            yield _frame_capture(run, film, video, step_s)
+            yield watch
         except KeyboardInterrupt:
             _save(video)
             raise
         except BaseException:
-            video.discard()
+            if video:
+                video.discard()
             raise
         _save(video)
 
 
-def _save(video: Video) -> None:
+def _save(video: Video | None) -> None:
     """Save a video, or discard it if that fails or is interrupted."""
+    if video is None:
+        return
     try:
         video.save()
     except BaseException:
         video.discard()
         raise
-
-
-def _frame_capture(run: Run, film: Film, video: Video, step_s: Fraction) -> Capture:
-    """Capture the first frame, and return the function that captures each further frame when it is due."""
-    steps = -1
-
-    def capture() -> None:
-        nonlocal steps
-        steps += 1
-        if steps * step_s * video.rate_hz >= video.pictures:
-            video.add(film.frame(run.observation))
-
-    capture()
-    return capture

@@ -25,6 +25,7 @@ from mimoc.render.environment import MODES, EnvRenderer, available_modes
 from mimoc.runtime import growing
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
+from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.keypoints import Keypoints
 from mimoc.runtime.physics_state import check_physics, physics_of, set_physics
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
@@ -86,11 +87,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         own = opened(bundle)
         self.bundle, self.model = own.bundle, own.model
         self.render_mode = render_mode
-        self.metadata = {
-            "render_modes": available_modes(),
-            "render_fps": round(1 / ms_to_s(self.manifest.step_ms)),
-        }
-        self._picture_size = width, height
+        self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
+        self._picture_size, self.journal = (width, height), UNTOLD
         self._variants = variants
         self._custom_task, self._custom_senses = task, dict(senses)
         self._noise = NoiseStreams(self.np_random_seed)
@@ -165,6 +163,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             UnknownNameError: If there is no such expression.
         """
         set_expression(expression, self.manifest, self.model)
+        self.journal.expressed(expression)
 
     def effort(self) -> float:
         """Return the effort of the actuators in the last physics step, for a task to subtract from its reward.
@@ -193,6 +192,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         growing.check_options(options, self._variants)
         variant = growing.find_variant(self._variants, self.manifest, options)
         pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
+        self.journal.resetting()
         super().reset(seed=seed)
         if seed is not None:
             self._noise.restart(seed)
@@ -203,7 +203,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._renderer.close()
             self._renderer = self._open_renderer()
         self._renderer.show()
-        return observation, {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
+        info = {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
+        self.journal.was_reset(seed, options, observation, info)
+        return observation, info
 
     def grow(self, to: float) -> Observation:
         """Let the infant have another age from now on, in the midst of its episode; return the observation.
@@ -227,6 +229,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             growing.carry_on(former, self._living())
             self._renderer.follow(self.model, self.data)
             self._renderer.show()
+            self.journal.grew(self.age_months)
         return self._observe()
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -235,12 +238,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             ValueError: If the action has the wrong shape or is not finite.
         """
+        self.journal.stepping()
         self._schedule.step(action, self.data)
         judged = self.judge(action, unstable=broke_down(self.data))
         observation = self._observe()
         if judged[-1]["unstable"]:
             for reading in observation.values():
                 np.nan_to_num(reading, copy=False)
+        self.journal.stepped(action, observation, judged)
         self._renderer.show()
         return observation, *judged
 
@@ -296,6 +301,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         if variant:
             self._renderer.close()
             self._renderer = self._open_renderer()
+        self.journal.restored()
         return self._observe()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
@@ -321,7 +327,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """Bind the copy to its own model and restore the state of the original."""
         state = kept.pop("state")
         self.__dict__.update(kept)
-        self._noise = NoiseStreams(self.np_random_seed)
+        self._noise, self.journal = NoiseStreams(self.np_random_seed), UNTOLD
         self._bind()
         self.set_state(state)
         self._renderer = self._open_renderer()
@@ -332,20 +338,16 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._act = bind_actuation(self.manifest.actuation, self.model)
         self._senses = bind_senses(self.bundle, self.model, former, self._custom_senses)
         self._constraints = Constraints(self.manifest.constraints, self.model)
-        self._task = (
-            bind_task(self.bundle, self.model)
-            if self._custom_task is None
-            else CustomTask(self._custom_task, self.model, self.bundle)
-        )
+        own = self._custom_task
+        self._task = bind_task(self.bundle, self.model) if own is None else CustomTask(own, self.model, self.bundle)
         fields = (
             *self._constraints.model_fields,
             *self._task.model_fields,
             *expression_fields(self.manifest, self.model),
         )
         self._model_fields = ModelFields(self.model, fields)
-        self._schedule = Schedule(
-            self._senses, self._act, self.model, timing_of(self.manifest, self._senses), self._noise
-        )
+        timing = timing_of(self.manifest, self._senses)
+        self._schedule = Schedule(self._senses, self._act, self.model, timing, self._noise)
         self._keypoints = Keypoints(self.manifest.keypoints, self.model)
 
     def _open_renderer(self) -> EnvRenderer:
@@ -393,5 +395,5 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
 
 PARTS = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
-BOUND = PARTS | {"_noise"}
+BOUND = PARTS | {"_noise", "journal"}
 """Attributes that are not copied but bound anew."""

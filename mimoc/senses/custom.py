@@ -29,6 +29,11 @@ class CustomSense(Sense):
         self.delay = _delay_of(name, custom, bundle)
 
     @property
+    def class_name(self) -> str:
+        """Class of the object, as `module:Class`."""
+        return f"{type(self._custom).__module__}:{type(self._custom).__qualname__}"
+
+    @property
     def layout(self) -> tuple[str, ...]:
         """The number of each number: what it is, only the object knows."""
         return tuple(f"{self._name} {index}" for index in range(int(np.prod(self._space.shape))))

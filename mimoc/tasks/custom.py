@@ -30,6 +30,11 @@ class CustomTask(Task):
         self._custom = custom
 
     @property
+    def class_name(self) -> str:
+        """Class of the object, as `module:Class`."""
+        return f"{type(self._custom).__module__}:{type(self._custom).__qualname__}"
+
+    @property
     def model_fields(self) -> Sequence[ModelField]:
         """Fields of the model that it changes."""
         return getattr(self._custom, "model_fields", ())

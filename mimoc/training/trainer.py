@@ -27,6 +27,7 @@ from mimoc.training.curve import Curve
 from mimoc.training.growth import Growth, growth_of, growth_settings, seek
 from mimoc.training.hyperparameters import Number
 from mimoc.training.policies import pack_policy
+from mimoc.training.recorded import check_recordable, recorded
 from mimoc.training.recorder import Recorder
 from mimoc.training.run_folder import POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import Settings
@@ -75,6 +76,7 @@ def train(
     grow: str | None = None,
     schedule: str = "grown",
     grow_steps: int | None = None,
+    record: str | Path | None = None,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -105,6 +107,8 @@ def train(
         grow: Ages in months between which the infant grows over the training, such as `6:12`; None is not at all.
         schedule: In which order it has these ages: `grown`, `adult` (only the oldest), `reversed` or `shuffled`.
         grow_steps: Control steps that growth takes, summed over all environments; None is all of *steps*.
+        record: Folder to record every episode of the training in, for `mimoc.read_recording`; a training that is
+            resumed continues it. It needs all environments together: leave out *processes*.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -112,7 +116,8 @@ def train(
         UnknownNameError: If there is no such algorithm or hyperparameter.
         TrainingError: If a setting is out of range, or the folder holds another training run or anything else.
         OutputError: If a file cannot be written.
-        MissingExtraError: If matplotlib is not installed.
+        MissingExtraError: If matplotlib is not installed, or what a recording needs.
+        RecordingError: If the folder of the recording holds anything else.
         MimocError: If the infant cannot grow between these ages.
     """
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
@@ -121,13 +126,15 @@ def train(
     open_one = partial(_open_one, opened(bundle), task, senses or {})
     check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
+    check_recordable(record, bundle, settings, processes)
     report, growing = progress or (lambda done, total: None), growth_of(bundle, settings)
     with open_run_folder(out, settings, bundle, force=force) as folder:
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
-            with _one_thread(), _open(open_one, settings, growing, threads, processes) as (agent, env):
-                reached = _train_to_end(folder, agent, env, settings, open_one, report)
+            together = _open(open_one, settings, growing, threads, processes)
+            with _one_thread(), together as (agent, env), recorded(record, env, settings) as mark:
+                reached = _train_to_end(folder, agent, env, settings, open_one, report, mark)
         folder.write_curve(reached.curve.to_csv())
         folder.write_plot(_plot(reached))
     return Training(reached.curve, folder.path / POLICY, before.steps)
@@ -160,6 +167,7 @@ def _train_to_end(
     settings: Settings,
     open_env: Callable[[], InfantEnv],
     report: ProgressCallback,
+    mark: Callable[[int], None],
 ) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
@@ -170,6 +178,7 @@ def _train_to_end(
     try:
         while reached.steps < settings.steps:
             seek(env, settings, reached.steps)
+            mark(reached.steps)
             reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
             policy = pack_policy(agent, env, settings, infant)
             folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))

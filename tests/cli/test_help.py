@@ -24,7 +24,7 @@ def test_the_commands_are_in_this_order():
         ["explain", "render", "see", "rooms"],
         ["build", "validate", "run", "train", "experiment", "check"],
     )
-    assert list(COMMANDS) == [*running, *drawing, "import"]
+    assert list(COMMANDS) == [*running, *drawing, "replay", "export", "import"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -53,6 +53,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
         "growth.png",
         "nine_months.png",
         "out",
+        "recordings",
         "rooms.png",
         "runs",
         "seen.png",

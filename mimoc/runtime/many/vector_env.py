@@ -136,6 +136,9 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         if anew and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {anew} have ended; reset them")
         going = [infant for infant in self._order if not self._ended[infant]]
+        told = [infant for infant in going if self.infants[infant].journal.keeps]
+        for infant in told:
+            self.infants[infant].journal.stepping()
         self._control_step(actions, going)
         broken = self._physics.broke_down()
         for infant in going:
@@ -152,6 +155,10 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         for readings in observation.values():
             for infant in unstable:
                 np.nan_to_num(readings[infant], copy=False)
+        for infant in told:
+            judged = float(rewards[infant]), bool(terminated[infant]), bool(truncated[infant]), infos[infant]
+            seen = {name: readings[infant] for name, readings in observation.items()}
+            self.infants[infant].journal.stepped(actions[infant], seen, judged)
         self._ended = terminated | truncated
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             self._reset_ended(observation, infos)

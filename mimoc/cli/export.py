@@ -1,0 +1,24 @@
+"""`mimoc export`."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mimoc.cli.arguments import RecordingPath
+
+EXAMPLE = "Example:  mimoc export recordings/random --to csv -o out/random_csv"
+
+
+def export(
+    recording: RecordingPath,
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="minari (needs `mimoc[minari]`), lerobot or csv.")],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
+) -> None:
+    """Write a recording in the format of others, and say what that cannot hold."""
+    from mimoc.recording.export import export_recording
+
+    for note in export_recording(recording, to, out):
+        print(f"note: {note}", file=sys.stderr)
+    print(out)

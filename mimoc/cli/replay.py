@@ -1,0 +1,78 @@
+"""`mimoc replay`."""
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mimoc.cli.arguments import RecordingPath
+from mimoc.cli.custom import import_object
+from mimoc.cli.exit_codes import FAILED_CHECK
+from mimoc.errors import MimocError
+
+if TYPE_CHECKING:
+    from mimoc.recording.reading import ReadRecording
+
+EXAMPLE = "Example:  mimoc replay recordings/random"
+
+Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
+Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]
+OwnTask = Annotated[
+    str | None,
+    typer.Option("--task", metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from."),
+]
+
+
+def replay(
+    recording: RecordingPath,
+    infant: Infant = None,
+    episode: Number = None,
+    task: OwnTask = None,
+    video: Annotated[
+        Path | None,
+        typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif."),
+    ] = None,
+    eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
+    size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+) -> None:
+    """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
+    from mimoc import recording as videos
+    from mimoc import recordings
+    from mimoc.cli import console
+    from mimoc.recording.reading import read_recording
+
+    if eyes and not video:
+        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
+    if video:
+        videos.check_video(video)
+    found = read_recording(recording)
+    _check_one_infant(found, infant, video)
+    failed = steps = count = 0
+    filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size) if video and found else nullcontext()
+    chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
+    with console.progress("replaying") as show, filmed as watch:
+        watching: dict[str, Any] = {"watch": watch} if watch else {}
+        for replayed in recordings.replay_recording(found, **chosen, **watching, progress=show):
+            count, steps = count + 1, steps + replayed.episode.steps
+            if replayed.difference:
+                failed += 1
+                print(replayed)
+    if failed:
+        print(f"failed: {failed} of {count} episodes did not come out again")
+        raise typer.Exit(FAILED_CHECK)
+    print(f"ok: all numbers of {count} episodes, {steps} control steps, came out again")
+    if video:
+        print(video)
+
+
+def _check_one_infant(found: "ReadRecording", infant: int | None, video: Path | None) -> None:
+    """Check that a video is to show one infant.
+
+    Raises:
+        MimocError: If there are several.
+    """
+    if video and infant is None and found.infants > 1:
+        raise MimocError(
+            f"{found.path}: {found.infants} infants are recorded here; choose one for --video with --infant"
+        )

@@ -1,0 +1,155 @@
+"""Rows of a recording, gathered in arrays that are there beforehand."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.senses.sense import Observation
+
+Array = npt.NDArray[Any]
+SPARSE_FROM = 1024
+"""Observations of more numbers are kept as those that are not zero: touch has thousands, of which few are touched."""
+WORD = 8
+"""Numbers that are tested for zero together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One array of an observation."""
+
+    name: str
+    """Its name in the observation."""
+    shape: tuple[int, ...]
+    dtype: str
+    """NumPy's name of its type."""
+    kind: Literal["dense", "sparse", "picture"]
+    """How it is kept: every number, those that are not zero, or as a frame of a video."""
+    layout: tuple[str, ...] = ()
+    """What each number is, with its unit; empty if nothing says so."""
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return int(np.prod(self.shape))
+
+    @property
+    def row_bytes(self) -> int:
+        """Memory of a row at most, as far as it is taken beforehand."""
+        return 0 if self.kind == "sparse" else self.size * np.dtype(self.dtype).itemsize
+
+
+def reading_of(name: str, array: Array, layout: Sequence[str] = ()) -> Reading:
+    """Return how an array of an observation is kept."""
+    is_picture = array.dtype == np.uint8 and array.ndim == 3 and array.shape[-1] == 3
+    kind = "picture" if is_picture else "sparse" if array.size > SPARSE_FROM else "dense"
+    told = tuple(layout) if len(layout) == array.size else ()
+    return Reading(name, array.shape, array.dtype.name, kind, told)
+
+
+class Sparse:
+    """Rows of a long array, of which those numbers are kept whose bits are not all zero."""
+
+    def __init__(self, reading: Reading, rows: int):
+        """Make room for some rows."""
+        self._bits = np.dtype(f"u{np.dtype(reading.dtype).itemsize}")
+        self._touched = np.zeros(-(-reading.size // WORD) * WORD, bool)
+        self._words = self._touched.view(np.uint64)
+        self._by_word = self._touched.reshape(-1, WORD)
+        self._places = np.arange(len(self._touched), dtype=np.int32).reshape(-1, WORD)
+        self.index = np.empty(64 * rows, np.int32)
+        self.value = np.empty(64 * rows, reading.dtype)
+        self.ends = np.zeros(rows + 1, np.int32)
+        """Where the numbers of each row end; the first row begins at 0."""
+
+    def put(self, row: int, array: Array) -> None:
+        """Keep a row, which is the next one; it is searched in words, since few numbers are not zero."""
+        flat = array.reshape(-1)
+        np.not_equal(flat.view(self._bits), 0, out=self._touched[: flat.size])
+        words = (self._words != 0).nonzero()[0]
+        found = self._places.take(words, 0)[self._by_word.take(words, 0)]
+        start = self.ends[row]
+        end = self.ends[row + 1] = start + len(found)
+        if end > len(self.index):
+            self._extend(end)
+        self.index[start:end] = found
+        flat.take(found, out=self.value[start:end], mode="clip")
+
+    def _extend(self, count: int) -> None:
+        """Make room for a number of numbers, and for more."""
+        self.index = np.resize(self.index, 2 * count)
+        self.value = np.resize(self.value, 2 * count)
+
+
+class Block:
+    """Some rows of an episode that follow each other: what was done, what it led to, and what was observed then."""
+
+    def __init__(self, readings: Iterable[Reading], actuators: int, rows: int, first_step: int):
+        """Make room.
+
+        Args:
+            readings: The arrays of an observation.
+            actuators: Numbers of an action.
+            rows: Number of rows there is room for.
+            first_step: Control steps before the first row, since the episode began.
+        """
+        self.readings, self.first_step, self.room, self.rows = tuple(readings), first_step, rows, 0
+        self.action = np.empty((rows, actuators))
+        self.numbers: dict[str, Array] = {"time_s": np.empty(rows), "reward": np.empty(rows)}
+        self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
+        self._infos: dict[str, Array] = {}
+        self._terms: dict[str, Array] = {}
+        self.dense = {
+            each.name: np.empty((rows, *each.shape), each.dtype) for each in self.readings if each.kind != "sparse"
+        }
+        self.sparse = {each.name: Sparse(each, rows) for each in self.readings if each.kind == "sparse"}
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there is no room left."""
+        return self.rows == self.room
+
+    def put(
+        self,
+        time_s: float,
+        action: Array | None,
+        judged: tuple[float, bool, bool, Mapping[str, Any]],
+        observation: Observation,
+    ) -> None:
+        """Keep a row.
+
+        Args:
+            time_s: Simulated time.
+            action: The action that was taken; None for what was observed before the first one.
+            judged: Reward, terminated, truncated and info.
+            observation: What was observed then.
+        """
+        row, numbers = self.rows, self.numbers
+        self.action[row] = np.nan if action is None else action
+        numbers["time_s"][row] = time_s
+        numbers["reward"][row], numbers["terminated"][row], numbers["truncated"][row], info = judged
+        for name, value in info.items():
+            column = self._infos.get(name)
+            if column is not None:
+                column[row] = value
+            elif isinstance(value, Mapping):
+                for term, amount in value.items():
+                    self._column(self._terms, "term", term, amount)[row] = amount
+            else:
+                self._column(self._infos, "info", name, value)[row] = value
+        for name, array in self.dense.items():
+            array[row] = observation[name]
+        for name, array in self.sparse.items():
+            array.put(row, observation[name])
+        self.rows += 1
+
+    def _column(self, known: dict[str, Array], prefix: str, name: str, value: Any) -> Array:
+        """Return the array of a number of the info; where there is none, it is NaN or False."""
+        found = known.get(name)
+        if found is None:
+            is_flag = isinstance(value, (bool, np.bool_))
+            found = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
+            known[name] = self.numbers[f"{prefix}.{name}"] = found
+        return found

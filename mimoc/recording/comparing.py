@@ -1,0 +1,143 @@
+"""Comparing what happens again with what was recorded, number by number and bit by bit."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mimoc.recording import frames, tables
+from mimoc.recording.blocks import Array, Block
+from mimoc.recording.reading import Episode
+from mimoc.recording.state_text import is_same
+from mimoc.recording.tables import OBSERVATION
+
+Found = tuple[int, str, int, float, float]
+"""Row, array, index in it, and both values of a number that differs."""
+ALLOWED_LATER = "truncated"
+"""A limit of steps around the environment ends an episode, of which the infant itself knows nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The first number of an episode that is not as it was recorded."""
+
+    step: int
+    """Control steps before it."""
+    what: str
+    """The array that it is in, such as `proprioception`, `reward` or `state`."""
+    name: str
+    """Which number of it, with its unit, as far as it has a name."""
+    recorded: float
+    now: float
+
+    def __str__(self) -> str:
+        """Return it in one line."""
+        of = f" {self.name}" if self.name else ""
+        if np.isnan(self.recorded) and np.isnan(self.now):
+            return f"step {self.step}: {self.what}{of} differs"
+        by = abs(self.now - self.recorded)
+        return f"step {self.step}: {self.what}{of} was {self.recorded:.9g}, is {self.now:.9g} (by {by:.3g})"
+
+
+class Recorded:
+    """The rows of an episode, taken one part after the other."""
+
+    def __init__(self, episode: Episode):
+        """Begin with its first row."""
+        self._episode, self._taken = episode, 0
+        pictures = [each.name for each in episode.described.readings if each.kind == "picture"]
+        self._pictures = {name: _frames(episode, name) for name in pictures}
+
+    def differs(self, block: Block) -> Difference | None:
+        """Compare the next rows; return the first difference in time, if there is one."""
+        rows = self._episode.table.slice(self._taken, block.rows)
+        first = self._taken
+        self._taken += block.rows
+        found = [each for each in self._differences(rows, block) if each is not None]
+        earliest = min(found, key=lambda each: each[0], default=None)
+        if earliest is None:
+            return None
+        row, what, index, recorded, now = earliest
+        return Difference(first + row, what, _label(self._episode, what, index), recorded, now)
+
+    def _differences(self, rows: Any, block: Block) -> Iterator[Found | None]:
+        for reading in block.readings:
+            name = reading.name
+            if reading.kind == "picture":
+                recorded = np.stack([next(self._pictures[name]) for _ in range(block.rows)])
+                yield _first(name, recorded, block.dense[name][: block.rows])
+            elif reading.kind == "dense":
+                recorded = tables.array_of(rows, OBSERVATION + name, reading)
+                yield _first(name, recorded, block.dense[name][: block.rows])
+            else:
+                yield _first_sparse(name, tables.sparse_of(rows, OBSERVATION + name), block)
+        for name in sorted(block.numbers.keys() | {each for each in rows.column_names if each.startswith("term.")}):
+            now = block.numbers.get(name, np.full(block.room, np.nan))[: block.rows]
+            known = name in rows.column_names
+            recorded = tables.array_of(rows, name) if known else np.full_like(now, np.nan if now.dtype == float else 0)
+            if name == ALLOWED_LATER:
+                recorded = recorded & now
+            yield _first(name.partition(".")[2] or name, recorded, now)
+
+
+def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]) -> Difference | None:
+    """Compare two complete states; return the first part that differs."""
+    for part in recorded:
+        if not is_same(recorded[part], now.get(part)):
+            ours, theirs = recorded[part], now.get(part)
+            if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray) and ours.shape == theirs.shape:
+                found = _first(part, ours[None], theirs[None])
+                if found:
+                    return Difference(step, "state", f"{part} {found[2]}", found[3], found[4])
+            return Difference(step, "state", part, np.nan, np.nan)
+    return None
+
+
+def _first(what: str, recorded: Array, now: Array) -> Found | None:
+    """Return the first number whose bits differ."""
+    ours, theirs = (np.ascontiguousarray(each).reshape(len(each), -1) for each in (recorded, now))
+    if ours.dtype != theirs.dtype:
+        ours, theirs = ours.astype(float), theirs.astype(float)
+    differs = _bits(ours) != _bits(theirs)
+    if not differs.any():
+        return None
+    row, index = (int(each) for each in np.argwhere(differs)[0])
+    return row, what, index, float(ours[row, index]), float(theirs[row, index])
+
+
+def _first_sparse(what: str, recorded: tuple[Array, Array, Array], block: Block) -> Found | None:
+    kept = block.sparse[what]
+    end = kept.ends[block.rows]
+    rows = np.repeat(np.arange(block.rows), np.diff(kept.ends[: block.rows + 1]))
+    now = rows, kept.index[:end], kept.value[:end]
+    if all(np.array_equal(_bits(ours), _bits(theirs)) for ours, theirs in zip(recorded, now, strict=True)):
+        return None
+    ours, theirs = (
+        {(row, index): value for row, index, value in zip(*(part.tolist() for part in each), strict=True)}
+        for each in (recorded, now)
+    )
+    keys = [key for key in ours.keys() | theirs.keys() if ours.get(key) != theirs.get(key)]
+    row, index = min(keys, default=(0, 0))
+    return row, what, index, ours.get((row, index), 0.0), theirs.get((row, index), 0.0)
+
+
+def _bits(array: Array) -> Array:
+    """Return numbers as whole ones, so that -0.0 is not 0.0 and NaN is NaN."""
+    return np.ascontiguousarray(array).view(f"u{array.itemsize}")
+
+
+def _label(episode: Episode, what: str, index: int) -> str:
+    """Return the name of a number in an array of the observation, or where it is in a picture."""
+    reading = next((each for each in episode.described.readings if each.name == what), None)
+    if reading is None:
+        return ""
+    if reading.layout:
+        return f"'{reading.layout[index]}'"
+    at = ", ".join(str(place) for place in np.unravel_index(index, reading.shape or (1,)))
+    return f"at ({at})"
+
+
+def _frames(episode: Episode, name: str) -> Iterator[Any]:
+    for path in episode.files.pictures(name, frames.LOSSLESS):
+        yield from frames.decoded(path)

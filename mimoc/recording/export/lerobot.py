@@ -1,0 +1,241 @@
+"""A recording in the layout of LeRobot's data sets, version 3: Parquet, MP4 and JSON.
+
+One file of rows, one video for each eye, one table of episodes and one of tasks, as in the public documentation of the
+format (huggingface.co/docs/lerobot/lerobot-dataset-v3).
+"""
+
+import json
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from mimoc.recording import frames
+from mimoc.recording.blocks import Array, Reading
+from mimoc.recording.episode_writer import rate_hz
+from mimoc.recording.reading import Episode, ReadRecording
+
+VERSION = "v3.0"
+FILE = "chunk-000/file-000"
+CHUNK_FILES, DATA_MB, VIDEO_MB = 1000, 100, 200
+"""Limits of the format's own writer, which say how it goes on from here."""
+STATE, IMAGES = "observation.state", "observation.images."
+STEP_COLUMNS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64"}
+STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "bool", "next.success": "bool"}
+"""Columns with one number a row, with their types."""
+
+
+def export_lerobot(recording: ReadRecording, episodes: Iterable[Episode], out: Path) -> list[str]:
+    """Write a data set of LeRobot's: a row for each control step, with what was observed before it.
+
+    Returns:
+        What it cannot hold.
+    """
+    episodes = list(episodes)
+    ends = list(accumulate(episode.steps for episode in episodes))
+    starts = [0, *ends[:-1]]
+    task = recording.bundle().manifest.task.kind
+    readings = episodes[0].described.readings
+    tables, stats = [], []
+    for number, (episode, start) in enumerate(zip(episodes, starts, strict=True)):
+        columns = _columns(episode, number, start)
+        stats.append({name: _stats(array) for name, array in columns.items()})
+        tables.append(_table(columns))
+    _write(out / "data" / f"{FILE}.parquet", pa.concat_tables(tables))
+    for reading in readings:
+        if reading.kind == "picture":
+            stats = _with_pictures(out, episodes, reading, stats)
+    _write(out / "meta" / "tasks.parquet", _tasks(task))
+    spans = [_span(number, *span, episodes, task) for number, span in enumerate(zip(starts, ends, strict=True))]
+    _write(out / "meta" / "episodes" / f"{FILE}.parquet", _episodes(spans, stats))
+    _write_json(out / "meta" / "info.json", _info(episodes, readings))
+    _write_json(out / "meta" / "stats.json", _joined(stats))
+    sparse = [each.name for each in readings if each.kind == "sparse"]
+    return [
+        *(f"'{name}' is written in full, with all its zeros: the format has no sparse columns" for name in sparse),
+        *(["pictures are videos with losses: the recording has them without"] if _pictures(readings) else []),
+        "what was observed last, terms of the reward, states and seeds are left out: the format has no place for them",
+    ]
+
+
+def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
+    """Return the columns of an episode, each of shape (steps,) or (steps, n)."""
+    steps = episode.steps
+    done = np.zeros(steps, bool)
+    done[-1] = True
+    found: dict[str, Array] = {"action": episode.actions.astype(np.float32)}
+    for reading in episode.described.readings:
+        if reading.kind != "picture":
+            found[_feature(reading)] = episode.observation(reading.name)[:-1].reshape(steps, -1)
+    return found | {
+        "timestamp": (np.arange(steps) / float(rate_hz(episode.step_ms))).astype(np.float32),
+        "frame_index": np.arange(steps),
+        "episode_index": np.full(steps, number),
+        "index": np.arange(start, start + steps),
+        "task_index": np.zeros(steps, np.int64),
+        "next.reward": episode.rewards.astype(np.float32),
+        "next.done": done,
+        "next.success": episode.infos.get("is_success", np.zeros(steps, bool)),
+    }
+
+
+def _feature(reading: Reading) -> str:
+    """Return what an array of the observation is called: proprioception is the state of the robot."""
+    if reading.kind == "picture":
+        return IMAGES + reading.name
+    return STATE if reading.name == "proprioception" else f"observation.{reading.name}"
+
+
+def _table(columns: dict[str, Array]) -> Any:
+    arrays = {
+        name: pa.array(array)
+        if array.ndim == 1
+        else pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), array.shape[1])
+        for name, array in columns.items()
+    }
+    return pa.table(arrays)
+
+
+def _tasks(task: str) -> Any:
+    """Return the table of tasks, with pandas' mark of its index."""
+    table = pa.table({"task_index": pa.array([0], pa.int64()), "task": [task]})
+    index = {"index_columns": ["task"], "column_indexes": [], "columns": [], "pandas_version": "2.0.0"}
+    columns = (("task_index", "int64", "int64"), ("task", "unicode", "object"))
+    index["columns"] = [
+        {"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
+        for name, kind, numpy in columns
+    ]
+    return table.replace_schema_metadata({b"pandas": json.dumps(index).encode()})
+
+
+def _span(number: int, start: int, end: int, episodes: Sequence[Episode], task: str) -> dict[str, Any]:
+    """Return where an episode is in all files."""
+    place = {
+        "episode_index": number,
+        "tasks": [task],
+        "length": end - start,
+        "data/chunk_index": 0,
+        "data/file_index": 0,
+        "dataset_from_index": start,
+        "dataset_to_index": end,
+        "meta/episodes/chunk_index": 0,
+        "meta/episodes/file_index": 0,
+    }
+    rate = rate_hz(episodes[0].step_ms)
+    for reading in _pictures(episodes[0].described.readings):
+        before = sum(episode.steps for episode in episodes[:number])
+        place |= {
+            f"videos/{_feature(reading)}/chunk_index": 0,
+            f"videos/{_feature(reading)}/file_index": 0,
+            f"videos/{_feature(reading)}/from_timestamp": float(before / rate),
+            f"videos/{_feature(reading)}/to_timestamp": float((before + end - start) / rate),
+        }
+    return place
+
+
+def _episodes(spans: Sequence[dict[str, Any]], stats: Sequence[dict[str, dict[str, Any]]]) -> Any:
+    rows = [
+        span | {f"stats/{name}/{what}": value for name, each in own.items() for what, value in each.items()}
+        for span, own in zip(spans, stats, strict=True)
+    ]
+    return pa.Table.from_pylist(rows)
+
+
+def _stats(array: Array) -> dict[str, Any]:
+    """Return extremes, mean and standard deviation of each number, and how many there are."""
+    rows = array.reshape(len(array), -1).astype(np.float64)
+    found = {"min": rows.min(axis=0), "max": rows.max(axis=0), "mean": rows.mean(axis=0), "std": rows.std(axis=0)}
+    return {**{name: values.tolist() for name, values in found.items()}, "count": [len(array)]}
+
+
+def _picture_stats(pictures: Array) -> dict[str, Any]:
+    """Return the same for each colour of pictures, from 0 to 1, in the shape (3, 1, 1) of the format."""
+    found = _stats(pictures.reshape(-1, 3) / 255)
+    nested = {name: [[[value]] for value in found[name]] for name in ("min", "max", "mean", "std")}
+    return {**nested, "count": [len(pictures)]}
+
+
+def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
+    """Return the same of all episodes together."""
+    found: dict[str, Any] = {}
+    for name in stats[0]:
+        each = {what: np.array([own[name][what] for own in stats]) for what in stats[0][name]}
+        count = each["count"].reshape(-1, *([1] * (each["mean"].ndim - 1)))
+        mean = (each["mean"] * count).sum(axis=0) / count.sum()
+        square = ((each["std"] ** 2 + (each["mean"] - mean) ** 2) * count).sum(axis=0) / count.sum()
+        joined = {"min": each["min"].min(axis=0), "max": each["max"].max(axis=0), "mean": mean, "std": np.sqrt(square)}
+        found[name] = {what: values.tolist() for what, values in joined.items()} | {"count": [int(count.sum())]}
+    return found
+
+
+def _with_pictures(
+    out: Path, episodes: Sequence[Episode], reading: Reading, stats: Sequence[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Write the pictures of all episodes as one video; return statistics that include them."""
+    path = out / "videos" / _feature(reading) / f"{FILE}.mp4"
+    path.parent.mkdir(parents=True)
+    video = frames.open_small(path, rate_hz(episodes[0].step_ms))
+    found = []
+    for episode, own in zip(episodes, stats, strict=True):
+        pictures = episode.observation(reading.name)[:-1]
+        for picture in pictures:
+            video.add(picture)
+        found.append({**own, _feature(reading): _picture_stats(pictures)})
+    video.save()
+    return found
+
+
+def _info(episodes: Sequence[Episode], readings: Sequence[Reading]) -> dict[str, Any]:
+    rate = rate_hz(episodes[0].step_ms)
+    return {
+        "codebase_version": VERSION,
+        "robot_type": "mimoc",
+        "total_episodes": len(episodes),
+        "total_frames": sum(episode.steps for episode in episodes),
+        "total_tasks": 1,
+        "chunks_size": CHUNK_FILES,
+        "data_files_size_in_mb": DATA_MB,
+        "video_files_size_in_mb": VIDEO_MB,
+        "fps": int(rate) if rate.denominator == 1 else float(rate),
+        "splits": {"train": f"0:{len(episodes)}"},
+        "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
+        "video_path": "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+        if _pictures(readings)
+        else None,
+        "features": _features(episodes[0], readings),
+    }
+
+
+def _features(episode: Episode, readings: Sequence[Reading]) -> dict[str, Any]:
+    """Return type, shape and names of each column and video."""
+    actions = list(episode.layout("action"))
+    found: dict[str, Any] = {"action": {"dtype": "float32", "shape": [len(actions)], "names": actions}}
+    rate = float(rate_hz(episode.step_ms))
+    for reading in readings:
+        if reading.kind == "picture":
+            height, width, channels = reading.shape
+            video = {"video.height": height, "video.width": width, "video.codec": "h264", "video.pix_fmt": "yuv420p"}
+            video |= {"video.is_depth_map": False, "video.fps": rate, "video.channels": channels, "has_audio": False}
+            names = ["height", "width", "channels"]
+            found[_feature(reading)] = {"dtype": "video", "shape": [*reading.shape], "names": names, "info": video}
+        else:
+            names = list(reading.layout) or None
+            found[_feature(reading)] = {"dtype": reading.dtype, "shape": [reading.size], "names": names}
+    return found | {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in STEP_COLUMNS.items()}
+
+
+def _pictures(readings: Sequence[Reading]) -> list[Reading]:
+    return [reading for reading in readings if reading.kind == "picture"]
+
+
+def _write(path: Path, table: Any) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pq.write_table(table, path, compression="zstd")
+
+
+def _write_json(path: Path, data: Any) -> None:
+    path.write_text(json.dumps(data, indent=4, ensure_ascii=False) + "\n", encoding="utf-8")

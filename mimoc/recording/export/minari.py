@@ -1,0 +1,101 @@
+"""A recording as a data set of Minari, which it writes itself."""
+
+import os
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from mimoc.actuation.commands import command_range
+from mimoc.errors import MissingExtraError
+from mimoc.recording.blocks import Reading
+from mimoc.recording.reading import Episode, ReadRecording
+
+HOME = "MINARI_DATASETS_PATH"
+"""Environment variable that says where Minari's data sets are."""
+
+
+def export_minari(recording: ReadRecording, episodes: Iterable[Episode], out: Path) -> list[str]:
+    """Write the data set `mimoc/<name>-v0`; with this folder as MINARI_DATASETS_PATH, Minari loads it by this name.
+
+    Returns:
+        What it cannot hold.
+    """
+    try:
+        import minari
+        from minari.data_collector import EpisodeBuffer
+    except ImportError:
+        raise MissingExtraError("minari", "minari") from None
+    episodes = list(episodes)
+    bundle = recording.bundle()
+    name = f"mimoc/{bundle.manifest.name}-v0"
+    low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
+    readings = episodes[0].described.readings
+    buffers = (EpisodeBuffer(id=number, **_buffer(episode)) for number, episode in enumerate(episodes))
+    versions = episodes[-1].versions
+    with _datasets_in(out), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # It misses an author and a link to the code, which are the user's to give.
+        minari.create_dataset_from_buffers(
+            dataset_id=name,
+            buffer=buffers,  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
+            observation_space=spaces.Dict({each.name: _space(each) for each in readings}),
+            action_space=spaces.Box(low, high, dtype=np.float32),
+            data_format="parquet",
+            jpeg_encoding=False,
+            description=f"Recorded with mimoc {versions['mimoc']} and MuJoCo {versions.get('mujoco', '')}",
+        )
+    return _notes(episodes, name)
+
+
+def _notes(episodes: Iterable[Episode], name: str) -> list[str]:
+    cut = sum(not (episode.terminated[-1] or episode.truncated[-1]) for episode in episodes)
+    return [
+        f"load it with MINARI_DATASETS_PATH set to this folder: minari.load_dataset('{name}')",
+        *([f"{cut} episodes that were cut short are marked as truncated"] if cut else []),
+        "names and units, states and the environment itself are left out: Minari has no place for them",
+    ]
+
+
+def _buffer(episode: Episode) -> dict[str, Any]:
+    """Return the arrays of an episode as Minari names them."""
+    truncated = episode.truncated.copy()
+    truncated[-1] |= not episode.terminated[-1]
+    numbers = {name: episode.column(name) for name in episode.table.column_names if name.startswith(("info.", "term."))}
+    return {
+        "seed": episode.seed,
+        "options": dict(episode.options) or None,
+        "observations": dict(episode.observations),
+        "actions": episode.actions.astype(np.float32),
+        "rewards": episode.rewards,
+        "terminations": episode.terminated,
+        "truncations": truncated,
+        "infos": {name.removeprefix("info."): values.tolist() for name, values in numbers.items()},
+    }
+
+
+def _space(reading: Reading) -> spaces.Box:
+    if reading.dtype == "uint8":
+        return spaces.Box(0, 255, reading.shape, np.uint8)
+    kind = np.dtype(reading.dtype)
+    if kind.kind == "f":
+        return spaces.Box(-np.inf, np.inf, reading.shape, kind.type)
+    limits = (0, 1) if kind.kind == "b" else (np.iinfo(kind).min, np.iinfo(kind).max)
+    return spaces.Box(*limits, reading.shape, kind.type)
+
+
+@contextmanager
+def _datasets_in(folder: Path) -> Iterator[None]:
+    """Let Minari write into a folder."""
+    before = os.environ.get(HOME)
+    os.environ[HOME] = str(folder)
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[HOME]
+        else:
+            os.environ[HOME] = before

@@ -1,0 +1,223 @@
+"""The journal of one infant whose episodes are recorded."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.errors import RecordingError
+from mimoc.recording import episode_writer
+from mimoc.recording.blocks import Block, Reading, reading_of
+from mimoc.recording.folder import EpisodeFiles, part_stem
+from mimoc.recording.state_text import to_plain
+from mimoc.recording.tables import Described
+from mimoc.recording.writer import Writer
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.journal import Journal
+from mimoc.runtime.physics_state import STATE, physics_of
+from mimoc.senses.sense import Observation
+
+NOTHING_YET = 0.0, False, False
+"""Reward, terminated and truncated of what is observed before the first step."""
+ACTION = "float32"
+"""Type of actions, unless a change says otherwise."""
+SINCE_RESET = ("physics", "signals", "steps")
+"""Parts of a state that a reset makes anew, and that it needs not know."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How often something is kept of an episode."""
+
+    rows: int
+    """Rows of a part of its files."""
+    states_every: int
+    """Control steps from one complete state to the next."""
+
+
+@dataclass
+class _Episode:
+    """An episode that is being recorded."""
+
+    number: int
+    head: dict[str, Any]
+    """What its sidecar says once."""
+    action_dtype: np.dtype[Any] = field(default_factory=lambda: np.dtype(ACTION))
+    """Type of the latest action: they are written in double precision."""
+    steps: int = 0
+    parts: int = 0
+    changes: list[dict[str, Any]] = field(default_factory=list)
+    """What was done to the infant besides its control steps, since the last part."""
+    states: list[dict[str, Any]] = field(default_factory=list)
+    """Complete states, since the last part."""
+
+
+class InfantJournal(Journal):
+    """Writes down the episodes of one infant."""
+
+    keeps = True
+
+    def __init__(
+        self, infant: InfantEnv, writer: Writer, stem_of: Any, first: int, pace: Pace, about: Mapping[str, Any]
+    ):
+        """Begin with the next reset or step of an infant.
+
+        Args:
+            infant: The infant.
+            writer: What does the writing.
+            stem_of: Returns the path of the files of an episode by its number.
+            first: Number of the first episode.
+            pace: How often something is kept.
+            about: What the sidecar of each episode says.
+        """
+        self._infant, self._writer, self._stem_of = infant, writer, stem_of
+        self._next, self._pace, self._about = first, pace, dict(about)
+        self._episode: _Episode | None = None
+        self._block: Block | None = None
+        self._before: dict[str, Any] | None = None
+        self._physics, self._model, self._state = b"", infant.model, physics_of(infant.model, infant.data)
+        self._described = _described(infant)
+
+    def resetting(self) -> None:
+        """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
+        state = self._infant.get_state()
+        self._before = {name: part for name, part in state.items() if name not in SINCE_RESET}
+
+    def was_reset(
+        self, seed: int | None, options: Mapping[str, Any], observation: Observation, info: Mapping[str, Any]
+    ) -> None:
+        """End the episode before, and begin one."""
+        self.end("reset")
+        reset = {"seed": seed, "options": dict(options), "before": self._before}
+        self._begin(reset, observation, info)
+
+    def stepping(self) -> None:
+        """Keep the physics if it was changed from outside; begin an episode here if there is none."""
+        if self._episode is None:
+            infant = self._infant
+            self._begin(None, {**infant.schedule.observe(), **infant.task.observe()}, {})
+        elif self._physics != self._physics_now():
+            self._change("physics", physics_of(self._infant.model, self._infant.data))
+
+    def stepped(
+        self,
+        action: npt.NDArray[Any],
+        observation: Observation,
+        judged: tuple[float, bool, bool, Mapping[str, Any]],
+    ) -> None:
+        """Keep a control step; write a part of the episode if it is due, and the episode if it has ended."""
+        episode = self._episode
+        assert episode is not None
+        action = np.asarray(action)
+        if action.dtype != episode.action_dtype:
+            episode.action_dtype = action.dtype
+            self._change("action_dtype", action.dtype.name)
+        episode.steps += 1
+        self._put(action, judged, observation)
+        self._physics = self._physics_now()
+        if episode.steps % self._pace.states_every == 0:
+            episode.states.append({"step": episode.steps, "state": self._infant.get_state()})
+        if judged[1] or judged[2]:
+            self.end("terminated" if judged[1] else "truncated")
+
+    def grew(self, to: float) -> None:
+        """Keep an age, and what the infant was made of it."""
+        self._change("age_months", to)
+
+    def restored(self) -> None:
+        """Keep a state that was restored."""
+        if self._episode is not None:
+            self._change("state", self._infant.get_state())
+
+    def expressed(self, expression: str) -> None:
+        """Keep an expression."""
+        self._change("expression", expression)
+
+    def end(self, how: str) -> None:
+        """End the episode that is being recorded, if there is one."""
+        episode = self._episode
+        if episode is None:
+            return
+        self._write_part()
+        stem = self._stem_of(episode.number)
+        stems = tuple(part_stem(stem, number) for number in range(episode.parts))
+        self._episode = None
+        self._writer(
+            partial(episode_writer.finish, EpisodeFiles(0, episode.number, stems, False), how, self._described)
+        )
+
+    def go_on_from(self, number: int) -> None:
+        """Begin the next episode with another number, where no episode is being recorded."""
+        self._next = number
+
+    def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
+        start = self._infant.get_state()
+        head = {**self._about, "reset": reset, "start": start}
+        self._episode, self._block = _Episode(self._next, head), None
+        self._next += 1
+        self._put(None, (*NOTHING_YET, info), observation)
+        self._physics = self._physics_now()
+
+    def _put(self, action: Any, judged: tuple[float, bool, bool, Mapping[str, Any]], observation: Observation) -> None:
+        episode, block = self._episode, self._block
+        assert episode is not None
+        if block is not None and block.is_full:
+            self._write_part()
+            block = None
+        if block is None:
+            described = self._described
+            block = Block(described.readings, len(described.actions), self._pace.rows, episode.steps)
+            self._block = block
+        block.put(self._infant.data.time, action, judged, observation)
+
+    def _write_part(self) -> None:
+        """Have the rows since the last part written."""
+        episode, block = self._episode, self._block
+        assert episode is not None
+        assert block is not None
+        told = {"changes": episode.changes, "states": episode.states} | ({} if episode.parts else episode.head)
+        stem = self._stem_of(episode.number)
+        self._writer(partial(_write, stem, episode.parts, block, self._described, told))
+        episode.parts += 1
+        episode.changes, episode.states, self._block = [], [], None
+
+    def _change(self, what: str, value: Any) -> None:
+        if self._episode is not None:
+            self._episode.changes.append({"step": self._episode.steps, what: value})
+            self._physics = self._physics_now()
+
+    def _physics_now(self) -> bytes:
+        infant = self._infant
+        if infant.model is not self._model:
+            self._model, self._state = infant.model, physics_of(infant.model, infant.data)
+        mujoco.mj_getState(infant.model, infant.data, self._state, STATE)
+        return self._state.tobytes()
+
+
+def _write(stem: Path, number: int, block: Block, described: Described, told: dict[str, Any]) -> None:
+    """Write a part, in the writer's thread, where states become text."""
+    plain = {name: to_plain(each) for name, each in told.items()}
+    episode_writer.write_part(stem, number, block, described, plain)
+
+
+def _described(infant: InfantEnv) -> Described:
+    """Return what the numbers of an infant's recording are."""
+    layouts: dict[str, Sequence[str]] = {}
+    for name, sense in infant.senses.items():
+        layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
+    observation = {**infant.schedule.observe(), **infant.task.observe()}
+    readings = tuple(_reading(name, array, layouts.get(name, ())) for name, array in observation.items())
+    actuators = tuple(infant.model.actuator(index).name for index in infant.actuation.actuators)
+    return Described(readings, actuators, infant.manifest.step_ms)
+
+
+def _reading(name: str, array: Any, layout: Sequence[str]) -> Reading:
+    array = np.asarray(array)
+    if array.dtype.kind not in "biuf":
+        raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
+    return reading_of(name, array, layout)

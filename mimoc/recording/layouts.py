@@ -1,0 +1,52 @@
+"""Names of many numbers in few words: `hip 0 x [N]`, `hip 0 y [N]` ... as one run for each part of the body."""
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from itertools import groupby, takewhile
+from typing import Any
+
+NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
+LONG = 100
+"""Layouts of fewer names are written out."""
+
+
+def shortened(layout: Sequence[str]) -> list[Any]:
+    """Return a layout as it stands in files: names, or runs `{"name", "from", "to", "ends"}` of numbered names."""
+    if len(layout) < LONG:
+        return list(layout)
+    found: list[Any] = []
+    for prefix, names in groupby(layout, key=_prefix):
+        run = list(names)
+        short = None if prefix is None else _run(prefix, run)
+        found += run if short is None else [short]
+    return found
+
+
+def written_out(layout: Sequence[Any]) -> tuple[str, ...]:
+    """Return the names of a layout as it stands in files."""
+    return tuple(name for each in layout for name in ([each] if isinstance(each, str) else _names(each)))
+
+
+def from_json(text: str | bytes) -> tuple[str, ...]:
+    """Return the names of a layout that is JSON."""
+    return written_out(json.loads(text))
+
+
+def _prefix(name: str) -> str | None:
+    found = NUMBERED.match(name)
+    return found and found[1]
+
+
+def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
+    """Return a run that says all names, or None if there is none."""
+    parts = [found for name in names if (found := NUMBERED.match(name))]
+    first = parts[0][2]
+    ends = [part[3] for part in takewhile(lambda part: part[2] == first, parts)]
+    run = {"name": prefix, "from": int(first), "to": int(parts[-1][2]), "ends": ends}
+    return run if _names(run) == list(names) else None
+
+
+def _names(run: Mapping[str, Any]) -> list[str]:
+    numbers = range(run["from"], run["to"] + 1)
+    return [f"{run['name']}{number}{end}" for number in numbers for end in run["ends"]]

@@ -1,0 +1,202 @@
+"""Simulating a recording again, from its seeds and actions, to see whether every number comes out again."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from mimoc.bundle.io import Bundle
+from mimoc.errors import MimocError, RecordingError
+from mimoc.recording.blocks import Block
+from mimoc.recording.comparing import Difference, Recorded, state_differs
+from mimoc.recording.folder import versions
+from mimoc.recording.infant_journal import ACTION, NOTHING_YET
+from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.record import Watch
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import AGE, SEED
+from mimoc.runtime.physics_state import set_physics
+from mimoc.senses.sense import Observation
+
+ROWS = 250
+"""Rows that are compared at once."""
+Open = Callable[[Bundle, bool], InfantEnv]
+"""Opens the environment of a bundle; the flag says whether it needs scenes of other seeds, too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """What came of an episode that was simulated again."""
+
+    episode: Episode
+    difference: Difference | None
+    """The first number that is different now; None if all are the same."""
+
+    @property
+    def other_versions(self) -> str:
+        """What software has another version now, which may be why; empty if all are the same."""
+        here = versions()
+        changed = [
+            f"{name} {then}, now {here.get(name, 'none')}"
+            for name, then in self.episode.versions.items()
+            if here.get(name) != then
+        ]
+        return ", ".join(changed)
+
+    def __str__(self) -> str:
+        """Return it in one line."""
+        which = f"infant {self.episode.infant}, episode {self.episode.number}"
+        if self.difference is None:
+            return f"{which}: all numbers of {self.episode.steps} control steps came out again"
+        changed = self.other_versions
+        return f"{which}, {self.difference}" + (f"; recorded with {changed}" if changed else "")
+
+
+def replay(
+    recording: ReadRecording,
+    open_env: Open,
+    *,
+    episodes: Sequence[Episode] | None = None,
+    watch: Watch = lambda env, observation: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Iterator[Replayed]:
+    """Simulate episodes again, and yield what came of each.
+
+    Args:
+        recording: The recording.
+        open_env: Opens the environments; see `Open`.
+        episodes: Some of its episodes; by default all.
+        watch: Told of everything that is observed.
+        progress: Called with the number of control steps done and their total.
+
+    Raises:
+        RecordingError: If the recording is damaged, or needs objects that *open_env* does not give.
+    """
+    chosen = recording.episodes if episodes is None else tuple(episodes)
+    total, done = sum(episode.steps for episode in chosen), 0
+    for infant in dict.fromkeys(episode.infant for episode in chosen):
+        own = [episode for episode in chosen if episode.infant == infant]
+        bundle = recording.bundle(infant)
+        env = open_env(bundle, any(_other_scene(episode, bundle.manifest.seed) for episode in own))
+        try:
+            for episode in own:
+                _check_observations(env, episode)
+                told = partial(_told, progress, done, total)
+                yield Replayed(episode, _Replay(env, episode, watch, told)())
+                done += episode.steps
+        finally:
+            env.close()
+
+
+class _Replay:
+    """One episode that is simulated again."""
+
+    def __init__(self, env: InfantEnv, episode: Episode, watch: Watch, progress: Callable[[int], None]):
+        self._env, self._episode, self._watch, self._progress = env, episode, watch, progress
+        self._recorded = Recorded(episode)
+        self._dtype = ACTION
+        self._block = self._new_block(0)
+
+    def __call__(self) -> Difference | None:
+        """Return the first difference."""
+        try:
+            observation, info = self._begin()
+        except (MimocError, ValueError) as error:
+            raise RecordingError(f"{self._episode.files.sidecars[0]}: cannot be begun again: {error}") from None
+        self._watch(self._env, observation)
+        found = state_differs(0, self._episode.start, self._env.get_state())
+        found = self._differs(None, (*NOTHING_YET, info), observation) or found
+        for step, action in enumerate(self._episode.actions):
+            if found:
+                return found
+            for what, value in self._episode.changes.get(step, []):
+                self._change(what, value)
+            action = action.astype(self._dtype)
+            observation, *judged = self._env.step(action)
+            self._watch(self._env, observation)
+            found = self._differs(action, tuple(judged), observation)
+            if step + 1 in self._episode.states:
+                state = state_differs(step + 1, self._episode.states[step + 1], self._env.get_state())
+                found = found or (state and (self._compared() or state))
+            self._progress(step + 1)
+        return found or self._compared()
+
+    def _begin(self) -> tuple[Observation, dict[str, Any]]:
+        """Reset the infant as it was, going on from the same random numbers; or restore the state it began in."""
+        env, episode = self._env, self._episode
+        if (before := episode.before) is None:
+            return env.set_state(episode.start), {}
+        if before[SEED] != env.manifest.seed:
+            env.reset(options={SEED: before[SEED], AGE: before[AGE]})
+        env.set_state({**env.get_state(), **before})
+        return env.reset(seed=episode.seed, options=dict(episode.options))
+
+    def _change(self, what: str, value: Any) -> None:
+        """Do again what was done besides control steps."""
+        env = self._env
+        if what == "age_months":
+            env.grow(to=value)
+        elif what == "state":
+            env.set_state(value)
+        elif what == "expression":
+            env.set_expression(value)
+        elif what == "physics":
+            set_physics(env.model, env.data, value)
+        elif what == "action_dtype":
+            self._dtype = value
+        else:
+            raise RecordingError(
+                f"{self._episode.files.sidecars[0]}: this version of mimoc does not know the change '{what}'"
+            )
+
+    def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
+        """Keep a row, and compare when there are enough."""
+        self._block.put(self._env.data.time, action, judged, observation)
+        return self._compared() if self._block.is_full else None
+
+    def _compared(self) -> Difference | None:
+        """Compare the rows that were kept since the last comparison."""
+        block = self._block
+        if not block.rows:
+            return None
+        self._block = self._new_block(block.first_step + block.rows)
+        return self._recorded.differs(block)
+
+    def _new_block(self, first_step: int) -> Block:
+        described = self._episode.described
+        return Block(described.readings, len(described.actions), ROWS, first_step)
+
+
+def _told(progress: Callable[[int, int], None], before: int, total: int, steps: int) -> None:
+    progress(before + steps, total)
+
+
+def _other_scene(episode: Episode, seed: int) -> bool:
+    """Return whether an episode is in another scene than its bundle, or comes from one."""
+    seeds = [episode.start[SEED], *([episode.before[SEED]] if episode.before else [])]
+    seeds += [value[SEED] for changes in episode.changes.values() for what, value in changes if what == "state"]
+    return any(each != seed for each in seeds)
+
+
+def _check_observations(env: InfantEnv, episode: Episode) -> None:
+    """Check that an environment observes what was recorded.
+
+    Raises:
+        RecordingError: If it does not.
+    """
+    here = {name: space.shape for name, space in _spaces(env).items()}
+    for reading in episode.described.readings:
+        if here.get(reading.name) != reading.shape:
+            raise RecordingError(
+                f"infant {episode.infant}, episode {episode.number}: the observation '{reading.name}' of shape"
+                f" {reading.shape} is recorded, but the infant does not have it now"
+            )
+    if env.action_space.shape != np.shape(episode.described.actions):
+        raise RecordingError(f"infant {episode.infant}, episode {episode.number}: it has other actuators now")
+
+
+def _spaces(env: InfantEnv) -> Any:
+    spaces: Any = env.observation_space
+    return spaces.spaces

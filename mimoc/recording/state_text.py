@@ -1,0 +1,73 @@
+"""States of an environment as plain data for JSON, from which they come back to the bit."""
+
+import base64
+import math
+import zlib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from mimoc.errors import RecordingError
+
+ARRAY, TUPLE, ITEMS, FLOAT = "array", "tuple", "items", "float"
+"""Keys of dictionaries that stand for what JSON does not have; each is the only key that begins with `MARK`."""
+MARK = "$"
+
+
+def to_plain(value: Any) -> Any:
+    """Return what JSON can hold: arrays are compressed, floats are kept as they are.
+
+    Raises:
+        RecordingError: If it contains anything but arrays, numbers, texts, lists, tuples and dictionaries.
+    """
+    if isinstance(value, np.generic):
+        value = np.asarray(value)
+    if isinstance(value, np.ndarray):
+        if value.dtype.hasobject:
+            raise RecordingError("an array of Python objects cannot be kept")
+        data = base64.b64encode(zlib.compress(np.ascontiguousarray(value).tobytes(), 1)).decode()
+        return {MARK + ARRAY: data, "dtype": value.dtype.str, "shape": list(value.shape)}
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {MARK + FLOAT: str(value)}
+    if isinstance(value, list):
+        return [to_plain(each) for each in value]
+    if isinstance(value, tuple):
+        return {MARK + TUPLE: [to_plain(each) for each in value]}
+    if isinstance(value, Mapping):
+        if all(isinstance(key, str) and not key.startswith(MARK) for key in value):
+            return {key: to_plain(each) for key, each in value.items()}
+        return {MARK + ITEMS: [[to_plain(key), to_plain(each)] for key, each in value.items()]}
+    raise RecordingError(f"an object of type {type(value).__name__} cannot be kept")
+
+
+def from_plain(value: Any) -> Any:
+    """Return what `to_plain` was given; numbers of NumPy's become arrays without axes.
+
+    Raises:
+        RecordingError: If the data is damaged.
+    """
+    if isinstance(value, list):
+        return [from_plain(each) for each in value]
+    if not isinstance(value, dict):
+        return value
+    try:
+        if MARK + ARRAY in value:
+            data = zlib.decompress(base64.b64decode(value[MARK + ARRAY]))
+            return np.frombuffer(data, np.dtype(value["dtype"])).reshape(value["shape"]).copy()
+        if MARK + FLOAT in value:
+            return float(value[MARK + FLOAT])
+        if MARK + TUPLE in value:
+            return tuple(from_plain(each) for each in value[MARK + TUPLE])
+        if MARK + ITEMS in value:
+            return {from_plain(key): from_plain(each) for key, each in value[MARK + ITEMS]}
+    except (ValueError, TypeError, KeyError, zlib.error) as error:
+        raise RecordingError(f"a state is damaged ({error})") from None
+    return {key: from_plain(each) for key, each in value.items()}
+
+
+def is_same(ours: Any, theirs: Any) -> bool:
+    """Return whether two states are the same to the bit; -0.0 is not 0.0, and NaN is NaN."""
+    return to_plain(ours) == to_plain(theirs)

@@ -1,0 +1,79 @@
+"""Simulating recordings again: in environments that are opened from the bundles they contain."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import deepcopy
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from mimoc.bundle.io import Bundle
+from mimoc.environments import open_bundle
+from mimoc.errors import RecordingError
+from mimoc.recording.reading import Episode, ReadRecording, read_recording
+from mimoc.recording.record import Watch
+from mimoc.recording.replaying import Replayed, replay
+from mimoc.runtime.env import InfantEnv
+
+NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+def replay_recording(
+    recording: ReadRecording | str | Path,
+    *,
+    infant: int | None = None,
+    episode: int | None = None,
+    task: Any = None,
+    senses: Mapping[str, Any] = NONE,
+    watch: Watch = lambda env, observation: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Iterator[Replayed]:
+    """Simulate a recording again, and yield for each episode the first number that did not come out again, if any.
+
+        for replayed in mimoc.replay_recording("recordings/reach"):
+            print(replayed)
+
+    With the same version of MuJoCo on the same type of machine, every number is the same to the bit.
+
+    Args:
+        recording: The recording, or its folder.
+        infant: Only the episodes of this one.
+        episode: Only the episode of this number of each infant.
+        task: A task of the script's own that was recorded, as for `mimoc.make`.
+        senses: Likewise senses, by name.
+        watch: Called with environment and observation after each reset and each control step.
+        progress: Called with the number of control steps done and their total.
+
+    Raises:
+        RecordingError: If this is no recording, it is damaged, has no such episodes, or needs a task or senses.
+        RenderingError: If the infant has vision, and there is no OpenGL here.
+    """
+    found = recording if isinstance(recording, ReadRecording) else read_recording(recording)
+    episodes = chosen_episodes(found, infant, episode)
+    given = {f"senses.{name}" for name in senses} | ({"task"} if task is not None else set())
+    for each in episodes:
+        for what, name in each.objects.items():
+            if what not in given:
+                raise RecordingError(f"{found.path}: recorded with {what} of a script's own ({name}); pass it as well")
+
+    def open_env(bundle: Bundle, other_scenes: bool) -> InfantEnv:
+        """Open an environment, with copies of a script's objects of its own."""
+        return open_bundle(bundle, other_scenes, task=deepcopy(task), senses=deepcopy(dict(senses)))
+
+    return replay(found, open_env, episodes=episodes, watch=watch, progress=progress)
+
+
+def chosen_episodes(recording: ReadRecording, infant: int | None, episode: int | None) -> Sequence[Episode]:
+    """Return the episodes of an infant, of a number, or all.
+
+    Raises:
+        RecordingError: If there are none.
+    """
+    found = [
+        each
+        for each in recording
+        if (infant is None or each.infant == infant) and (episode is None or each.number == episode)
+    ]
+    if not found:
+        which = [f"{name} {value}" for name, value in (("infant", infant), ("episode", episode)) if value is not None]
+        raise RecordingError(f"{recording.path}: there is nothing recorded{' of ' if which else ''}{', '.join(which)}")
+    return found

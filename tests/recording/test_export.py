@@ -1,0 +1,142 @@
+"""Recordings in the formats of others, opened by their own libraries, or by Parquet and JSON."""
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import minari
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+import mimoc
+from mimoc.errors import MissingExtraError, OutputError, RecordingError, UnknownNameError
+from mimoc.recording import frames
+from mimoc.recording.reading import ReadRecording
+
+SENSES = {"proprioception": {}, "touch": {"density": 0.3}, "vision": {"width_px": 16, "height_px": 12}}
+STEPS = 6
+FLOATS = {"float": "float32", "double": "float64"}
+"""Names of NumPy's for those of Arrow's."""
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory) -> ReadRecording:
+    """Return a recording of two episodes of an infant with all senses, the second of which is cut short."""
+    spec = {"mimoc": 1, "name": "all_senses", "age_months": 9, "senses": SENSES, "scene": {"pose": "sitting"}}
+    spec |= {"task": {"kind": "selfbody", "steps": STEPS}}
+    folder = tmp_path_factory.mktemp("recordings") / "senses"
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(spec)), folder) as env:
+        env.action_space.seed(0)
+        for steps in (STEPS, STEPS - 2):
+            env.reset(seed=steps)
+            for _ in range(steps):
+                env.step(env.action_space.sample())
+    return mimoc.read_recording(folder)
+
+
+@pytest.fixture(scope="module")
+def exported(recording, tmp_path_factory):
+    """Return what exports the recording to a format once: the folder, and what is said."""
+    done: dict[str, tuple[Path, tuple[str, ...]]] = {}
+
+    def export(to: str) -> tuple[Path, tuple[str, ...]]:
+        if to not in done:
+            out = tmp_path_factory.mktemp("exported") / to
+            done[to] = out, mimoc.export_recording(recording, to, out)
+        return done[to]
+
+    return export
+
+
+def test_minari_loads_what_was_recorded(recording, exported, monkeypatch):
+    """Every picture to the pixel."""
+    out, notes = exported("minari")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(out))
+    data_set = minari.load_dataset("mimoc/all_senses-v0")
+    assert (data_set.total_episodes, data_set.total_steps) == (2, 2 * STEPS - 2)
+    for ours, theirs in zip(recording, data_set.iterate_episodes(), strict=True):
+        for name, array in ours.observations.items():
+            assert theirs.observations[name].tobytes() == array.tobytes()
+        assert np.array_equal(theirs.actions, ours.actions.astype(np.float32))
+        assert np.array_equal(theirs.rewards, ours.rewards)
+        assert theirs.truncations[-1] != theirs.terminations[-1]
+    assert any(note.startswith("1 episodes that were cut short") for note in notes)
+
+
+def test_lerobot_finds_its_layout(recording, exported):
+    """Files, columns, types and shapes as its description says, and rows that are those of the recording."""
+    out, notes = exported("lerobot")
+    info = json.loads((out / "meta" / "info.json").read_text())
+    assert (info["codebase_version"], info["total_episodes"], info["total_frames"]) == ("v3.0", 2, 2 * STEPS - 2)
+    rows = pq.read_table(out / info["data_path"].format(chunk_index=0, file_index=0))
+    numbers = {name: each for name, each in info["features"].items() if each["dtype"] != "video"}
+    assert set(rows.column_names) == set(numbers)
+    for name, feature in numbers.items():
+        kind = rows.schema.field(name).type
+        size = getattr(kind, "list_size", 1)
+        dtype = str(getattr(kind, "value_type", kind))
+        assert ([size], FLOATS.get(dtype, dtype)) == (feature["shape"], feature["dtype"])
+        assert feature["names"] is None or len(feature["names"]) == size
+    assert rows["index"].to_pylist() == list(range(2 * STEPS - 2))
+    states = np.stack(rows["observation.state"].to_numpy())
+    assert np.array_equal(states[:STEPS], recording[0].observations["proprioception"][:-1])
+    assert any("pictures are videos with losses" in note for note in notes)
+
+
+def test_lerobot_finds_each_episode_in_the_tables_and_videos(exported):
+    out, _ = exported("lerobot")
+    info = json.loads((out / "meta" / "info.json").read_text())
+    episodes = pq.read_table(out / "meta" / "episodes" / "chunk-000" / "file-000.parquet").to_pylist()
+    assert [(each["dataset_from_index"], each["dataset_to_index"]) for each in episodes] == [(0, 6), (6, 10)]
+    eye = "observation.images.eye_left"
+    video = out / info["video_path"].format(video_key=eye, chunk_index=0, file_index=0)
+    assert len(list(frames.decoded(video))) == round(episodes[-1][f"videos/{eye}/to_timestamp"] * info["fps"])
+    assert np.shape(episodes[0][f"stats/{eye}/mean"]) == (3, 1, 1)
+    assert pq.read_table(out / "meta" / "tasks.parquet").to_pydict() == {"task_index": [0], "task": ["selfbody"]}
+    stats = json.loads((out / "meta" / "stats.json").read_text())
+    rows = pq.read_table(out / "data" / "chunk-000" / "file-000.parquet")
+    actions = np.stack(rows["action"].to_numpy()).astype(float)
+    assert stats["action"]["std"] == pytest.approx(actions.std(axis=0))
+    assert stats.keys() == info["features"].keys()
+
+
+def test_tables_of_text_have_every_number(recording, exported):
+    out, notes = exported("csv")
+    with (out / "0000-000000.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    columns = recording[0].columns()
+    assert len(rows) == STEPS + 1
+    assert all(
+        np.float32(rows[3][name]) == np.float32(array[3]) for name, array in columns.items() if array.dtype != bool
+    )
+    with (out / "0000-000000.touch.csv").open(newline="") as file:
+        touched = list(csv.DictReader(file))
+    assert len(touched) == np.count_nonzero(recording[0].observations["touch"])
+    assert "'eye_left' is left out: a table cannot hold pictures" in notes
+
+
+def test_bad_exports_write_nothing(recording, invoke, tmp_path, monkeypatch):
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "letter.txt").write_text("dear")
+    with pytest.raises(UnknownNameError, match="'minary' is not a format of recordings; did you mean 'minari'"):
+        mimoc.export_recording(recording, "minary", tmp_path / "out")
+    with pytest.raises(OutputError, match="full: the folder is not empty"):
+        mimoc.export_recording(recording, "csv", tmp_path / "full")
+    with pytest.raises(OutputError, match=r"letter\.txt: this is a file"):
+        mimoc.export_recording(recording, "csv", tmp_path / "full" / "letter.txt")
+    monkeypatch.setitem(sys.modules, "minari", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'mimoc\[minari\]'"):
+        mimoc.export_recording(recording, "minari", tmp_path / "out")
+    code, out, err = invoke("export", tmp_path, "--to", "csv", "-o", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert "this is not a recording" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["full"]
+
+
+def test_nothing_recorded_is_nothing_to_export(recording, tmp_path):
+    with mimoc.Recorder(mimoc.make(recording.bundle()), tmp_path / "empty") as env:
+        env.reset(seed=0)
+    with pytest.raises(RecordingError, match="there are no control steps in this recording"):
+        mimoc.export_recording(tmp_path / "empty", "csv", tmp_path / "out")

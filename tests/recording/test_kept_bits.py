@@ -1,0 +1,109 @@
+"""What stands in files comes back to the bit: states, names, rows with few numbers, pictures."""
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from mimoc.errors import RecordingError
+from mimoc.recording import frames
+from mimoc.recording.blocks import Sparse, reading_of
+from mimoc.recording.layouts import shortened, written_out
+from mimoc.recording.state_text import from_plain, is_same, to_plain
+
+numbers = arrays.arrays(
+    st.sampled_from([np.dtype(name) for name in ("f4", "f8", "i4", "u1", "?")]),
+    arrays.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4),
+)
+states = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | numbers,
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.lists(inner, max_size=3).map(tuple)
+        | st.dictionaries(st.text() | st.integers(), inner, max_size=3)
+    ),
+    max_leaves=12,
+)
+
+
+@given(state=states)
+def test_a_state_comes_back_from_json_to_the_bit(state):
+    again = from_plain(json.loads(json.dumps(to_plain(state), allow_nan=False)))
+    assert is_same(state, again)
+    assert type(again) is type(state)
+
+
+def test_states_tell_apart_what_equals():
+    assert not is_same(np.array([0.0]), np.array([-0.0]))
+    assert not is_same([1.0], (1.0,))
+    assert is_same(float("nan"), float("nan"))
+
+
+@pytest.mark.parametrize("unknown", [object(), {1, 2}, np.array([None])])
+def test_what_cannot_be_kept_is_refused(unknown):
+    with pytest.raises(RecordingError, match="cannot be kept"):
+        to_plain({"task": [unknown]})
+
+
+@pytest.mark.parametrize("damaged", [{"$array": "AAAA", "dtype": "<f8", "shape": [3]}, {"$float": "x"}, {"$items": 1}])
+def test_damaged_states_are_one_clear_error(damaged):
+    with pytest.raises(RecordingError, match="damaged"):
+        from_plain(damaged)
+
+
+names = st.builds(
+    "{}{}{}".format, st.sampled_from(["hip ", "left 2 ", ""]), st.integers(0, 12), st.sampled_from([" x", " y", ""])
+)
+
+
+@given(layout=st.lists(names | st.text(max_size=3), min_size=100, max_size=140))
+def test_any_long_layout_comes_back(layout):
+    assert written_out(json.loads(json.dumps(shortened(layout)))) == tuple(layout)
+
+
+def test_thousands_of_skin_points_take_few_words(open_env):
+    layout = open_env(senses={"touch": {}}).layout("touch")
+    assert len(json.dumps(shortened(layout))) < len(layout)
+    assert written_out(shortened(layout)) == layout
+
+
+@given(
+    rows=arrays.arrays(
+        st.sampled_from([np.dtype("f4"), np.dtype("f8"), np.dtype("i4")]),
+        st.tuples(st.integers(1, 3), st.integers(1, 70)),
+        fill=st.just(0),
+    )
+)
+def test_a_sparse_row_has_every_number_whose_bits_are_not_zero(rows):
+    sparse = Sparse(reading_of("touch", rows[0]), len(rows))
+    for number, row in enumerate(rows):
+        sparse.put(number, row)
+    again = np.zeros_like(rows)
+    for number, (start, end) in enumerate(zip(sparse.ends, sparse.ends[1:], strict=False)):
+        again[number, sparse.index[start:end]] = sparse.value[start:end]
+    assert again.tobytes() == rows.tobytes()
+
+
+def test_pictures_come_back_as_they_were_also_when_joined(tmp_path):
+    """Of odd sizes, from parts of any length."""
+    pictures = np.random.default_rng(0).integers(0, 256, (9, 17, 33, 3), np.uint8)
+    stems = [tmp_path / f"part{number}" for number in range(3)]
+    for stem, part in zip(stems, (pictures[:5], pictures[5:6], pictures[6:]), strict=True):
+        frames.write_pictures(stem, part, Fraction(100))
+    for extension in (frames.LOSSLESS, frames.VIDEO):
+        parts = [stem.with_suffix(extension) for stem in stems]
+        frames.join_videos(tmp_path / f"whole{extension}", parts, Fraction(100))
+    assert np.array_equal(frames.read_pictures(tmp_path / "whole.mkv", 9), pictures)
+    seen = np.stack(list(frames.decoded(tmp_path / "whole.mp4")))
+    assert seen.shape == (9, 18, 34, 3)
+
+
+@pytest.mark.parametrize("content", [b"", b"no video"])
+def test_a_damaged_video_is_one_clear_error(content, tmp_path):
+    (tmp_path / "eye.mkv").write_bytes(content)
+    with pytest.raises(RecordingError, match=r"eye\.mkv: the file is damaged or missing"):
+        frames.read_pictures(tmp_path / "eye.mkv")

@@ -1,0 +1,172 @@
+"""A replay says which number differs first, and what is damaged; what a kill leaves is read and kept."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+import mimoc
+from mimoc.errors import RecordingError
+from mimoc.recording.tables import array_of
+
+SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}, "touch": {"density": 0.2}}}
+ROWS = 9
+HERE = Path(__file__).parent
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """Return the folder of a recording, which is only to be read."""
+    folder = tmp_path_factory.mktemp("recordings") / "made"
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(SPEC)), folder, states_every=4) as env:
+        env.reset(seed=0)
+        for _ in range(ROWS):
+            env.step(env.action_space.high)
+    return folder
+
+
+@pytest.fixture
+def copied(made, tmp_path) -> Path:
+    """Return a copy of it."""
+    subprocess.run(["cp", "-r", made, tmp_path / "copy"], check=True)
+    return tmp_path / "copy"
+
+
+def changed(folder: Path, column: str, row: int, index: int, by: float) -> None:
+    """Add something to a number of a recording."""
+    path = folder / "episodes" / "0000-000000.parquet"
+    table = pq.read_table(path)
+    array = array_of(table, column).copy()
+    array.reshape(len(array), -1)[row, index] += by
+    place, kind = table.column_names.index(column), table.schema.field(column)
+    values = [each if array.ndim == 1 else each.tolist() for each in array]
+    pq.write_table(table.set_column(place, kind, pa.array(values, kind.type)), path)
+
+
+def test_the_first_different_number_is_named(copied, invoke):
+    changed(copied, "observation.proprioception", 7, 2, 0.25)
+    changed(copied, "reward", 8, 0, 1.0)
+    (replayed,) = mimoc.replay_recording(copied)
+    layout = mimoc.read_recording(copied)[0].layout("proprioception")
+    difference = replayed.difference
+    assert (difference.step, difference.what, difference.name) == (7, "proprioception", f"'{layout[2]}'")
+    assert difference.recorded - difference.now == pytest.approx(0.25)
+    code, out, err = invoke("replay", copied)
+    assert (code, err) == (1, "")
+    assert out.startswith(f"infant 0, episode 0, step 7: proprioception '{layout[2]}' was ")
+    assert out.endswith("failed: 1 of 1 episodes did not come out again\n")
+
+
+def test_another_action_leads_elsewhere(copied):
+    changed(copied, "action", 3, 0, -1.5)
+    (replayed,) = mimoc.replay_recording(copied)
+    assert replayed.difference.step in (3, 4)
+
+
+def test_other_versions_are_named_as_a_possible_reason(copied):
+    changed(copied, "time_s", 2, 0, 1.0)
+    sidecar = copied / "episodes" / "0000-000000.json"
+    told = json.loads(sidecar.read_text())
+    told["versions"]["mujoco"] = "3.9.0"
+    sidecar.write_text(json.dumps(told))
+    (replayed,) = mimoc.replay_recording(copied)
+    assert "step 2: time_s was 1.02, is 0.02 (by 1); recorded with mujoco 3.9.0, now " in str(replayed)
+
+
+def test_another_state_is_a_difference(copied):
+    sidecar = copied / "episodes" / "0000-000000.json"
+    told = json.loads(sidecar.read_text())
+    told["states"][1]["state"]["steps"] = 5
+    sidecar.write_text(json.dumps(told))
+    (replayed,) = mimoc.replay_recording(copied)
+    assert (replayed.difference.step, replayed.difference.what, replayed.difference.name) == (8, "state", "steps")
+
+
+@pytest.mark.parametrize("damage", ["cut", "removed", "no json", "no description", "bundle", "other version"])
+def test_a_damaged_recording_is_one_clear_line(damage, copied, invoke):
+    episodes = copied / "episodes"
+    bundle = next((copied / "bundles").iterdir())
+    if damage == "cut":
+        os.truncate(episodes / "0000-000000.parquet", 500)
+    elif damage == "removed":
+        (episodes / "0000-000000.parquet").unlink()
+    elif damage == "no json":
+        (episodes / "0000-000000.json").write_text("{")
+    elif damage == "no description":
+        (copied / "recording.json").unlink()
+    elif damage == "bundle":
+        (bundle / "scene.xml").write_text("<mujoco/>")
+    else:
+        (copied / "recording.json").write_text('{"recording": 99}')
+    code, out, err = invoke("replay", copied)
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert str(copied) in err
+
+
+def test_what_is_not_there_is_not_replayed(made, tmp_path):
+    with pytest.raises(RecordingError, match="nothing recorded of infant 3"):
+        mimoc.replay_recording(made, infant=3)
+    with pytest.raises(RecordingError, match="there is no such folder"):
+        mimoc.read_recording(tmp_path / "nowhere")
+    with pytest.raises(RecordingError, match=r"this is not a recording, it has no recording\.json"):
+        mimoc.read_recording(tmp_path)
+
+
+ENDLESS = """
+import sys, mimoc
+from test_replaying import SPEC
+env = mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(SPEC), max_episode_steps=9), sys.argv[1], part_rows=4)
+env.reset(seed=0)
+for step in range(1, 12):
+    if env.step(env.action_space.high)[3]:
+        env.reset()
+env.recording.wait()
+for number in range(10**9):
+    env.step(env.action_space.high)
+    if number == 7:
+        env.recording.wait()
+        print("there", flush=True)
+"""
+
+
+def test_a_kill_leaves_whole_episodes_and_the_last_one_to_its_last_part(tmp_path):
+    folder = tmp_path / "killed"
+    command = [sys.executable, "-c", ENDLESS, folder]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(HERE)}) as process:
+        assert process.stdout.readline() == b"there\n"
+        process.send_signal(signal.SIGKILL)
+    first, second = mimoc.read_recording(folder)
+    assert (first.steps, first.ended) == (9, "reset")
+    assert second.ended == "unfinished"
+    assert second.steps >= 7
+    steps = second.steps
+    assert np.isfinite(second.observations["proprioception"]).all()
+    assert all(each.difference is None for each in mimoc.replay_recording(folder, episode=0))
+    with mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(SPEC)), folder) as env:
+        env.reset(seed=1)
+    _, second, third = mimoc.read_recording(folder)
+    assert (second.steps, second.ended, third.number, third.seed) == (steps, "unfinished", 2, 1)
+    assert not list((folder / "episodes").glob("*part*"))
+
+
+def test_control_c_loses_nothing(tmp_path):
+    env = mimoc.Recorder(mimoc.make(mimoc.InfantSpec.model_validate(SPEC)), tmp_path / "stopped")
+
+    def interrupted() -> None:
+        with env:
+            env.reset(seed=0)
+            for _ in range(5):
+                env.step(env.action_space.high)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    (episode,) = mimoc.read_recording(tmp_path / "stopped")
+    assert (episode.steps, episode.ended) == (5, "closed")
