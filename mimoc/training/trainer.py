@@ -74,6 +74,7 @@ def train(
     grow: str | None = None,
     schedule: str = "grown",
     grow_steps: int | None = None,
+    origin: Mapping[str, Any] | None = None,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -104,6 +105,7 @@ def train(
         grow: Ages in months between which the infant grows over the training, such as `6:12`; None is not at all.
         schedule: In which order it has these ages: `grown`, `adult` (only the oldest), `reversed` or `shuffled`.
         grow_steps: Control steps that growth takes, summed over all environments; None is all of *steps*.
+        origin: What the run belongs to, as plain data for `run.json`, such as the name of a cohort and of a job.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -121,7 +123,7 @@ def train(
     check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     report = progress or (lambda done, total: None)
-    with open_run_folder(out, settings, bundle, force=force) as folder:
+    with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:

@@ -1,0 +1,58 @@
+"""Functions of the user's own, which a cohort file names as `module:function`."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from hashlib import sha256
+from importlib import import_module, invalidate_caches
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from mimoc.errors import MimocError
+
+
+def import_function(name: str, folder: str) -> Callable[..., Any]:
+    """Return a function that is named as `module:function`; the module can be in a folder.
+
+    Raises:
+        MimocError: If there is no such module or function.
+    """
+    module_name, _, function = name.partition(":")
+    with _found_in(folder):
+        try:
+            module = import_module(module_name)
+        except ImportError as error:
+            raise MimocError(f"'{name}': {error}; put the module beside the cohort file, or install it") from None
+    if not callable(found := getattr(module, function, None)):
+        raise MimocError(f"'{name}': the module has no function '{function}'")
+    return found
+
+
+def digest_of(name: str, folder: str) -> str:
+    """Return the digest of the file of a function's module, so that jobs with an older version are done again.
+
+    Raises:
+        MimocError: If there is no such module.
+    """
+    module_name = name.partition(":")[0]
+    with _found_in(folder):
+        try:
+            spec = find_spec(module_name)
+        except (ImportError, ValueError):
+            spec = None
+    if spec is None:
+        raise MimocError(f"'{name}': there is no module '{module_name}'; put it beside the cohort file, or install it")
+    source = Path(spec.origin or "")
+    return f"sha256:{sha256(source.read_bytes()).hexdigest()}" if source.is_file() else ""
+
+
+@contextmanager
+def _found_in(folder: str) -> Iterator[None]:
+    """Let modules in a folder be found."""
+    invalidate_caches()
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)
