@@ -58,10 +58,10 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_fo
     place, home = str(folder.resolve()), str(spec_folder.resolve())
     own = tuple(name for name in cohort.measure if name not in MEASURES)
     steps = [*_steps(cohort)]
-    code = {name: digest_of(name, place) for name in {*own, *(o["function"] for s, o, _ in steps if s == "python")}}
-    code |= {
-        name: _policy_digest(name, place) for s, o, _ in steps if s == "run" and (name := o["policy"]).endswith(".zip")
-    }
+    functions = {*own, *(options["function"] for step, options, _ in steps if step == "python")}
+    policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
+    code = {name: digest_of(name, place) for name in functions}
+    code |= {name: _policy_digest(Path(place) / name) for name in policies}
     found: dict[str, Job] = {}
     for infant in infants:
         resolved = rounded(to_data(infant.spec))

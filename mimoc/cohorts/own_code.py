@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from hashlib import sha256
 from importlib import import_module, invalidate_caches
+from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ def import_function(name: str, folder: str) -> Callable[..., Any]:
     """
     module_name, _, function = name.partition(":")
     with _found_in(folder):
+        _forget_another(module_name, folder)
         try:
             module = import_module(module_name)
         except ImportError as error:
@@ -38,13 +40,25 @@ def digest_of(name: str, folder: str) -> str:
     module_name = name.partition(":")[0]
     with _found_in(folder):
         try:
-            spec = find_spec(module_name)
+            spec = _beside(module_name, folder) or find_spec(module_name)
         except (ImportError, ValueError):
             spec = None
     if spec is None:
         raise MimocError(f"'{name}': there is no module '{module_name}'; put it beside the cohort file, or install it")
     source = Path(spec.origin or "")
     return f"sha256:{sha256(source.read_bytes()).hexdigest()}" if source.is_file() else ""
+
+
+def _beside(module: str, folder: str) -> ModuleSpec | None:
+    """Return where a module is in a folder; None if it is not there, or is part of a package."""
+    return None if "." in module else PathFinder.find_spec(module, [folder])
+
+
+def _forget_another(module: str, folder: str) -> None:
+    """Forget a module of the same name that was imported from elsewhere, such as from beside another cohort file."""
+    known, wanted = sys.modules.get(module), _beside(module, folder)
+    if known and wanted and getattr(known, "__file__", None) != wanted.origin:
+        del sys.modules[module]
 
 
 @contextmanager

@@ -144,19 +144,19 @@ class DrawsSpec(Model):
 
 def _kind_of_levels(value: Any) -> str | None:
     if isinstance(value, list | tuple):
-        return "list"
+        return "a list"
     keys = value.keys() if isinstance(value, dict) else ()
     if isinstance(value, DrawsSpec) or any(key in DrawsSpec.model_fields and key != "step" for key in keys):
-        return "draws"
-    return "range" if isinstance(value, dict | RangeSpec) else None
+        return "some draws"
+    return "a range" if isinstance(value, dict | RangeSpec) else None
 
 
 _LEVELS = "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
 _BASE = "a spec; write the path of its file, or its keys"
 Levels = Annotated[
-    Annotated[tuple[Any, ...], AfterValidator(not_empty), Tag("list")]
-    | Annotated[RangeSpec, Tag("range")]
-    | Annotated[DrawsSpec, Tag("draws")],
+    Annotated[tuple[Any, ...], AfterValidator(not_empty), Tag("a list")]
+    | Annotated[RangeSpec, Tag("a range")]
+    | Annotated[DrawsSpec, Tag("some draws")],
     Discriminator(_kind_of_levels),
     Field(json_schema_extra={"wanted": _LEVELS}),
 ]
@@ -164,7 +164,13 @@ Levels = Annotated[
 
 
 def _kind_of_children(value: Any) -> str | None:
-    return "list" if isinstance(value, list | tuple) else "drawn" if isinstance(value, dict | DrawnChildren) else None
+    return (
+        "a list"
+        if isinstance(value, list | tuple)
+        else "drawn children"
+        if isinstance(value, dict | DrawnChildren)
+        else None
+    )
 
 
 class SampleSize(Model):
@@ -184,11 +190,11 @@ class SampleDesign(Model):
 
 
 def _kind_of_design(value: Any) -> str | None:
-    return "word" if isinstance(value, str) else "sampled" if isinstance(value, dict | SampleDesign) else None
+    return "a word" if isinstance(value, str) else "a sample" if isinstance(value, dict | SampleDesign) else None
 
 
 def _kind_of_base(value: Any) -> str | None:
-    return "path" if isinstance(value, str) else "spec" if isinstance(value, dict) else None
+    return "a path" if isinstance(value, str) else "a spec" if isinstance(value, dict) else None
 
 
 class CohortSpec(Model):
@@ -201,7 +207,7 @@ class CohortSpec(Model):
     ]
     """Name of the cohort."""
     base: Annotated[
-        Annotated[PathText, Tag("path")] | Annotated[dict[str, Any], Tag("spec")],
+        Annotated[PathText, Tag("a path")] | Annotated[dict[str, Any], Tag("a spec")],
         Discriminator(_kind_of_base),
         Field(
             examples=["nine_months.yaml"],
@@ -211,8 +217,8 @@ class CohortSpec(Model):
     """The infant that all others are made from: the path of a spec, or the spec itself."""
     children: (
         Annotated[
-            Annotated[DrawnChildren, Tag("drawn")]
-            | Annotated[tuple[IndividualSpec, ...], AfterValidator(not_empty), Tag("list")],
+            Annotated[DrawnChildren, Tag("drawn children")]
+            | Annotated[tuple[IndividualSpec, ...], AfterValidator(not_empty), Tag("a list")],
             Discriminator(_kind_of_children),
             Field(json_schema_extra={"wanted": "children; write {draw: 100, seed: 7}, or a list of individuals"}),
         ]
@@ -222,7 +228,7 @@ class CohortSpec(Model):
     vary: Mapping[Annotated[str, AfterValidator(_known_key)], Levels] = Field(default_factory=dict)
     """Values of keys of the spec, by dotted key."""
     design: Annotated[
-        Annotated[Literal["grid", "zip"], Tag("word")] | Annotated[SampleDesign, Tag("sampled")],
+        Annotated[Literal["grid", "zip"], Tag("a word")] | Annotated[SampleDesign, Tag("a sample")],
         Discriminator(_kind_of_design),
         Field(json_schema_extra={"wanted": "a design; write grid, zip or {sample: {n: 500, seed: 1}}"}),
     ] = "grid"

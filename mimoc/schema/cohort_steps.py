@@ -122,16 +122,16 @@ class PythonStep(Model):
 
 
 def _shape(value: Any) -> str | None:
-    return "word" if isinstance(value, str) else "section" if isinstance(value, dict | Model) else None
+    return "a word" if isinstance(value, str) else "a section" if isinstance(value, dict | Model) else None
 
 
 Python = Annotated[
-    Annotated[Function, Tag("word")] | Annotated[PythonStep, Tag("section")],
+    Annotated[Function, Tag("a word")] | Annotated[PythonStep, Tag("a section")],
     Discriminator(_shape),
     Field(json_schema_extra={"wanted": "a function; write module:function, or {function: module:function}"}),
 ]
 Experiment = Annotated[
-    Annotated[Words, Tag("word")] | Annotated[ExperimentStep, Tag("section")],
+    Annotated[Words, Tag("a word")] | Annotated[ExperimentStep, Tag("a section")],
     Discriminator(_shape),
     Field(json_schema_extra={"wanted": "an experiment; write its name, or {name: growth, quick: true}"}),
 ]
@@ -174,7 +174,7 @@ def _word(value: str) -> str:
 
 
 Step = Annotated[
-    Annotated[Words, AfterValidator(_word), Tag("word")] | Annotated[StepChoice, Tag("section")],
+    Annotated[Words, AfterValidator(_word), Tag("a word")] | Annotated[StepChoice, Tag("a section")],
     Discriminator(_shape),
     Field(json_schema_extra={"wanted": "a step; write build, check, run, train, or {run: {steps: 1000}}"}),
 ]

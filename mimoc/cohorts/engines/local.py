@@ -19,6 +19,8 @@ from mimoc.errors import MimocError
 WORKER = "mimoc.cohorts.engines.local_worker"
 TRIES = 2
 """How often a job is begun whose process is killed."""
+PATIENCE_S = 5.0
+"""How long to wait for the end of a process that does nothing."""
 POLL_S = 1.0
 """How often to look for processes that have ended in silence."""
 
@@ -37,17 +39,19 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
         while queue or any(worker.job for worker in workers):
             while queue and len(workers) < min(number, len(jobs)):
                 workers.append(_Worker(store))
-            for worker in [each for each in workers if not each.job and queue]:
-                worker.begin(queue.next(worker.infant))
+            for worker in workers:
+                if queue and not worker.job:
+                    worker.begin(queue.next(worker.infant))
             for worker in _heard(workers):
-                job, worker.job = worker.job, None
-                if not worker.answered():
+                job, answered = worker.finish()
+                if not answered:
                     workers.remove(worker)
+                    ended = worker.end()
                     tries[job.key] = tries.get(job.key, 0) + 1
                     if tries[job.key] < TRIES:
                         queue.again(job)
                         continue
-                    store.write(job, lost(job, f"{worker.how_it_ended()}, {TRIES} times; see the log"))
+                    store.write(job, lost(job, f"{ended}, {TRIES} times; see the log"))
                 finished += 1
                 done(finished)
     finally:
@@ -61,7 +65,7 @@ def try_out(jobs: Sequence[Job], store: Store, limit_s: float) -> list[Result | 
     try:
         for job in jobs:
             worker.begin(job)
-            if not worker.connection.poll(max(end_s - monotonic(), 0.0)) or not worker.answered():
+            if not worker.connection.poll(max(end_s - monotonic(), 0.0)) or not worker.finish()[1]:
                 break
     finally:
         worker.end()
@@ -82,7 +86,7 @@ class _Worker:
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,  # Ctrl-C is for this process, which then ends the others.
             )
-        self._connection = Connection(ours.detach())
+        self.connection = Connection(ours.detach())
         self._store = store
         self.job: Job | None = None
         self.infant = ""
@@ -91,35 +95,32 @@ class _Worker:
         """Begin a job."""
         self.job, self.infant = job, job.infant
         with suppress(OSError):  # It has ended: the answer will tell.
-            self._connection.send((job, self._store))
+            self.connection.send((job, self._store))
 
-    def answered(self) -> bool:
-        """Return whether it has done its job, rather than ended."""
+    def finish(self) -> tuple[Job, bool]:
+        """Return its job, and whether it has done it, rather than ended."""
+        assert self.job is not None
+        job, self.job = self.job, None
         try:
-            return self._connection.poll() and self._connection.recv()
+            return job, self.connection.poll() and self.connection.recv()
         except (EOFError, OSError):
-            return False
+            return job, False
 
     @property
     def has_ended(self) -> bool:
         """Whether the process has ended."""
         return self._process.poll() is not None
 
-    @property
-    def connection(self) -> Connection:
-        """What it answers on."""
-        return self._connection
-
-    def how_it_ended(self) -> str:
-        """Say how the process ended."""
-        code = self._process.wait()
-        return f"the process was killed by signal {-code}" if code < 0 else f"the process ended with exit code {code}"
-
-    def end(self) -> None:
-        """End the process."""
+    def end(self) -> str:
+        """End the process, and say how it ended if it has done so by itself."""
+        self.connection.close()
+        if self.job is None:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(PATIENCE_S)
         self._process.kill()
         self._process.communicate()
-        self._connection.close()
+        code = self._process.returncode
+        return f"the process was killed by signal {-code}" if code < 0 else f"the process ended with exit code {code}"
 
 
 def _heard(workers: Sequence[_Worker]) -> list[_Worker]:
