@@ -8,7 +8,7 @@ import platform
 import sys
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -80,7 +80,7 @@ def lost(job: Job, reason: str) -> Result:
 
 @contextmanager
 def _logged(path: Path) -> Iterator[None]:
-    """Write to a file all that this process prints, MuJoCo's messages included."""
+    """Write to a file all that this process prints, by Python or by a library beneath it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     _flush()
     kept = [os.dup(number) for number in (1, 2)]
@@ -88,7 +88,9 @@ def _logged(path: Path) -> Iterator[None]:
     try:
         os.dup2(log, 1)
         os.dup2(log, 2)
-        yield
+        text = open(log, "w", encoding="utf-8", errors="backslashreplace", closefd=False)
+        with text, redirect_stdout(text), redirect_stderr(text):
+            yield
     finally:
         _flush()
         for number, before in zip((1, 2), kept, strict=True):
