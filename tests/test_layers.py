@@ -80,7 +80,7 @@ LAYERS = {
     "training": layer(
         "training training.* experiments experiments.* importers importers.*",
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies",
-        "gymnasium mujoco stable_baselines3 torch",
+        "gymnasium mujoco stable_baselines3 torch tensorboard",
     ),
     "cohorts": layer(
         "cohorts cohorts.*",

@@ -10,7 +10,7 @@ from mimoc.cli.exit_codes import FAILED_CHECK, resumable
 if TYPE_CHECKING:
     from mimoc.cohorts import Cohort, Status
 
-EXAMPLE = "Example:  mimoc cohort run configs/cohort.yaml -o out/cohort"
+EXAMPLE = "Example:  mimoc cohort run examples/cohort/spring.yaml -o out/spring"
 
 app = typer.Typer(
     name="cohort",
@@ -30,7 +30,7 @@ Of = Annotated[int, typer.Option("--of", min=1, metavar="N", help="Number of sha
 CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which needs no `mimoc[record]`.")]
 
 
-@app.command(epilog="Example:  mimoc cohort plan configs/cohort.yaml -o out/cohort")
+@app.command(epilog="Example:  mimoc cohort plan examples/cohort/spring.yaml -o out/spring")
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
     from mimoc.cli import cohort_tables, console
@@ -59,7 +59,7 @@ def run(
     _end(status, cohort, out)
 
 
-@app.command(epilog="Example:  mimoc cohort retry configs/cohort.yaml -o out/cohort")
+@app.command(epilog="Example:  mimoc cohort retry examples/cohort/spring.yaml -o out/spring")
 def retry(cohort: CohortPath, out: Out, on: On = "local", processes: Processes = None) -> None:
     """Do the failed jobs again, and those that have no result yet."""
     from mimoc.cli import console
@@ -70,7 +70,7 @@ def retry(cohort: CohortPath, out: Out, on: On = "local", processes: Processes =
     _end(status, cohort, out)
 
 
-@app.command(epilog="Example:  mimoc cohort status configs/cohort.yaml -o out/cohort")
+@app.command(epilog="Example:  mimoc cohort status examples/cohort/spring.yaml -o out/spring")
 def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
     from mimoc.cli import cohort_tables
@@ -78,7 +78,7 @@ def status(cohort: CohortPath, out: Out) -> None:
     cohort_tables.print_status(_read(cohort).status(out))
 
 
-@app.command(epilog="Example:  mimoc cohort table configs/cohort.yaml -o out/cohort")
+@app.command(epilog="Example:  mimoc cohort table examples/cohort/spring.yaml -o out/spring")
 def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     found = _read(cohort)

@@ -88,8 +88,11 @@ def _logged(path: Path) -> Iterator[None]:
     try:
         os.dup2(log, 1)
         os.dup2(log, 2)
-        text = open(log, "w", encoding="utf-8", errors="backslashreplace", closefd=False)
-        with text, redirect_stdout(text), redirect_stderr(text):
+        with (
+            open(log, "w", encoding="utf-8", errors="backslashreplace", closefd=False) as text,
+            redirect_stdout(text),
+            redirect_stderr(text),
+        ):
             yield
     finally:
         _flush()

@@ -164,13 +164,9 @@ Levels = Annotated[
 
 
 def _kind_of_children(value: Any) -> str | None:
-    return (
-        "a list"
-        if isinstance(value, list | tuple)
-        else "drawn children"
-        if isinstance(value, dict | DrawnChildren)
-        else None
-    )
+    if isinstance(value, list | tuple):
+        return "a list"
+    return "drawn children" if isinstance(value, dict | DrawnChildren) else None
 
 
 class SampleSize(Model):

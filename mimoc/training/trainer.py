@@ -1,7 +1,7 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -29,6 +29,7 @@ from mimoc.training.policies import pack_policy
 from mimoc.training.recorder import Recorder
 from mimoc.training.run_folder import POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import Settings
+from mimoc.training.tracking import tracked
 from mimoc.training.vector_env import check_learnable, make_vector_env
 from mimoc.units import ms_to_s
 
@@ -168,8 +169,7 @@ def _train_to_end(
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
             reached = restore(checkpoint, agent, env)
-    infant = open_env()
-    try:
+    with closing(open_env()) as infant, tracked(agent, folder.path, settings.data()):
         while reached.steps < settings.steps:
             seek(env, settings, reached.steps)
             reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
@@ -179,8 +179,6 @@ def _train_to_end(
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
                 folder.write_plot(_plot(reached))
                 plotted_s = reached.wall_s
-    finally:
-        infant.close()
     return reached
 
 

@@ -110,9 +110,12 @@ def test_a_changed_cohort_keeps_what_is_still_valid(cohort, here, tmp_path, monk
     cohort(vary={"age_months": [3, 6]}).run(tmp_path / "out", here)
     done = []
     written = Store.write
-    monkeypatch.setattr(
-        Store, "write", lambda self, job, result: done.append(job.factors) or written(self, job, result)
-    )
+
+    def write(store, job, result):
+        done.append(job.factors)
+        written(store, job, result)
+
+    monkeypatch.setattr(Store, "write", write)
     larger = cohort(vary={"age_months": [3, 6, 9]})
     assert larger.status(tmp_path / "out").number("missing") == 1
     larger.run(tmp_path / "out", here)
