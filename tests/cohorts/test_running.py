@@ -1,5 +1,6 @@
 """Jobs that are done, that fail, that are killed, and that are done elsewhere."""
 
+import json
 import os
 import random
 import signal
@@ -223,6 +224,24 @@ def _is_running(process: int) -> bool:
     except FileNotFoundError:
         return False
     return state != "Z"
+
+
+def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, tmp_path):
+    hyper = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
+    base = {"mimoc": 1, "name": "x", "age_months": 18, "senses": {"proprioception": {}}}
+    study = cohort(
+        base={**base, "task": {"kind": "reach", "steps": 30}},
+        vary={"age_months": [18]},
+        do=[{"train": {"steps": 64, "envs": 2, "seeds": [4], "hyper": hyper}}],
+    )
+    status = study.run(tmp_path / "out", here)
+    assert not status.failures
+    (row,) = study.rows(tmp_path / "out")
+    assert (row["seed"], row["episodes"], row["success"] is not None) == (4, 4, True)
+    (file,) = (tmp_path / "out" / "runs").rglob("run.json")
+    run = json.loads(file.read_text())
+    assert run["origin"] == {"cohort": "small", "job": row["job"], "factors": {"age_months": 18}}
+    assert run["settings"]["seed"] == 4
 
 
 def test_a_folder_with_anything_else_in_it_is_left_alone(cohort, here, tmp_path):
