@@ -237,7 +237,7 @@ def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, 
     status = study.run(tmp_path / "out", here)
     assert not status.failures
     (row,) = study.rows(tmp_path / "out")
-    assert (row["seed"], row["episodes"], row["success"] is not None) == (4, 4, True)
+    assert (row["seed"], row["episodes"], row["success"] is not None) == (4, 2, True)
     (file,) = (tmp_path / "out" / "runs").rglob("run.json")
     run = json.loads(file.read_text())
     assert run["origin"] == {"cohort": "small", "job": row["job"], "factors": {"age_months": 18}}
