@@ -8,6 +8,7 @@ from mimoc.version import __version__
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle, read_bundle, write_bundle
+    from mimoc.cohorts import Cohort, read_cohort
     from mimoc.compiler.loading import load_spec
     from mimoc.compiler.pipeline import build
     from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
@@ -33,6 +34,7 @@ _HOMES = {
     "Align": "mimoc.control",
     "Bundle": "mimoc.bundle.io",
     "Gains": "mimoc.control",
+    "Cohort": "mimoc.cohorts",
     "Growing": "mimoc.runtime.growing_env",
     "InfantEnv": "mimoc.runtime",
     "InfantSpec": "mimoc.schema.infant",
@@ -53,6 +55,7 @@ _HOMES = {
     "make": "mimoc.environments",
     "make_vec": "mimoc.vector_environments",
     "read_bundle": "mimoc.bundle.io",
+    "read_cohort": "mimoc.cohorts",
     "read_recording": "mimoc.recording.reading",
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
@@ -69,6 +72,7 @@ _HOMES = {
 __all__ = [
     "Align",
     "Bundle",
+    "Cohort",
     "Gains",
     "Growing",
     "InfantEnv",
@@ -91,6 +95,7 @@ __all__ = [
     "make",
     "make_vec",
     "read_bundle",
+    "read_cohort",
     "read_recording",
     "record",
     "register",

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from copy import deepcopy
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
 from gymnasium.vector import AutoresetMode
 
@@ -22,11 +22,24 @@ if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not ever
     from mimoc.training.sb3_infants import InfantVecEnv
 
 Source = Bundle | InfantSpec | str | Path
+
+
+@runtime_checkable
+class Population(Protocol):
+    """Many infants in one object, such as a cohort."""
+
+    @property
+    def specs(self) -> Sequence[InfantSpec]:
+        """The specs of all its infants."""
+        ...
+
+
+Sources = Source | Sequence[Source] | Population
 RenderMode = Literal["rgb_array"] | None
 
 
 def make_vec(
-    source: Source | Sequence[Source],
+    source: Sources,
     num_envs: int | None = None,
     threads: int | None = None,
     device: str = "cpu",
@@ -41,7 +54,8 @@ def make_vec(
 
     Args:
         source: A bundle, the folder of one, a spec or the path of one, as for `mimoc.make`; or a list of them, which
-            may differ in age, measures, strength and scene, and are repeated in turn if there are fewer than infants.
+            may differ in age, measures, strength and scene, and are repeated in turn if there are fewer than infants;
+            or a cohort (`mimoc.read_cohort`), for all its infants.
         num_envs: Number of infants; by default, as many as sources.
         threads: Threads that share the work; by default, as many as this process may use.
         device: Where the infants live: `cpu` for MuJoCo itself; `cuda`, `cuda:0`, or another GPU, for MuJoCo Warp.
@@ -72,7 +86,7 @@ def make_vec(
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
 
 
-def sb3_vec_env(source: Source | Sequence[Source], num_envs: int | None = None, **options: Any) -> "InfantVecEnv":
+def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) -> "InfantVecEnv":
     """Return many infants as an environment of Stable-Baselines3, to learn from with its `PPO` or any other.
 
     Args:
@@ -186,4 +200,6 @@ def _on_device(
 
 def _listed(source: Any) -> list[Any]:
     """Return what was given for each of some infants, or for all of them, as a list."""
+    if isinstance(source, Population):
+        return list(source.specs)
     return list(source) if isinstance(source, Sequence) and not isinstance(source, str) else [source]

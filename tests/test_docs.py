@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+import mimoc
+
 CHECKOUT = Path(__file__).resolve().parents[1]
 
 
@@ -54,6 +56,29 @@ def test_the_programs_on_growing_work(here):
     for program in blocks("docs/growing.md", "python"):
         exec(program, session)
     assert session["schedule"](0) == 6  # pyright: ignore[reportCallIssue]
+
+
+@pytest.mark.slow
+def test_the_programs_on_cohorts_work(here, capsys):
+    """With a smaller cohort than the one that is printed."""
+    whole = (CHECKOUT / "examples" / "cohort" / "spring.yaml").read_text(encoding="utf-8")
+    folder = here / "examples" / "cohort"
+    folder.mkdir(parents=True)
+    (folder / "spring.yaml").write_text(whole.replace("draw: 8", "draw: 1").replace("[3, 6, 12]", "[3]"))
+    (folder / "reach_of_arms.py").symlink_to(CHECKOUT / "examples" / "cohort" / "reach_of_arms.py")
+    (program,) = blocks("docs/cohorts.md", "python")
+    exec(program, {})
+    assert capsys.readouterr().out.startswith("1 infants, 5 jobs\n5 done, ")
+
+
+def test_the_commands_on_cohorts_and_its_file_are_right(invoke, here):
+    (here / "nine_months.yaml").symlink_to(CHECKOUT / "configs" / "nine_months.yaml")
+    (text,) = blocks("docs/cohorts.md", "yaml")
+    (here / "cohort.yaml").write_text(text)
+    assert len(mimoc.read_cohort("cohort.yaml").jobs()) == 100 * 7 * 2 * 7
+    for line in blocks("docs/cohorts.md", "sh")[0].splitlines():
+        program, group, command, *_ = shlex.split(line, comments=True)
+        assert (program, group, invoke(group, command, "--help").code) == ("mimoc", "cohort", 0)
 
 
 def test_every_file_that_a_page_links_to_exists():

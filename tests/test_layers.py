@@ -53,7 +53,7 @@ LAYERS = {
     "kinds": layer("kinds", "errors language"),
     "composition": layer("schema.composition", "errors language kinds", "pydantic"),
     "spec": layer("", "errors units language kinds composition", "pydantic"),
-    "schema": layer("schema schema.* plugins", LANGUAGE, "pydantic"),
+    "schema": layer("schema schema.* schema.cohort_file schema.cohort_steps plugins", LANGUAGE, "pydantic"),
     "bundle": layer("bundle bundle.*", f"{LANGUAGE} schema", "pydantic mujoco"),
     "fits": layer("fits fits.*", "errors units language"),
     "body": layer("body body.*", f"{LANGUAGE} schema fits parts"),
@@ -80,16 +80,21 @@ LAYERS = {
     "training": layer(
         "training training.* experiments experiments.* importers importers.*",
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording",
-        "gymnasium mujoco stable_baselines3 torch",
+        "gymnasium mujoco stable_baselines3 torch tensorboard",
+    ),
+    "cohorts": layer(
+        "cohorts cohorts.*",
+        f"{BUILDING} compiler {RUNNING} rollout policies training",
+        "mujoco pyarrow",
     ),
     "mimoc": layer(
         "__init__ environments vector_environments recordings registration",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training",
+        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training mimoc",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc",
         "typer rich",
     ),
 }

@@ -20,9 +20,12 @@ from mimoc.bundle.atomic_swap import swap_folders
 from mimoc.bundle.later_files import LaterFiles
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
 from mimoc.bundle.plugins_needed import check_plugins
+from mimoc.bundle.shared_files import SharedFiles
 from mimoc.errors import BundleError
 
 MANIFEST, LOCK = "manifest.json", "lock.json"
+SHARED = "assets/"
+"""Where the files of a bundle are that other infants have as well: pictures and meshes."""
 MAX_LOCK_BYTES = 2**22
 """Upper bound of a lock's size; real ones are far smaller."""
 
@@ -76,8 +79,7 @@ def seal(
         manifest: The parsed manifest file, to avoid parsing it again.
     """
     lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
-    sealed = {**files, LOCK: (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()}
-    return _bundle(sealed, manifest or _manifest(files[MANIFEST]), None)
+    return _bundle({**files, LOCK: _printed(lock)}, manifest or _manifest(files[MANIFEST]), None)
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -101,13 +103,22 @@ def read_bundle(path: str | Path) -> Bundle:
                     raise
 
 
-def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Path:
+def without(bundle: Bundle, name: str) -> Bundle:
+    """Return a bundle without one of its files, which its lock no longer lists."""
+    files = {other: content for other, content in bundle.files.items() if other not in (name, LOCK)}
+    lock = json.loads(bundle.files[LOCK])
+    lock["files"] = digests(files)
+    return _bundle({**files, LOCK: _printed(lock)}, bundle.manifest, None)
+
+
+def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared: SharedFiles | None = None) -> Path:
     """Write a bundle into a folder atomically: a reader sees either the old folder or the new one.
 
     Args:
         bundle: The bundle.
         out: A new or empty folder or, with *force*, an existing bundle.
         force: Replace an existing bundle, together with any other files in its folder.
+        shared: Where pictures and meshes are kept that this bundle shares with others; its files are links to them.
 
     Raises:
         BundleError: If the folder holds something that must not be replaced, or cannot be written.
@@ -121,7 +132,7 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Pat
         staging = place.parent / f"{_staging_prefix(place)}{os.getpid()}-{secrets.token_hex(8)}"
         staging.mkdir()
         try:
-            _fill(staging, bundle.files)
+            _fill(staging, bundle.files, shared)
             _move_into_place(staging, place, target, force)
         finally:
             shutil.rmtree(staging, ignore_errors=True)
@@ -134,6 +145,10 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False) -> Pat
 
 def _bundle(files: Mapping[str, bytes], manifest: Manifest, path: Path | None) -> Bundle:
     return Bundle(MappingProxyType(dict(sorted(files.items()))), manifest, path)
+
+
+def _printed(lock: Mapping[str, Any]) -> bytes:
+    return (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()
 
 
 def _manifest(content: bytes) -> Manifest:
@@ -236,14 +251,17 @@ def _check_replaceable(place: Path, target: Path, force: bool) -> None:
         raise BundleError(f"{target}: a bundle already exists here; replace it with --force, or name a new folder")
 
 
-def _fill(folder: Path, files: Mapping[str, bytes]) -> None:
+def _fill(folder: Path, files: Mapping[str, bytes], shared: SharedFiles | None) -> None:
     """Write files into an empty folder."""
     if outside := [name for name in files if not _is_inside(name)]:
         raise BundleError(f"'{outside[0]}' is outside the bundle's folder, where nothing is written")
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        if shared and name.startswith(SHARED):
+            shared.put(path, content)
+        else:
+            path.write_bytes(content)
 
 
 def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> None:

@@ -7,6 +7,7 @@ import typer
 from mimoc.cli import (
     build,
     check,
+    cohort,
     experiment,
     explain,
     export,
@@ -52,6 +53,7 @@ app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=run.EXAMPLE)(run.run)
 app.command(epilog=train.EXAMPLE)(train.train)
 app.command(epilog=experiment.EXAMPLE)(experiment.experiment)
+app.add_typer(cohort.app)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=explain.EXAMPLE)(explain.explain)
 app.command(epilog=render.EXAMPLE)(render.render)

@@ -40,6 +40,17 @@ def quickly_aged(spec: InfantSpec, age_months: float) -> InfantSpec:
     return spec if age_months == rounded(spec.age_months) else spec.model_copy(update={"age_months": age_months})
 
 
+def grown_individual(individual: IndividualSpec, before_months: float, after_months: float) -> dict[str, float]:
+    """Return the measures of an individual at another age, by key; its percentiles stay the same."""
+    who, found = load_tables().who, {}
+    for key in MEASURED:
+        value = getattr(individual, key)
+        if value is not None:
+            z = who[key].z_score(value, before_months, individual.sex or "mean")
+            found[key] = who[key].value(z, after_months, individual.sex or "mean")
+    return found
+
+
 def _grown_body(spec: InfantSpec, age_months: float) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the keys of the body that say something in cm or kg, with what they say at another age."""
     if spec.body.measurements:
@@ -49,19 +60,8 @@ def _grown_body(spec: InfantSpec, age_months: float) -> Iterator[tuple[str, dict
             "measurements",
             {key: value * after[names[key]] / before[names[key]] for key, value in spec.body.measurements.items()},
         )
-    if spec.body.individual and (grown := _grown(spec.body.individual, spec.age_months, age_months)):
+    if spec.body.individual and (grown := grown_individual(spec.body.individual, spec.age_months, age_months)):
         yield "individual", grown
-
-
-def _grown(individual: IndividualSpec, before_months: float, after_months: float) -> dict[str, float]:
-    """Return the measures of an individual at another age, by key."""
-    who, found = load_tables().who, {}
-    for key in MEASURED:
-        value = getattr(individual, key)
-        if value is not None:
-            z = who[key].z_score(value, before_months, individual.sex or "mean")
-            found[key] = who[key].value(z, after_months, individual.sex or "mean")
-    return found
 
 
 def _of_both_sides(measurement: str) -> str:

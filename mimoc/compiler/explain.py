@@ -10,7 +10,11 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from mimoc.bundle.io import Bundle
-from mimoc.errors import MimocError
+from mimoc.compiler.building import builder
+from mimoc.compiler.provenance.spec import SPEC_FILE
+from mimoc.errors import BundleError, MimocError
+from mimoc.schema.infant import read_spec
+from mimoc.schema.source import parse
 
 Entries = Mapping[str, Mapping[str, Any]]
 CERTAINTIES: Mapping[str, str] = {
@@ -19,6 +23,7 @@ CERTAINTIES: Mapping[str, str] = {
     "D": "derived for mimoc",
 }
 """What letters in parentheses at the end of a source say about how certain it is."""
+PROVENANCE = "provenance.json"
 MOST_FOLLOWED = 8
 """Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
 
@@ -90,7 +95,14 @@ def _texts(explanation: Explanation) -> Iterator[str]:
 
 
 def _entries(bundle: Bundle) -> Entries:
-    return json.loads(bundle.files["provenance.json"])
+    """Return the provenance of all numbers; the bundles of a cohort leave it out, and it is worked out again."""
+    if PROVENANCE in bundle.files:
+        return json.loads(bundle.files[PROVENANCE])
+    again = builder(read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE)))(bundle.manifest.seed, check=False)
+    if any(again.files[name] != bundle.files[name] for name in ("infant.xml", "scene.xml")):
+        message = f"{bundle.path}: has no {PROVENANCE}, and this version of mimoc builds another infant from its spec"
+        raise BundleError(f"{message}; build it again with 'mimoc build'")
+    return json.loads(again.files[PROVENANCE])
 
 
 def _explain(key: str, entries: Entries) -> Explanation:

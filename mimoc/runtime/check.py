@@ -1,5 +1,6 @@
 """Check that a bundle loads and that its simulation stays stable under any commands."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
@@ -98,15 +99,17 @@ def flail(data: mujoco.MjData, commands: Iterator[FloatArray], step_s: float, ro
     model = data.model
     hinges = np.flatnonzero(model.jnt_limited & (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE))
     addresses, (low, high) = model.jnt_qposadr[hinges], model.jnt_range[hinges].T
-    beyond, energy_j, substeps = np.zeros(len(hinges)), 0.0, round(step_s / model.opt.timestep)
+    qpos, energy, energy_j, substeps = data.qpos, data.energy, 0.0, round(step_s / model.opt.timestep)
+    least, most = np.full_like(qpos, np.inf), np.full_like(qpos, -np.inf)
     for _ in range(round(CHECKED_S / step_s)):
         data.ctrl[:] = next(commands)
         for _ in range(substeps):
             mujoco.mj_step(model, data)
             mujoco.mj_energyVel(model, data)
-            angles = data.qpos[addresses]
-            beyond = np.maximum(beyond, np.nan_to_num(np.maximum(low - angles, angles - high), nan=np.inf))
-            energy_j = max(energy_j, float(np.nan_to_num(data.energy[1], nan=np.inf)))
+            np.minimum(least, qpos, out=least)  # What is not a number stays so.
+            np.maximum(most, qpos, out=most)
+            energy_j = max(energy_j, math.inf if math.isnan(energy[1]) else float(energy[1]))
+    beyond = np.nan_to_num(np.maximum(low - least[addresses], most[addresses] - high), nan=np.inf)
     furthest_rad = float(beyond.max(initial=0.0))
     return Flailing(
         simulation_warnings(data),

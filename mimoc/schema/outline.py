@@ -1,13 +1,13 @@
-"""Queries of the spec language: which keys and values are allowed at a path."""
+"""Queries of the language of a kind of files: which keys and values are allowed at a path."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from mimoc.schema.base import Model
 from mimoc.schema.composition import on_recompose
 from mimoc.schema.key_paths import KeyPath
-from mimoc.schema.spec import InfantKeys
 
 
 @dataclass(frozen=True)
@@ -16,19 +16,13 @@ class Outline:
 
     schema: dict[str, Any]
     """Its JSON schema."""
+    unit: str | None = None
+    """Its unit or that of its items, as written in suffixes of names."""
 
     @property
     def type(self) -> str:
         """Its JSON type, or empty if there are several."""
         return self.schema.get("type", "")
-
-    @property
-    def unit(self) -> str | None:
-        """Its unit or that of its items, as written in suffixes of names."""
-        first = self.schema
-        while "prefixItems" in first:
-            first = _resolved(first["prefixItems"][0])
-        return first.get("unit")
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -48,65 +42,79 @@ class Outline:
         return (*self.choices, 1)[0]
 
 
-def outline(path: KeyPath) -> Outline:
-    """Return the description of the value at a path, which is empty for an unknown path."""
-    return Outline(_resolved(_node(path)))
+@dataclass(frozen=True)
+class Language:
+    """The keys and values that files of one kind may have."""
+
+    schema: dict[str, Any]
+    """The JSON schema of a file."""
+
+    def outline(self, path: KeyPath) -> Outline:
+        """Return the description of the value at a path, which is empty for an unknown path."""
+        first = schema = self._resolved(self._node(path))
+        while "prefixItems" in first:
+            first = self._resolved(first["prefixItems"][0])
+        return Outline(schema, first.get("unit"))
+
+    def kinds_of(self, path: KeyPath) -> dict[str, Outline]:
+        """Return the alternative sections at a path, by the value of their discriminator; empty for most paths."""
+        node = self._node(path)
+        unions = [option for option in (node, *node.get("anyOf", ())) if "discriminator" in option]
+        return {
+            name: Outline(self._resolved({"$ref": reference}))
+            for union in unions
+            for name, reference in union["discriminator"].get("mapping", {}).items()
+        }
+
+    def is_known(self, path: KeyPath) -> bool:
+        """Return whether a path is that of an item, of a known key, or of a section in which any key is allowed."""
+        section = self.outline(path[:-1])
+        return not section.keys or path[-1] in section.keys
+
+    def sections_with(self, key: str) -> list[KeyPath]:
+        """Return the paths of all sections that have a key of this name."""
+        return [path for path, node in self._sections(self.schema, ()) if key in node["properties"]]
+
+    def _node(self, path: KeyPath) -> dict[str, Any]:
+        """Return the JSON schema at a path, with references unresolved."""
+        node = self.schema
+        for step in path:
+            children = self._resolved(node).get("properties", {})
+            items = self._resolved(node).get("prefixItems", [])
+            if isinstance(step, int):
+                node = items[step] if step < len(items) else self._resolved(node).get("items", {})
+            else:
+                node = children.get(step, self._resolved(node).get("additionalProperties") or {})
+        return node
+
+    def _sections(self, node: dict[str, Any], path: KeyPath) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
+        node = self._resolved(node)
+        if "properties" in node:
+            yield path, node
+            for key, child in node["properties"].items():
+                yield from self._sections(child, (*path, key))
+
+    def _resolved(self, node: dict[str, Any]) -> dict[str, Any]:
+        """Return a schema with its reference resolved and its alternatives merged."""
+        if "$ref" in node:
+            return self._resolved(self.schema["$defs"][node["$ref"].rpartition("/")[2]])
+        options = [self._resolved(option) for option in (*node.get("anyOf", ()), *node.get("oneOf", ()))]
+        merged: dict[str, Any] = {}
+        for option in options:
+            if option.get("type") != "null":
+                merged |= {key: _joined(merged.get(key), value) for key, value in option.items()}
+        if len({option.get("type") for option in options} - {"null"}) > 1:
+            merged.pop("type", None)
+        return {**node, **merged}
 
 
-def kinds_of(path: KeyPath) -> dict[str, Outline]:
-    """Return the alternative sections at a path, by the value of their discriminator; empty for most paths."""
-    unions = [option for option in (_node(path), *_node(path).get("anyOf", ())) if "discriminator" in option]
-    return {
-        name: Outline(_resolved({"$ref": reference}))
-        for union in unions
-        for name, reference in union["discriminator"]["mapping"].items()
-    }
+@cache
+def language_of(keys: type[Model]) -> Language:
+    """Return what the files may say that a model describes."""
+    return Language(keys.model_json_schema())
 
 
-def is_known(path: KeyPath) -> bool:
-    """Return whether a path is that of an item, of a known key, or of a section in which any key is allowed."""
-    section = outline(path[:-1])
-    return not section.keys or path[-1] in section.keys
-
-
-def sections_with(key: str) -> list[KeyPath]:
-    """Return the paths of all sections that have a key of this name."""
-    return [path for path, node in _sections(_language(), ()) if key in node["properties"]]
-
-
-def _node(path: KeyPath) -> dict[str, Any]:
-    """Return the JSON schema at a path, with references unresolved."""
-    node = _language()
-    for step in path:
-        children = _resolved(node).get("properties", {})
-        items = _resolved(node).get("prefixItems", [])
-        if isinstance(step, int):
-            node = items[step] if step < len(items) else _resolved(node).get("items", {})
-        else:
-            node = children.get(step, _resolved(node).get("additionalProperties") or {})
-    return node
-
-
-def _sections(node: dict[str, Any], path: KeyPath) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
-    node = _resolved(node)
-    if "properties" in node:
-        yield path, node
-        for key, child in node["properties"].items():
-            yield from _sections(child, (*path, key))
-
-
-def _resolved(node: dict[str, Any]) -> dict[str, Any]:
-    """Return a schema with its reference resolved and its alternatives merged."""
-    if "$ref" in node:
-        return _resolved(_language()["$defs"][node["$ref"].rpartition("/")[2]])
-    options = [_resolved(option) for option in (*node.get("anyOf", ()), *node.get("oneOf", ()))]
-    merged: dict[str, Any] = {}
-    for option in options:
-        if option.get("type") != "null":
-            merged |= {key: _joined(merged.get(key), value) for key, value in option.items()}
-    if len({option.get("type") for option in options} - {"null"}) > 1:
-        del merged["type"]
-    return {**node, **merged}
+on_recompose(language_of.cache_clear)
 
 
 def _joined(before: Any, value: Any) -> Any:
@@ -123,11 +131,3 @@ def _joined(before: Any, value: Any) -> Any:
 
 def _choices(schema: dict[str, Any]) -> list[Any]:
     return schema.get("enum", [schema["const"]] if "const" in schema else [])
-
-
-@cache
-def _language() -> dict[str, Any]:
-    return InfantKeys.model_json_schema()
-
-
-on_recompose(_language.cache_clear)

@@ -7,13 +7,13 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from mimoc.errors import SpecError
+from mimoc.schema.base import Model
 from mimoc.schema.key_paths import KeyPath
-from mimoc.schema.outline import is_known, outline
+from mimoc.schema.outline import Language, language_of
 from mimoc.schema.source import Source
-from mimoc.schema.spec import InfantKeys
 from mimoc.schema.wording import fault, missing_value
 
-Spec = TypeVar("Spec", bound=InfantKeys)
+Spec = TypeVar("Spec", bound=Model)
 
 
 def read_keys(keys: type[Spec], source: Source) -> Spec:
@@ -23,23 +23,25 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
     a section only once each of its keys is valid.
 
     Args:
-        keys: The class of the spec.
+        keys: The class of the spec, or of another kind of file.
         source: The file.
 
     Raises:
         SpecError: If the spec is invalid; the error lists all problems.
     """
-    faults = {path: missing_value(path) for path in _empty(source.data) if path not in source.invalid}
-    data = _repaired(source.data, {*source.invalid, *faults})
+    language = language_of(keys)
+    empty = (path for path in _empty(source.data, language) if path not in source.invalid)
+    faults = {path: missing_value(path, language) for path in empty}
+    data = _repaired(source.data, {*source.invalid, *faults}, language)
     spec = None
     while spec is None:
         try:
             spec = keys.model_validate(data, context=source)
         except ValidationError as error:
-            found = [fault(details, data) for details in error.errors(include_url=False)]
+            found = [fault(details, data, language) for details in error.errors(include_url=False)]
             known = {path[:depth] for path in {*source.invalid, *faults} for depth in range(len(path) + 1)}
             faults |= {new.path: new for new in reversed(found) if not {new.path, new.against or new.path} & known}
-            before, data = data, _repaired(data, {new.path for new in found})
+            before, data = data, _repaired(data, {new.path for new in found}, language)
             if data == before:
                 break
     if spec is None or source.problems or faults:
@@ -48,21 +50,21 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
     return spec
 
 
-def _empty(value: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
+def _empty(value: Any, language: Language, path: KeyPath = ()) -> Iterator[KeyPath]:
     """Yield the paths of all known keys and items without a value."""
-    if value is None and is_known(path):
+    if value is None and language.is_known(path):
         yield path
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for step, item in items:
-        yield from _empty(item, (*path, step))
+        yield from _empty(item, language, (*path, step))
 
 
-def _repaired(data: dict[str, Any], paths: set[KeyPath]) -> dict[str, Any]:
+def _repaired(data: dict[str, Any], paths: set[KeyPath], language: Language) -> dict[str, Any]:
     """Return data without the values at some paths, or with examples in their place where a key is required."""
     for keys in sorted({_keys(path) for path in paths} - {()}):
         section = keys[:-1]
-        if keys[-1] in outline(section).schema.get("required", ()):
-            data = _replaced(data, keys, outline(keys).example)
+        if keys[-1] in language.outline(section).schema.get("required", ()):
+            data = _replaced(data, keys, language.outline(keys).example)
         elif keys[-1] in _section(data, section):
             data = _replaced(data, keys, None)
         elif section:

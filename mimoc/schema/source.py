@@ -51,6 +51,8 @@ class Source:
     """Relative paths in it are relative to this folder."""
     has_lines: bool = True
     """Whether there is a file with lines; problems of data from Python name keys only."""
+    inside: KeyPath = ()
+    """Path of the section of a larger file that this is, which messages name."""
 
     def __repr__(self) -> str:
         """Return name and size only: the text may be long."""
@@ -67,7 +69,28 @@ class Source:
     def problem(self, path: KeyPath, message: str, *, at: Literal["key", "value"] = "value") -> Problem:
         """Return a problem located at a key of this file, or at its value."""
         place = self.locate(path, at=at) if self.has_lines else (0, 0)
-        return Problem(self.file, *place, dotted(path), message)
+        return Problem(self.file, *place, dotted((*self.inside, *path)), message)
+
+    def section(self, *keys: str) -> "Source":
+        """Return a section of this file as if it were a file of its own."""
+        data: Any = self.data
+        for key in keys:
+            data = data[key]
+
+        def below(places: Mapping[KeyPath, Place]) -> dict[KeyPath, Place]:
+            return {path[len(keys) :]: place for path, place in places.items() if path[: len(keys)] == keys}
+
+        invalid = frozenset(path[len(keys) :] for path in self.invalid if path[: len(keys)] == keys)
+        key_places = {(): (1, 1), **below(self.key_places)}
+        return replace(
+            self,
+            data=data,
+            problems=(),
+            invalid=invalid,
+            key_places=key_places,
+            value_places=below(self.value_places),
+            inside=(*self.inside, *keys),
+        )
 
 
 def read(path: str | Path, kind: FileKind = SPEC) -> Source:

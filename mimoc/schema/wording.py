@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError
 from mimoc.schema.key_paths import KeyPath, dotted, shown
-from mimoc.schema.outline import Outline, kinds_of, outline, sections_with
+from mimoc.schema.outline import Language, Outline
 
 _UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": "", "n": "newtons"}
 _UNIT_SUFFIX = re.compile(
@@ -46,28 +46,28 @@ class Fault:
     """Another key that it contradicts."""
 
 
-def fault(details: ErrorDetails, data: dict[str, Any]) -> Fault:
+def fault(details: ErrorDetails, data: dict[str, Any], language: Language) -> Fault:
     """Return the fault that corresponds to one of pydantic's errors."""
     path = _path(details, data)
     if details["type"] == "value_error":
         return _own_fault(details, path)
     if details["type"] == "extra_forbidden":
         kind = str(details["loc"][-2]) if len(details["loc"]) > 1 else ""
-        return Fault(path, "key", _unknown_key(path, kind))
+        return Fault(path, "key", unknown_key(path, language, kind))
     if details["type"] == "missing" and isinstance(path[-1], str):
-        return Fault(path, "key", _missing(path))
-    if details["type"].startswith("union_tag_") and kinds_of(path):
-        return _wrong_kind(details, path)
+        return Fault(path, "key", _missing(path, language))
+    if details["type"].startswith("union_tag_") and language.kinds_of(path):
+        return _wrong_kind(details, path, language)
     if details["type"] in ("missing", "too_long"):
         path = path[:-1] if details["type"] == "missing" else path
-        return Fault(path, "value", _wrong_count(outline(path), details["input"]))
-    return Fault(path, "value", _wrong_value(details, outline(path)))
+        return Fault(path, "value", _wrong_count(language.outline(path), details["input"]))
+    return Fault(path, "value", _wrong_value(details, language.outline(path)))
 
 
-def missing_value(path: KeyPath) -> Fault:
+def missing_value(path: KeyPath, language: Language) -> Fault:
     """Return the fault of a key that was written without a value."""
-    known = outline(path)
-    if path[-1] in outline(path[:-1]).schema.get("required", ()):
+    known = language.outline(path)
+    if path[-1] in language.outline(path[:-1]).schema.get("required", ()):
         advice = f"write one, such as {known.example}"
     elif known.type == "object" and known.schema.get("required"):
         advice = "write its keys below it, or leave it out"
@@ -99,32 +99,32 @@ def _own_fault(details: ErrorDetails, path: KeyPath) -> Fault:
     return Fault(path, "key" if details["loc"][-1] == "[key]" else "value", str(error))
 
 
-def _missing(path: KeyPath) -> str:
-    return f"is missing; add it, such as '{path[-1]}: {outline(path).example}'"
+def _missing(path: KeyPath, language: Language) -> str:
+    return f"is missing; add it, such as '{path[-1]}: {language.outline(path).example}'"
 
 
-def _wrong_kind(details: ErrorDetails, section: KeyPath) -> Fault:
+def _wrong_kind(details: ErrorDetails, section: KeyPath, language: Language) -> Fault:
     """Return the fault of a section whose discriminator, such as `kind`, is missing or wrong."""
     path = (*section, details.get("ctx", {})["discriminator"].strip("'"))
     if details["type"] == "union_tag_not_found":
-        return Fault(path, "key", _missing(path))
-    value = details["input"][path[-1]]
-    return Fault(path, "value", f"{_got(value)} is not a choice; {_nearest(str(value)[:80], outline(path).choices)}")
+        return Fault(path, "key", _missing(path, language))
+    value, choices = details["input"][path[-1]], language.outline(path).choices
+    return Fault(path, "value", f"{_got(value)} is not a choice; {_nearest(str(value)[:80], choices)}")
 
 
-def _unknown_key(path: KeyPath, kind: str) -> str:
+def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
     """Return the message for an unknown key, in a section that may be one of several kinds."""
     section, key = path[:-1], re.sub(r"[\s-]+", "_", str(path[-1])[:80].strip().lower())
-    kinds = kinds_of(section)
-    known = kinds.get(kind, outline(section)).keys
+    kinds = language.kinds_of(section)
+    known = kinds.get(kind, language.outline(section)).keys
     if not known:
         return "unknown key; this section has no keys, write it as {}"
     if kind in kinds and (others := [name for name, other in kinds.items() if key in other.keys]):
         return f"unknown key of '{kind}'; remove it (it belongs to {', '.join(others)})"
     same = [name for name in known if _UNIT_SUFFIX.sub("", name) == _UNIT_SUFFIX.sub("", key)]
     if same and key not in known:
-        return f"unknown key; write '{same[0]}'{_in_unit(outline((*section, same[0])))}"
-    elsewhere = [] if get_close_matches(key, known, cutoff=_MISSPELT) else sections_with(key)
+        return f"unknown key; write '{same[0]}'{_in_unit(language.outline((*section, same[0])))}"
+    elsewhere = [] if get_close_matches(key, known, cutoff=_MISSPELT) else language.sections_with(key)
     if elsewhere:
         places = " or ".join(f"under '{dotted(place)}'" if place else "at the top level" for place in elsewhere)
         return f"unknown key here; it belongs {places}"

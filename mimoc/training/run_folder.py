@@ -5,7 +5,7 @@ import json
 import os
 import platform
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -68,7 +68,14 @@ class RunFolder:
 
 
 @contextmanager
-def open_run_folder(out: str | Path, settings: Settings, bundle: Bundle, *, force: bool) -> Iterator[RunFolder]:
+def open_run_folder(
+    out: str | Path,
+    settings: Settings,
+    bundle: Bundle,
+    *,
+    force: bool,
+    origin: Mapping[str, Any] | None = None,
+) -> Iterator[RunFolder]:
     """Open and lock the folder of a training run: a new or empty folder, or that of the same run, to resume it.
 
     Args:
@@ -76,6 +83,7 @@ def open_run_folder(out: str | Path, settings: Settings, bundle: Bundle, *, forc
         settings: Settings of the training run.
         bundle: The infant.
         force: Discard the training run in the folder, even one with other settings.
+        origin: What the run belongs to, such as the name of a cohort and of a job.
 
     Raises:
         TrainingError: If the folder holds anything else, or another process is training in it.
@@ -96,7 +104,7 @@ def open_run_folder(out: str | Path, settings: Settings, bundle: Bundle, *, forc
         _remove_leftovers(path)
         if force:
             _clear(path)
-        _write_description(path, previous if not force else None, settings, bundle)
+        _write_description(path, previous if not force else None, settings, bundle, origin)
         yield RunFolder(path)
     finally:
         os.close(handle)
@@ -163,7 +171,13 @@ def _clear(path: Path) -> None:
     rmtree(path / BUNDLE, ignore_errors=True)
 
 
-def _write_description(path: Path, previous: dict[str, Any] | None, settings: Settings, bundle: Bundle) -> None:
+def _write_description(
+    path: Path,
+    previous: dict[str, Any] | None,
+    settings: Settings,
+    bundle: Bundle,
+    origin: Mapping[str, Any] | None,
+) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
     sessions = previous["sessions"] if previous else []
     if not sessions or sessions[-1] != _versions():
@@ -176,6 +190,7 @@ def _write_description(path: Path, previous: dict[str, Any] | None, settings: Se
         "settings": settings.data(),
         "bundle": _digest(bundle),
         "sessions": sessions,
+        **({"origin": dict(origin)} if origin else {}),
     }
     write_file(path / RUN, (json.dumps(run, indent=1, sort_keys=True) + "\n").encode())
     if not (path / BUNDLE / LOCK).exists():

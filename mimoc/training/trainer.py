@@ -1,7 +1,7 @@
 """Training in intervals between checkpoints, which can be interrupted at any time and resumed."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -31,6 +31,7 @@ from mimoc.training.recorded import check_recordable, recorded
 from mimoc.training.recorder import Recorder
 from mimoc.training.run_folder import POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import Settings
+from mimoc.training.tracking import tracked
 from mimoc.training.vector_env import check_learnable, make_vector_env
 from mimoc.units import ms_to_s
 
@@ -77,6 +78,7 @@ def train(
     schedule: str = "grown",
     grow_steps: int | None = None,
     record: str | Path | None = None,
+    origin: Mapping[str, Any] | None = None,
 ) -> Training:
     """Train a policy, or resume an interrupted training run; a finished run is only read.
 
@@ -109,6 +111,7 @@ def train(
         grow_steps: Control steps that growth takes, summed over all environments; None is all of *steps*.
         record: Folder to record every episode of the training in, for `mimoc.read_recording`; a training that is
             resumed continues it. It needs all environments together: leave out *processes*.
+        origin: What the run belongs to, as plain data for `run.json`, such as the name of a cohort and of a job.
 
     Raises:
         SpecError: If the spec cannot be built.
@@ -128,7 +131,7 @@ def train(
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
     check_recordable(record, bundle, settings, processes)
     report, growing = progress or (lambda done, total: None), growth_of(bundle, settings)
-    with open_run_folder(out, settings, bundle, force=force) as folder:
+    with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
         before = _read_progress(folder)
         reached = before
         if before.steps < steps:
@@ -174,8 +177,7 @@ def _train_to_end(
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
             reached = restore(checkpoint, agent, env)
-    infant = open_env()
-    try:
+    with closing(open_env()) as infant, tracked(agent, folder.path, settings.data()):
         while reached.steps < settings.steps:
             seek(env, settings, reached.steps)
             mark(reached.steps)
@@ -186,8 +188,6 @@ def _train_to_end(
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
                 folder.write_plot(_plot(reached))
                 plotted_s = reached.wall_s
-    finally:
-        infant.close()
     return reached
 
 

@@ -10,6 +10,7 @@ from support.commands import Outcome
 
 import mimoc
 from mimoc import cli
+from mimoc.cli import cohort
 from mimoc.compiler.validation import who
 from mimoc.experiments import growth
 from mimoc.training import hyperparameters
@@ -17,6 +18,7 @@ from mimoc.training.hyperparameters import HYPERPARAMETERS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
+COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.registered_commands}
 
 
 def test_the_commands_are_in_this_order():
@@ -59,6 +61,13 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
         "seen.png",
         "self_touch.yaml",
     ]
+
+
+@pytest.mark.parametrize("command", COHORT_COMMANDS)
+def test_the_help_of_each_command_of_cohorts_has_an_example(invoke, command):
+    done = invoke("cohort", command, "--help")
+    assert (done.code, done.err) == (0, "")
+    assert f"Example: mimoc cohort {command} examples/cohort/spring.yaml " in " ".join(done.out.split())
 
 
 def test_the_command_alone_is_help(invoke):

@@ -13,7 +13,7 @@ from mimoc.errors import SpecError
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.names import KINDS_OF_HANDS, MEASUREMENTS, limb_bodies, trunk_bodies
-from mimoc.schema.outline import outline
+from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
 from mimoc.tasks import TASKS
 
@@ -42,8 +42,8 @@ WRONG = [
 
 def fields(path: KeyPath = ()) -> Iterator[tuple[KeyPath, dict[str, Any]]]:
     """Yield the path and JSON schema of every field."""
-    for key in outline(path).keys:
-        field = outline((*path, key))
+    for key in language_of(InfantSpec).outline(path).keys:
+        field = language_of(InfantSpec).outline((*path, key))
         yield (*path, key), field.schema
         yield from fields((*path, key))
 
@@ -67,7 +67,7 @@ def test_every_field_belongs_to_a_public_model():
 
 @pytest.mark.parametrize("path", FIELDS, ids=".".join)
 def test_units_are_those_in_the_names(path):
-    unit = outline(path).unit
+    unit = language_of(InfantSpec).outline(path).unit
     suffix = next((end for end in UNITS if re.search(f"(^|_){end}$", path[-1])), None)
     if path[-1] not in NO_UNIT:
         assert unit == suffix
@@ -111,11 +111,11 @@ def test_measurements_are_those_of_the_tables():
 
 
 def test_hands_are_the_kinds_that_bodies_are_known_for():
-    assert set(outline(("body", "hands")).choices) == set(KINDS_OF_HANDS)
+    assert set(language_of(InfantSpec).outline(("body", "hands")).choices) == set(KINDS_OF_HANDS)
     assert len(trunk_bodies() + limb_bodies("mitten")) == 23
     assert len(trunk_bodies() + limb_bodies("five_finger")) == 55
 
 
 def test_the_least_spec_needs_three_keys():
-    assert outline(()).schema["required"] == ["mimoc", "name", "age_months"]
+    assert language_of(InfantSpec).outline(()).schema["required"] == ["mimoc", "name", "age_months"]
     assert set(InfantSpec.model_fields) > {"mimoc", "name", "age_months"}

@@ -45,7 +45,7 @@ def test_a_run_folder_has_all_that_is_needed_to_repeat_and_to_use_the_training(l
     folder = tmp_path / "run"
     steps = [EVERY, 2 * EVERY]
     assert sorted(os.listdir(folder)) == [
-        *("bundle", "checkpoints", "curve.csv", "curve.png", "policy.zip", "run.json", "state.zip")
+        *("bundle", "checkpoints", "curve.csv", "curve.png", "policy.zip", "run.json", "state.zip", "tensorboard")
     ]
     assert sorted(os.listdir(folder / "checkpoints")) == [f"{each:010d}.zip" for each in steps]
     assert mimoc.read_bundle(folder / "bundle").files == bundle.files

@@ -1,0 +1,109 @@
+"""`mimoc cohort`: plan, run, status, table and retry."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mimoc.cli.exit_codes import FAILED_CHECK, resumable
+
+if TYPE_CHECKING:
+    from mimoc.cohorts import Cohort, Status
+
+EXAMPLE = "Example:  mimoc cohort run examples/cohort/spring.yaml -o out/spring"
+
+app = typer.Typer(
+    name="cohort",
+    help="Build, check, run or train many infants, and gather one table.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+)
+
+CohortPath = Annotated[Path, typer.Argument(metavar="COHORT", help="YAML file that describes the cohort.")]
+Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder of the cohort.")]
+On = Annotated[str, typer.Option("--on", help="Where the jobs are done: local (processes on this machine).")]
+Processes = Annotated[
+    int | None, typer.Option("--processes", min=1, help="Processes; default: as many as cores may be used.")
+]
+Index = Annotated[int, typer.Option("--index", min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")]
+Of = Annotated[int, typer.Option("--of", min=1, metavar="N", help="Number of shares.")]
+CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which needs no `mimoc[record]`.")]
+
+
+@app.command(epilog="Example:  mimoc cohort plan examples/cohort/spring.yaml -o out/spring")
+def plan(cohort: CohortPath, out: Out) -> None:
+    """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
+    from mimoc.cli import cohort_tables, console
+    from mimoc.cohorts.plan import plan as planned
+
+    with console.status("trying each step"):
+        found = planned(_read(cohort), out)
+    cohort_tables.print_plan(found)
+
+
+@app.command(epilog=EXAMPLE)
+def run(
+    cohort: CohortPath,
+    out: Out,
+    on: On = "local",
+    processes: Processes = None,
+    index: Index = 0,
+    of: Of = 1,
+) -> None:
+    """Do all jobs that have no result yet; run the same command again after an interruption."""
+    from mimoc.cli import console
+
+    options = _options(processes=processes)
+    with console.progress("running") as show, resumable():
+        status = _read(cohort).run(out, on, index=index, of=of, progress=show, **options)
+    _end(status, cohort, out)
+
+
+@app.command(epilog="Example:  mimoc cohort retry examples/cohort/spring.yaml -o out/spring")
+def retry(cohort: CohortPath, out: Out, on: On = "local", processes: Processes = None) -> None:
+    """Do the failed jobs again, and those that have no result yet."""
+    from mimoc.cli import console
+
+    options = _options(processes=processes)
+    with console.progress("running") as show, resumable():
+        status = _read(cohort).retry(out, on, progress=show, **options)
+    _end(status, cohort, out)
+
+
+@app.command(epilog="Example:  mimoc cohort status examples/cohort/spring.yaml -o out/spring")
+def status(cohort: CohortPath, out: Out) -> None:
+    """Say how many jobs are done, and which have failed and why."""
+    from mimoc.cli import cohort_tables
+
+    cohort_tables.print_status(_read(cohort).status(out))
+
+
+@app.command(epilog="Example:  mimoc cohort table examples/cohort/spring.yaml -o out/spring")
+def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
+    """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
+    found = _read(cohort)
+    print(found.table(out, parquet=False)[0])
+    if not csv:
+        print(found.table(out)[1])
+
+
+def _read(path: Path) -> "Cohort":
+    from mimoc.cohorts import read_cohort
+
+    return read_cohort(path)
+
+
+def _options(**options: Any) -> dict[str, Any]:
+    """Return the options of the engine that were given."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _end(status: "Status", cohort: Path, out: Path) -> None:
+    """Print what became of the jobs, and what to do next; the exit code is 1 if some have failed."""
+    from mimoc.cli import cohort_tables
+
+    cohort_tables.print_status(status)
+    if status.failures:
+        print(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}")
+        raise typer.Exit(FAILED_CHECK)
+    print(f"{out}: gather the table with: mimoc cohort table {cohort} -o {out}")

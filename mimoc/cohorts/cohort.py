@@ -1,0 +1,231 @@
+"""Cohorts: reading one, doing its jobs, and gathering its table."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from mimoc.cohorts.engines import find_engine
+from mimoc.cohorts.infants import Infant, infants_of
+from mimoc.cohorts.job import Job, jobs_of
+from mimoc.cohorts.perform import lost
+from mimoc.cohorts.store import Store
+from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
+from mimoc.errors import MimocError, SpecError
+from mimoc.schema import source as sources
+from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
+from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.source import Source
+
+Progress = Callable[[int, int], None]
+"""Called with the number of jobs done and their total."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A job that failed."""
+
+    job: Job
+    error: str
+    log: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """How far the jobs of a cohort are."""
+
+    counts: Mapping[str, Mapping[str, int]]
+    """Number of jobs that are `ok`, `failed` or `missing`, by step."""
+    failures: tuple[Failure, ...]
+
+    def number(self, state: str) -> int:
+        """Return the number of jobs in a state: `ok`, `failed` or `missing`."""
+        return sum(counts.get(state, 0) for counts in self.counts.values())
+
+    @property
+    def jobs(self) -> int:
+        """Number of all jobs."""
+        return sum(sum(counts.values()) for counts in self.counts.values())
+
+
+class Cohort:
+    """A study of many infants: see `docs/cohorts.md` for its file."""
+
+    def __init__(self, source: str | Path | Source | Mapping[str, Any]):
+        """Read a cohort.
+
+        Args:
+            source: Path of its file, or what would be in it as a dictionary, with paths relative to the working folder.
+
+        Raises:
+            SpecError: If it, or the spec of its infants, is invalid; the error lists all problems.
+        """
+        if isinstance(source, Mapping):
+            source = sources.in_memory(dict(source), "<cohort>", Path())
+        self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
+        found = [*_tried(lambda: read_cohort_spec(self._source)), *_tried(lambda: _base(self._source))]
+        if problems := [problem for each in found if isinstance(each, SpecError) for problem in each.problems]:
+            raise SpecError(problems)
+        self.spec: CohortSpec = found[0]
+        self._base: Source = found[1]
+
+    def __repr__(self) -> str:
+        """Return its name and file."""
+        return f"Cohort({self.spec.cohort!r}, {self._source.file!r})"
+
+    @cached_property
+    def infants(self) -> tuple[Infant, ...]:
+        """All its infants, each with the factors that tell it from the others.
+
+        Raises:
+            SpecError: If some combinations of values are invalid.
+        """
+        return infants_of(self.spec, self._source, self._base)
+
+    @property
+    def specs(self) -> tuple[InfantSpec, ...]:
+        """The specs of all its infants."""
+        return tuple(infant.spec for infant in self.infants)
+
+    @cached_property
+    def _jobs(self) -> tuple[Job, ...]:
+        return jobs_of(self.spec, self.infants, self._source.folder, self._base.folder)
+
+    def jobs(self) -> tuple[Job, ...]:
+        """Return all its jobs, in the order of the table.
+
+        Raises:
+            SpecError: If some combinations of values are invalid.
+            MimocError: If a module or a policy that it names does not exist.
+        """
+        return self._jobs
+
+    def run(
+        self,
+        out: str | Path,
+        on: str = "local",
+        *,
+        index: int = 0,
+        of: int = 1,
+        progress: Progress | None = None,
+        **options: Any,
+    ) -> Status:
+        """Do all jobs that have no result yet.
+
+        Args:
+            out: Folder of the cohort: new, empty, or that of an earlier run.
+            on: Where: `local`, in processes on this machine.
+            index: Which share of the jobs to do, if others do the rest.
+            of: Number of shares.
+            progress: Called with the number of jobs done and their total.
+            options: For the engine; of `local`: `processes`, by default as many as cores may be used.
+
+        Raises:
+            OutputError: If the folder holds anything else, or cannot be written.
+            MimocError: If there is no such share, or the engine cannot run.
+        """
+        if not 0 <= index < of:
+            raise MimocError(f"there is no share {index} of {of}; count shares from 0 to {of - 1}")
+        engine, store, share = find_engine(on), Store(Path(out).expanduser()), self.jobs()[index::of]
+        store.create(self.spec.cohort)
+        todo = store.missing(share)
+        ready, report = len(share) - len(todo), progress or (lambda done, total: None)
+        report(ready, len(share))
+        if todo:
+            engine(todo, store, options, lambda done: report(ready + done, len(share)))
+        for job in store.missing(todo):
+            store.write(job, lost(job, f"the engine '{on}' has ended without a result"))
+        return _status(share, store)
+
+    def retry(self, out: str | Path, on: str = "local", **options: Any) -> Status:
+        """Do all failed jobs again, and those that have no result yet; see `run`."""
+        store = Store(Path(out).expanduser())
+        store.check()
+        for failure in self.status(out).failures:
+            store.forget(failure.job)
+        return self.run(out, on, **options)
+
+    def status(self, out: str | Path) -> Status:
+        """Return how far the jobs are.
+
+        Raises:
+            MimocError: If the folder is not that of a cohort.
+        """
+        store = Store(Path(out).expanduser())
+        store.check()
+        return _status(self.jobs(), store)
+
+    def rows(self, out: str | Path) -> list[dict[str, Cell]]:
+        """Return the table, one row a job.
+
+        Raises:
+            MimocError: If the folder is not that of a cohort.
+        """
+        store = Store(Path(out).expanduser())
+        store.check()
+        return rows_of(self.jobs(), store, self.spec.measure)
+
+    def table(self, out: str | Path, *, parquet: bool = True) -> list[Path]:
+        """Write the table into the folder, as CSV and as Parquet; return the paths.
+
+        Args:
+            out: The folder of the cohort.
+            parquet: Whether to write Parquet as well.
+
+        Raises:
+            MimocError: If the folder is not that of a cohort.
+            MissingExtraError: If pyarrow is not installed; the CSV is there then.
+        """
+        rows, folder = self.rows(out), Path(out).expanduser()
+        written = [write_csv(rows, folder)]
+        return [*written, write_parquet(rows, folder)] if parquet else written
+
+
+def read_cohort(path: str | Path) -> Cohort:
+    """Return the cohort in a YAML file.
+
+    Raises:
+        SpecError: If it is invalid; the error lists all problems.
+    """
+    return Cohort(path)
+
+
+def _tried(read: Callable[[], Any]) -> Iterable[Any]:
+    """Return what was read, or the error."""
+    try:
+        return [read()]
+    except SpecError as error:
+        return [error]
+
+
+def _base(source: Source) -> Source:
+    """Return the spec that a cohort names or contains, which is valid.
+
+    Raises:
+        SpecError: If it is not.
+    """
+    base = source.data.get("base")
+    if isinstance(base, Mapping):
+        found = source.section("base")
+    elif isinstance(base, str) and base:
+        try:
+            found = sources.read(source.folder / Path(base).expanduser())
+        except SpecError as error:
+            raise SpecError(source.problem(("base",), problem.message) for problem in error.problems) from None
+    else:
+        return source  # The cohort's own problems say what is wrong with it.
+    read_spec(found)
+    return found
+
+
+def _status(jobs: Iterable[Job], store: Store) -> Status:
+    counts: dict[str, Counter[str]] = {}
+    failures = []
+    for job in jobs:
+        result = store.read(job)
+        counts.setdefault(job.step, Counter())[result.status if result else MISSING] += 1
+        if result and not result.ok:
+            failures.append(Failure(job, result.error, store.log(job)))
+    return Status(counts, tuple(failures))

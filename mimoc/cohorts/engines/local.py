@@ -1,0 +1,130 @@
+"""Jobs in processes on this machine."""
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from time import monotonic
+from typing import Any
+
+from mimoc.cohorts.engines.queue import Queue
+from mimoc.cohorts.job import Job
+from mimoc.cohorts.perform import PINNED, lost
+from mimoc.cohorts.store import Result, Store
+from mimoc.errors import MimocError
+
+WORKER = "mimoc.cohorts.engines.local_worker"
+TRIES = 2
+"""How often a job is begun whose process is killed."""
+PATIENCE_S = 5.0
+"""How long to wait for the end of a process that does nothing."""
+POLL_S = 1.0
+"""How often to look for processes that have ended in silence."""
+
+
+def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
+    """Do jobs in as many processes as this one may use cores, or as `processes` says.
+
+    A job whose process is killed is begun again in another, and fails if that is killed as well.
+    """
+    number = options.get("processes") or len(os.sched_getaffinity(0))
+    if number < 1:
+        raise MimocError(f"{number} processes can do nothing; give at least 1")
+    queue, tries, finished = Queue(jobs), dict[str, int](), 0
+    workers: list[_Worker] = []
+    try:
+        while queue or any(worker.job for worker in workers):
+            while queue and len(workers) < min(number, len(jobs)):
+                workers.append(_Worker(store))
+            for worker in workers:
+                if queue and not worker.job:
+                    worker.begin(queue.next(worker.infant))
+            for worker in _heard(workers):
+                job, answered = worker.finish()
+                if not answered:
+                    workers.remove(worker)
+                    ended = worker.end()
+                    tries[job.key] = tries.get(job.key, 0) + 1
+                    if tries[job.key] < TRIES:
+                        queue.again(job)
+                        continue
+                    store.write(job, lost(job, f"{ended}, {TRIES} times; see the log"))
+                finished += 1
+                done(finished)
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+def try_out(jobs: Sequence[Job], store: Store, limit_s: float) -> list[Result | None]:
+    """Do jobs one after the other in one process; return their results, None for those that a time limit stops."""
+    worker, end_s = _Worker(store), monotonic() + limit_s
+    try:
+        for job in jobs:
+            worker.begin(job)
+            if not worker.connection.poll(max(end_s - monotonic(), 0.0)) or not worker.finish()[1]:
+                break
+    finally:
+        worker.end()
+    return [store.read(job) for job in jobs]
+
+
+class _Worker:
+    """A process that does one job after the other."""
+
+    def __init__(self, store: Store):
+        """Start it."""
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", WORKER, str(theirs.fileno())],
+                stdin=subprocess.PIPE,  # It ends when this is closed, even if this process is killed.
+                env={**os.environ, **PINNED, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,  # Ctrl-C is for this process, which then ends the others.
+            )
+        self.connection = Connection(ours.detach())
+        self._store = store
+        self.job: Job | None = None
+        self.infant = ""
+
+    def begin(self, job: Job) -> None:
+        """Begin a job."""
+        self.job, self.infant = job, job.infant
+        with suppress(OSError):  # It has ended: the answer will tell.
+            self.connection.send((job, self._store))
+
+    def finish(self) -> tuple[Job, bool]:
+        """Return its job, and whether it has done it, rather than ended."""
+        assert self.job is not None
+        job, self.job = self.job, None
+        try:
+            return job, self.connection.poll() and self.connection.recv()
+        except (EOFError, OSError):
+            return job, False
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process has ended."""
+        return self._process.poll() is not None
+
+    def end(self) -> str:
+        """End the process, and say how it ended if it has done so by itself."""
+        self.connection.close()
+        if self.job is None:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(PATIENCE_S)
+        self._process.kill()
+        self._process.communicate()
+        code = self._process.returncode
+        return f"the process was killed by signal {-code}" if code < 0 else f"the process ended with exit code {code}"
+
+
+def _heard(workers: Sequence[_Worker]) -> list[_Worker]:
+    """Wait until some processes have answered or ended, and return them."""
+    busy = [worker for worker in workers if worker.job]
+    ready = wait([worker.connection for worker in busy], POLL_S)
+    return [worker for worker in busy if worker.connection in ready or worker.has_ended]

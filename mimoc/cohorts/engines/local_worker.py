@@ -1,0 +1,41 @@
+"""A process that does the jobs it is handed, one after the other, until there are no more."""
+
+import os
+import sys
+from multiprocessing.connection import Connection
+from threading import Thread
+
+from mimoc.cohorts.perform import perform
+from mimoc.cohorts.work import Bench
+
+
+def main(descriptor: int) -> None:
+    """Do the jobs that come over a connection.
+
+    Args:
+        descriptor: File descriptor of the connection.
+    """
+    os.set_inheritable(descriptor, False)
+    lifeline = os.dup(0)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    connection, bench = Connection(descriptor), Bench()
+    while True:
+        try:
+            job, store = connection.recv()
+        except EOFError:
+            return
+        perform([job], store, bench)
+        connection.send(True)
+
+
+def _end_with(lifeline: int) -> None:
+    """End this process when the one that started it ends, however it ends."""
+    while os.read(lifeline, 1):
+        pass
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

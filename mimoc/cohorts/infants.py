@@ -1,0 +1,153 @@
+"""The infants of a cohort: every combination of children and varied keys, as a spec each."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from mimoc.cohorts.children import draw_children
+from mimoc.cohorts.levels import draws, levels_of
+from mimoc.compiler.aged import grown_individual
+from mimoc.errors import Problem, SpecError
+from mimoc.random_streams import stream, whole_between
+from mimoc.rounding import rounded
+from mimoc.schema.body import IndividualSpec
+from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, SampleDesign
+from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.plain import given
+from mimoc.schema.source import Source, in_memory
+
+Place = tuple[str | int, ...]
+"""Path in the cohort file of a value that was chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One infant, as the cohort's design chooses it."""
+
+    child: int | None
+    """Number of its child; None if the cohort has no children."""
+    values: tuple[tuple[str, Any, Place], ...]
+    """Value of each varied key, and where in the file it stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Infant:
+    """One infant of a cohort."""
+
+    factors: Mapping[str, Any]
+    """What tells it from the others: its child, and the value of each varied key."""
+    data: Mapping[str, Any]
+    """Its spec, as it would be written in a file."""
+    spec: InfantSpec
+
+
+def children_of(cohort: CohortSpec) -> tuple[IndividualSpec, ...]:
+    """Return the children of a cohort, none if it has only that of its base."""
+    if isinstance(cohort.children, DrawnChildren):
+        return draw_children(cohort.children)
+    return cohort.children or ()
+
+
+def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant, ...]:
+    """Return all infants of a cohort, in the order of its design.
+
+    Args:
+        cohort: The cohort.
+        source: Its file.
+        base: The spec that all infants are made from.
+
+    Raises:
+        SpecError: If some combinations of values are invalid; the error names the values.
+    """
+    _check_lengths(cohort, source)
+    children, months = children_of(cohort), read_spec(base).age_months
+    found, problems = [], []
+    for choice in _choices(cohort, len(children)):
+        child = None if choice.child is None else children[choice.child]
+        data = _data(base.data, choice, child, months)
+        try:
+            spec = read_spec(in_memory(data, base.file, base.folder))
+        except SpecError as error:
+            problems += [_traced(problem, choice, source) for problem in error.problems]
+        else:
+            found.append(Infant(_factors(choice, child), data, spec))
+    if problems:
+        raise SpecError(problems)
+    return tuple(found)
+
+
+def _check_lengths(cohort: CohortSpec, source: Source) -> None:
+    """Raise a SpecError if lists that are gone through in parallel differ in length."""
+    lengths = {key: len(levels_of(key, levels)) for key, levels in cohort.vary.items()}
+    if cohort.design == "zip" and len({*lengths.values()}) > 1:
+        told = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {told}")])
+
+
+def _choices(cohort: CohortSpec, children: int) -> Iterator[Choice]:
+    """Yield what the design chooses, the children outermost."""
+    numbers: Sequence[int | None] = range(children) if children else (None,)
+    if isinstance(cohort.design, SampleDesign):
+        yield from _sampled(cohort, cohort.design, numbers)
+        return
+    columns = [_column(key, levels_of(key, levels)) for key, levels in cohort.vary.items()]
+    rows = [*(zip(*columns, strict=True) if cohort.design == "zip" and columns else product(*columns))]
+    yield from (Choice(number, row) for number in numbers for row in rows)
+
+
+def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | None]) -> Iterator[Choice]:
+    size, columns = design.sample, []
+    for key, levels in cohort.vary.items():
+        if isinstance(levels, DrawsSpec):
+            columns.append([(key, value, ("vary", key)) for value in draws(key, levels, size.n)])
+        else:
+            known, generator = _column(key, levels_of(key, levels)), stream(size.seed, f"cohort.sample.{key}")
+            columns.append([known[whole_between(generator, 0, len(known) - 1)] for _ in range(size.n)])
+    generator = stream(size.seed, "cohort.sample.child")
+    for index in range(size.n):
+        number = numbers[whole_between(generator, 0, len(numbers) - 1)]
+        yield Choice(number, tuple(column[index] for column in columns))
+
+
+def _column(key: str, levels: Sequence[Any]) -> list[tuple[str, Any, Place]]:
+    return [(key, value, ("vary", key, index)) for index, value in enumerate(levels)]
+
+
+def _data(base: Mapping[str, Any], choice: Choice, child: IndividualSpec | None, months: float) -> dict[str, Any]:
+    """Return the spec of an infant: the base, its child at its age, and the varied keys."""
+    data = dict(base)
+    for key, value, _ in choice.values:
+        data = _with(data, key.split("."), value)
+    if child is None:
+        return data
+    age = data.get("age_months")
+    told = given(child)
+    if isinstance(age, (int, float)) and age != months and 0 <= age <= 24:
+        told |= rounded(grown_individual(child, months, age))
+    return _with(data, ["body", "individual"], told)
+
+
+def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str, Any]:
+    """Return data in which one key has another value; None removes it."""
+    first, *deeper = keys
+    if deeper:
+        below = data.get(first)
+        value = _with(below if isinstance(below, Mapping) else {}, deeper, value)
+    rest = {key: item for key, item in data.items() if key != first}
+    return rest if value is None else {**rest, first: value}
+
+
+def _factors(choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
+    told = {} if child is None else {"child": choice.child, **given(child)}
+    return {**told, **{key: value for key, value, _ in choice.values}}
+
+
+def _traced(problem: Problem, choice: Choice, source: Source) -> Problem:
+    """Return the problem of an infant's spec as one of the value in the cohort file that it comes from."""
+    for key, _, place in choice.values:
+        if f"{problem.key}.".startswith(f"{key}.") or f"{key}.".startswith(f"{problem.key}."):
+            deeper = problem.key.removeprefix(key).lstrip(".") if problem.key.startswith(key) else problem.key
+            return source.problem(place, f"{deeper}: {problem.message}" if deeper else problem.message)
+    values = ", ".join(f"{key}: {value}" for key, value, _ in choice.values)
+    return source.problem(("vary",), f"with {values}: {problem.key}: {problem.message}")

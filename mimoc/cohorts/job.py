@@ -1,0 +1,110 @@
+"""A job: one step with one infant and one seed, named by the hash of all it does."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from mimoc.cohorts.infants import Infant
+from mimoc.cohorts.own_code import digest_of
+from mimoc.errors import MimocError
+from mimoc.rounding import rounded
+from mimoc.schema.cohort_file import MEASURES, CohortSpec
+from mimoc.schema.cohort_steps import step_of
+from mimoc.schema.infant import to_data
+from mimoc.version import __version__
+
+WITHOUT_INFANT = ("experiment",)
+"""Steps that bring their own infants."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One step with one infant and one seed, as plain data that any process can be handed."""
+
+    key: str
+    """Hash of all that determines the result."""
+    cohort: str
+    """Name of the cohort."""
+    factors: Mapping[str, Any]
+    """What tells its infant from the others."""
+    step: str
+    options: Mapping[str, Any]
+    """Options of the step."""
+    seed: int | None
+    data: Mapping[str, Any] | None
+    """The spec of its infant; None for a step that brings its own infants."""
+    folder: str
+    """Folder of the cohort file, where modules and policies are."""
+    spec_folder: str
+    """Folder that paths in the spec are relative to."""
+    own_measures: tuple[str, ...]
+    """Functions of the user's own that measure, as `module:function`."""
+
+    @property
+    def infant(self) -> str:
+        """What jobs with the same infant have in common."""
+        return "" if self.data is None else _text(self.data)
+
+
+def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
+    """Return all jobs of a cohort, those of one infant next to each other; equal ones are one.
+
+    Raises:
+        MimocError: If a module or a policy does not exist.
+    """
+    place, home = str(folder.resolve()), str(spec_folder.resolve())
+    own = tuple(name for name in cohort.measure if name not in MEASURES)
+    steps = [*_steps(cohort)]
+    functions = {*own, *(options["function"] for step, options, _ in steps if step == "python")}
+    policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
+    code = {name: digest_of(name, place) for name in functions}
+    code |= {name: _policy_digest(Path(place) / name) for name in policies}
+    found: dict[str, Job] = {}
+    for infant in infants:
+        resolved = rounded(to_data(infant.spec))
+        for step, options, seed in steps:
+            alone = step in WITHOUT_INFANT
+            used = {*own, options.get("function"), options.get("policy")} & code.keys()
+            what = {
+                "mimoc": __version__,
+                "spec": None if alone else resolved,
+                "step": step,
+                "options": options,
+                "seed": seed,
+                "measure": own,
+                "code": {name: code[name] for name in sorted(used)},
+            }
+            key = sha256(_text(what).encode()).hexdigest()[:32]
+            factors, data = ({}, None) if alone else (infant.factors, infant.data)
+            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, own)
+            found.setdefault(key, job)
+    return tuple(found.values())
+
+
+def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None]]:
+    """Yield name, options and seed of each step, one for each seed."""
+    for item in cohort.do:
+        name, chosen = step_of(item)
+        options = chosen.model_dump(mode="json")
+        for seed in options.pop("seeds", (None,)):
+            yield name, options, seed
+
+
+def _policy_digest(path: Path) -> str:
+    """Return the digest of the file of a trained policy.
+
+    Raises:
+        MimocError: If it cannot be read.
+    """
+    try:
+        return f"sha256:{sha256(path.read_bytes()).hexdigest()}"
+    except OSError as error:
+        raise MimocError(f"{path}: the policy cannot be read ({error.strerror}); check the path") from None
+
+
+def _text(data: Any) -> str:
+    """Return plain data as text, the same for the same data."""
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False, default=dict)

@@ -1,0 +1,123 @@
+"""Doing jobs in this process: each leaves a result, whatever happens to it.
+
+This is all that an engine needs: it hands jobs and the folder to `perform` on some machine that shares the folder.
+"""
+
+import os
+import platform
+import sys
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from time import perf_counter
+
+from mimoc.cohorts.job import Job
+from mimoc.cohorts.steps import measured
+from mimoc.cohorts.store import Result, Store
+from mimoc.cohorts.work import Bench, Work
+from mimoc.errors import MimocError
+from mimoc.version import __version__
+
+PINNED: Mapping[str, str] = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "NUMEXPR_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+        "BLIS_NUM_THREADS",
+    ),
+    "1",
+)
+"""Environment variables of a process that does jobs: one thread, since there are as many processes as cores."""
+
+LIBRARIES = {"": ("mujoco", "numpy"), "train": ("torch", "stable_baselines3", "gymnasium")}
+"""Libraries whose versions a result names: those of every step, and those of single ones."""
+
+
+def perform(jobs: Sequence[Job], store: Store, bench: Bench | None = None) -> int:
+    """Do jobs one after the other, and write the result of each; return how many have failed.
+
+    Jobs that have a result are left out, so that jobs can be handed out twice.
+
+    Args:
+        jobs: The jobs, those of one infant next to each other.
+        store: The folder of the cohort.
+        bench: Where to keep the infant between calls.
+    """
+    bench, failed = bench or Bench(), 0
+    for job in store.missing(jobs):
+        result = perform_one(job, store, bench)
+        store.write(job, result)
+        failed += not result.ok
+    return failed
+
+
+def perform_one(job: Job, store: Store, bench: Bench) -> Result:
+    """Do a job and return its result, also if it fails."""
+    start = perf_counter()
+    with _logged(store.log(job)):
+        try:
+            measures = dict(measured(Work(job, store, bench)))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # Also SystemExit: a user's function must not end the process.
+            traceback.print_exc()
+            return Result("failed", {}, _versions(job.step), _line(error), perf_counter() - start)
+    with suppress(OSError):
+        if not store.log(job).stat().st_size:
+            store.log(job).unlink()
+    return Result("ok", measures, _versions(job.step), seconds=perf_counter() - start)
+
+
+def lost(job: Job, reason: str) -> Result:
+    """Return the result of a job whose process ended without one."""
+    return Result("failed", {}, _versions(job.step), reason)
+
+
+@contextmanager
+def _logged(path: Path) -> Iterator[None]:
+    """Write to a file all that this process prints, by Python or by a library beneath it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _flush()
+    kept = [os.dup(number) for number in (1, 2)]
+    log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    try:
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        with (
+            open(log, "w", encoding="utf-8", errors="backslashreplace", closefd=False) as text,
+            redirect_stdout(text),
+            redirect_stderr(text),
+        ):
+            yield
+    finally:
+        _flush()
+        for number, before in zip((1, 2), kept, strict=True):
+            os.dup2(before, number)
+            os.close(before)
+        os.close(log)
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(Exception):
+            stream.flush()
+
+
+def _line(error: BaseException) -> str:
+    """Return what went wrong in one line."""
+    told = "; ".join(str(error).split("\n")).strip()
+    return told if isinstance(error, MimocError) and told else f"{type(error).__name__}: {told}".rstrip(": ")
+
+
+@cache
+def _versions(step: str) -> dict[str, str]:
+    found = {"mimoc": __version__, "python": platform.python_version()}
+    for library in (*LIBRARIES[""], *LIBRARIES.get(step, ())):
+        with suppress(PackageNotFoundError):
+            found[library] = version(library)
+    return found

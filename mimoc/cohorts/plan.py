@@ -1,0 +1,133 @@
+"""What a cohort will take: its jobs, their time, and their space, from a short trial of each step."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mimoc.cohorts.cohort import Cohort
+from mimoc.cohorts.engines.local import try_out
+from mimoc.cohorts.job import Job
+from mimoc.cohorts.store import ASSETS, Result, Store, size_bytes
+
+TRIAL_S = 30.0
+"""Longest trial of a step; a step that takes longer is counted as this long."""
+SHORT, LONG = 50, 150
+"""Control steps of two trial runs, whose difference says how long a step takes."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepPlan:
+    """What a step of a cohort will take."""
+
+    step: str
+    jobs: int
+    done: int
+    """Jobs that have a result already."""
+    seconds: float | None
+    """CPU time of a job on one core, from its trial; None if there was none, as all are done."""
+    at_least: bool
+    """Whether the trial was stopped, so that jobs take longer than that."""
+    bytes: float
+    """Size of what a job leaves behind."""
+    error: str
+    """Why the trial failed; empty if it did not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a cohort will take."""
+
+    infants: int
+    steps: tuple[StepPlan, ...]
+    processes: int
+    """Processes that this machine would use."""
+
+    @property
+    def jobs(self) -> int:
+        """Number of all jobs."""
+        return sum(step.jobs for step in self.steps)
+
+    @property
+    def hours(self) -> float:
+        """Time that the missing jobs take on this machine."""
+        seconds = sum((step.jobs - step.done) * (step.seconds or 0.0) for step in self.steps)
+        return seconds / self.processes / 3600
+
+    @property
+    def bytes(self) -> float:
+        """Size of what all jobs leave behind."""
+        return sum(step.jobs * step.bytes for step in self.steps)
+
+
+def plan(cohort: Cohort, out: str | Path) -> Plan:
+    """Return what a cohort will take, after a trial of each step that is not done.
+
+    Args:
+        cohort: The cohort.
+        out: The folder of the cohort, which need not exist; nothing is written to it.
+
+    Raises:
+        SpecError: If some combinations of values are invalid.
+    """
+    jobs, store = cohort.jobs(), Store(Path(out).expanduser())
+    found = [_planned(step, [job for job in jobs if job.step == step], store) for step in _steps(jobs)]
+    return Plan(len(cohort.infants), tuple(found), len(os.sched_getaffinity(0)))
+
+
+def _steps(jobs: Sequence[Job]) -> list[str]:
+    return [*dict.fromkeys(job.step for job in jobs)]
+
+
+def _planned(step: str, jobs: Sequence[Job], store: Store) -> StepPlan:
+    missing = store.missing(jobs)
+    if not missing:
+        return StepPlan(step, len(jobs), len(jobs), None, False, 0.0, "")
+    place = tempfile.mkdtemp(prefix="mimoc-trial-")
+    try:
+        trial = Store(Path(place))
+        trial.create(missing[0].cohort)
+        trials = _trials(missing[0], missing[-1])
+        results = try_out(trials, trial, TRIAL_S)
+        size = size_bytes(trial.folder) - size_bytes(trial.folder / ASSETS)
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+    finished = [result for result in results if result]
+    at_least = len(finished) < len(trials)
+    seconds = TRIAL_S if at_least else _seconds(missing[-1], trials, finished)
+    error = next((result.error for result in finished if not result.ok), "")
+    return StepPlan(step, len(jobs), len(jobs) - len(missing), seconds, at_least, size / max(len(finished), 1), error)
+
+
+def _trials(first: Job, job: Job) -> list[Job]:
+    """Return jobs that take little time and say how long a job takes: the first of them is for warming up."""
+    if job.step == "experiment":
+        return [job]
+    if job.step not in ("run", "train") or job.options["steps"] <= LONG:
+        return [replace(first, key="0" * 32), replace(job, key="1" * 32)]
+    short, long = (SHORT, LONG) if job.step == "run" else _rollouts(job)
+    lengths = [(first, short), (job, short), (job, short), (job, long)]
+    return [
+        replace(each, key=f"{number:032x}", options={**each.options, "steps": steps})
+        for number, (each, steps) in enumerate(lengths)
+    ]
+
+
+def _seconds(job: Job, trials: Sequence[Job], results: Sequence[Result]) -> float:
+    """Return how long a job takes: with its infant built, and in proportion to its steps if the trials had fewer."""
+    if len(trials) <= 2:
+        return results[-1].seconds
+    *_, short, long = (trial.options["steps"] for trial in trials)
+    rate = max(results[-1].seconds - results[-2].seconds, 0.0) / (long - short)
+    return results[1].seconds + rate * (job.options["steps"] - short)
+
+
+def _rollouts(job: Job) -> tuple[int, int]:
+    """Return the control steps of one and of two rollouts of a training."""
+    from mimoc.training.settings import Settings
+
+    named = {name: job.options[name] for name in ("algo", "steps", "envs", "checkpoint_every", "hyper")}
+    rollout = max(Settings.choose(seed=0, **named).rollout_steps, 1024)
+    return rollout, 2 * rollout

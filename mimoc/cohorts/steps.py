@@ -1,0 +1,150 @@
+"""The steps of a cohort: what each does with an infant, and what it measures."""
+
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import asdict
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from mimoc.bundle.io import LOCK, Bundle
+from mimoc.cohorts.own_code import import_function
+from mimoc.cohorts.self_contacts import SelfContacts
+from mimoc.cohorts.work import Work
+from mimoc.errors import MimocError
+from mimoc.runtime.check import check_stability
+from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.rollout import Run
+
+Measures = Mapping[str, Any]
+
+CHILD = {
+    "length_cm": "length_cm",
+    "mass_kg": "weight_kg",
+    "head_circumference_cm": "head_circumference_cm",
+    "arm_circumference_cm": "arm_circumference_cm",
+}
+"""Field of a manifest's child by the name of the measure."""
+
+
+def measure_child(bundle: Bundle) -> Measures:
+    """Return the measures of an infant that every step has."""
+    return {name: getattr(bundle.manifest.child, field) for name, field in CHILD.items()}
+
+
+def build(work: Work) -> Measures:
+    """Build the infant, and keep its bundle."""
+    bundle = work.bundle
+    work.store.write_bundle(work.job, bundle)
+    return {**measure_child(bundle), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
+
+
+def check(work: Work) -> Measures:
+    """Check that the infant stays stable from every pose."""
+    checks = [*check_stability(work.bundle)]
+    return {
+        **measure_child(work.bundle),
+        "stable": all(each.passed for each in checks),
+        "energy_j_per_kg": max((each.energy_j_per_kg for each in checks), default=0.0),
+        "beyond_deg": max((each.beyond_deg for each in checks), default=0.0),
+    }
+
+
+def run(work: Work) -> Measures:
+    """Run the infant under a policy."""
+    options = work.job.options
+    with closing(InfantEnv(work.bundle)) as env:
+        rollout, contacts = Run(env, _policy(work, options["policy"]), work.seed), SelfContacts(env)
+        for _ in range(options["steps"]):
+            rollout.step()
+            contacts.count()
+        summary = rollout.summary()
+    return {
+        **measure_child(work.bundle),
+        "return": summary.mean_return,
+        "success": summary.successes / summary.finished if summary.finished else None,
+        "time_to_success_s": summary.time_to_success_s,
+        "episodes": summary.finished,
+        "contacts_self": contacts.mean,
+        "hip_path_m": summary.hip_path_m,
+        "head_height_m": summary.head_height_m[1],
+        "joint_speed_rad_s": summary.joint_speed_rad_s,
+        "unstable": summary.unstable,
+        **summary.metrics,
+    }
+
+
+def train(work: Work) -> Measures:
+    """Train a policy; a training that was killed is resumed."""
+    from mimoc.training import train as learn
+
+    folder = work.store.runs(work.job) / "training"
+    origin = {"cohort": work.job.cohort, "job": work.job.key, "factors": dict(work.job.factors)}
+    training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
+    last = asdict(training.curve.rows[-1]) if training.curve.rows else {}
+    return {
+        **measure_child(work.bundle),
+        "return": last.get("episode_return"),
+        "success": last.get("success_rate"),
+        "time_to_success_s": last.get("time_to_success_s"),
+        "episodes": last.get("episodes"),
+    }
+
+
+def experiment(work: Work) -> Measures:
+    """Run one of mimoc's experiments; its tables and its page are kept."""
+    from mimoc.experiments import run_experiment
+
+    run_experiment(work.job.options["name"], work.folder, quick=work.job.options["quick"])
+    return {}
+
+
+def python(work: Work) -> Measures:
+    """Call a function of the user's own, which returns measures by name, or nothing."""
+    options = work.job.options
+    function = import_function(options["function"], work.job.folder)
+    found = function(work, **options["options"])
+    if found is not None and not isinstance(found, Mapping):
+        raise MimocError(f"'{options['function']}' returned {type(found).__name__}; return a dictionary of measures")
+    own = {str(name): _cell(value, options["function"]) for name, value in (found or {}).items()}
+    return {**measure_child(work.bundle), **own}
+
+
+STEPS: Mapping[str, Callable[[Work], Measures]] = {
+    "build": build,
+    "check": check,
+    "run": run,
+    "train": train,
+    "experiment": experiment,
+    "python": python,
+}
+"""What does each step, by name."""
+
+
+def measured(work: Work) -> Measures:
+    """Do a job, and return all that it measures.
+
+    Raises:
+        MimocError: If it cannot be done.
+    """
+    work.measures.update(STEPS[work.job.step](work))
+    for name in work.job.own_measures:
+        work.measures[name] = _cell(import_function(name, work.job.folder)(work), name)
+    return work.measures
+
+
+def _policy(work: Work, name: str) -> Any:
+    """Return the trained policy if the name is that of a file, else the name itself."""
+    if not name.endswith(".zip"):
+        return name
+    from mimoc.training import load_policy
+
+    return load_policy(Path(work.job.folder) / name)
+
+
+def _cell(value: Any, function: str) -> str | bool | int | float | None:
+    """Return a value for the table: NumPy's numbers as Python's."""
+    plain = value.item() if hasattr(value, "item") else value
+    if plain is not None and not isinstance(plain, (str, bool, int, float)):
+        raise MimocError(f"'{function}' measured a {type(plain).__name__}; return a number, a text or None")
+    return plain

@@ -1,0 +1,188 @@
+"""The folder of a cohort, which all processes and machines that work on it share."""
+
+import json
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mimoc.bundle.files import write_file
+from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
+from mimoc.bundle.json_text import render_json
+from mimoc.bundle.shared_files import SharedFiles
+from mimoc.cohorts.job import Job
+from mimoc.errors import MimocError, OutputError
+from mimoc.rounding import rounded
+
+MARK = "cohort.json"
+"""File that says that a folder is a cohort's."""
+ASSETS = "assets"
+FOLDERS = ("results", "logs", "bundles", "runs", ASSETS)
+PROVENANCE = "provenance.json"
+"""Half of a bundle, and different for each infant: it is left out, and `mimoc explain` works it out again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What became of a job."""
+
+    status: str
+    """`ok` or `failed`."""
+    measures: Mapping[str, Any]
+    versions: Mapping[str, str]
+    """Versions of the software that did it."""
+    error: str = ""
+    """What went wrong, in one line."""
+    seconds: float = 0.0
+    """Wall time that it took."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether the job succeeded."""
+        return self.status == "ok"
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """The folder of a cohort: a result for each job that is done, whole or absent."""
+
+    folder: Path
+
+    def create(self, cohort: str) -> None:
+        """Make the folder, unless it exists.
+
+        Raises:
+            OutputError: If it holds anything else, or cannot be written.
+        """
+        try:
+            known = {MARK, "table.csv", "table.parquet"}
+            if self.folder.is_dir() and not (self.folder / MARK).exists():
+                inside = {path.name for path in self.folder.iterdir() if not path.name.startswith(".")}
+                if inside - {*known, *FOLDERS}:
+                    raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
+            for name in FOLDERS:
+                (self.folder / name).mkdir(parents=True, exist_ok=True)
+        except FileExistsError:
+            raise OutputError(f"{self.folder}: this is a file; name a new folder") from None
+        except OSError as error:
+            raise OutputError(f"{self.folder}: cannot be written ({error.strerror}); choose another folder") from None
+        write_file(self.folder / MARK, render_json({"cohort": cohort, "version": 1}))
+
+    def check(self) -> None:
+        """Check that this is the folder of a cohort.
+
+        Raises:
+            MimocError: If it is not.
+        """
+        if not (self.folder / MARK).is_file():
+            raise MimocError(f"{self.folder}: not the folder of a cohort; name the one given to 'mimoc cohort run -o'")
+
+    def read(self, job: Job) -> Result | None:
+        """Return the result of a job, None if it is not done."""
+        try:
+            found = json.loads(self._place("results", job, ".json").read_bytes())
+            return Result(**{name: found[name] for name in ("status", "measures", "versions", "error", "seconds")})
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, TypeError):
+            return None  # Not one of ours, or lost with a file system: the job is done again.
+
+    def is_done(self, job: Job) -> bool:
+        """Return whether a job has a result."""
+        return self._place("results", job, ".json").exists()
+
+    def missing(self, jobs: Iterable[Job]) -> list[Job]:
+        """Return the jobs without a result."""
+        return [job for job in jobs if not self.is_done(job)]
+
+    def write(self, job: Job, result: Result) -> None:
+        """Write the result of a job; a failure never replaces a success, which another process may have had.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        if not result.ok and (known := self.read(job)) and known.ok:
+            return
+        place = self._place("results", job, ".json")
+        _make(place.parent)
+        told = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
+        found = {name: getattr(result, name) for name in Result.__slots__}
+        write_file(place, render_json(_plain({"job": job.key, **told, **found})))
+
+    def forget(self, job: Job) -> None:
+        """Remove the result of a job, so that it is done again."""
+        self._place("results", job, ".json").unlink(missing_ok=True)
+        self.log(job).unlink(missing_ok=True)
+
+    def log(self, job: Job) -> Path:
+        """Return the path of what a job prints."""
+        return self._place("logs", job, ".txt")
+
+    def runs(self, job: Job, *, empty: bool = False) -> Path:
+        """Return the folder of what else a job writes, such as a training run.
+
+        Args:
+            job: The job.
+            empty: Whether to begin with an empty folder.
+        """
+        folder = self._place("runs", job, "")
+        if empty:
+            shutil.rmtree(folder, ignore_errors=True)
+        _make(folder)
+        return folder
+
+    def bundle_folder(self, job: Job) -> Path:
+        """Return the folder of a bundle that a job builds."""
+        return self._place("bundles", job, "")
+
+    def write_bundle(self, job: Job, bundle: Bundle) -> Path:
+        """Write a bundle, without its provenance, that shares pictures and meshes with all others.
+
+        Raises:
+            BundleError: If it cannot be written.
+        """
+        folder = self.bundle_folder(job)
+        lean = without(bundle, PROVENANCE)
+        return write_bundle(lean, folder, force=True, shared=SharedFiles(self.folder / ASSETS))
+
+    def read_bundle(self, job: Job) -> Bundle:
+        """Return the bundle that a job has built.
+
+        Raises:
+            BundleError: If there is none.
+        """
+        return read_bundle(self.bundle_folder(job))
+
+    def _place(self, kind: str, job: Job, suffix: str) -> Path:
+        """Return the path of a file of a job: a folder for each 256th, since file systems are slow with large ones."""
+        return self.folder / kind / job.key[:2] / f"{job.key}{suffix}"
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
+
+
+def _plain(data: Any) -> Any:
+    """Return data with numbers as they are in files, and none that JSON does not know."""
+    if isinstance(data, Mapping):
+        return {key: _plain(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_plain(value) for value in data]
+    if isinstance(data, float):
+        return rounded(data) if data - data == 0 else None
+    return data
+
+
+def size_bytes(folder: Path) -> int:
+    """Return the size of all files below a folder, each counted once however many links it has."""
+    sizes = {}
+    for path, _, names in os.walk(folder):
+        for name in names:
+            status = os.lstat(os.path.join(path, name))
+            sizes[status.st_dev, status.st_ino] = status.st_size
+    return sum(sizes.values())

@@ -1,0 +1,154 @@
+"""The table of a cohort: one row a job, the same to the byte whoever did the jobs and in whichever order."""
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mimoc.bundle.files import write_file
+from mimoc.cohorts.job import Job
+from mimoc.cohorts.store import Result, Store
+from mimoc.errors import MissingExtraError
+from mimoc.rounding import num
+from mimoc.schema.cohort_file import MEASURES
+
+CSV, PARQUET = "table.csv", "table.parquet"
+MISSING = "missing"
+"""Status of a job that is not done yet."""
+
+Cell = str | bool | int | float | None
+Rows = Sequence[Mapping[str, Cell]]
+
+
+def rows_of(jobs: Sequence[Job], store: Store, measures: Sequence[str]) -> list[dict[str, Cell]]:
+    """Return a row for each job: its factors, step and seed, what was measured, and the versions of the software.
+
+    Args:
+        jobs: The jobs, in the order of the rows.
+        store: The folder of the cohort.
+        measures: The measures to show; none is every one that any job has.
+    """
+    results = [store.read(job) for job in jobs]
+    found = [result for result in results if result]
+    pairs = [*zip(jobs, results, strict=True)]
+    returned = _union([result.measures for job, result in pairs if result and job.step == "python"])
+    own = [name for name in returned if name not in MEASURES]
+    shown = measures or _ordered({name for result in found for name in result.measures})
+    columns = _Columns(
+        factors=_union([job.factors for job in jobs]),
+        options=_varied_options(jobs),
+        measures=[*dict.fromkeys((*shown, *own))],
+        libraries=_union([result.versions for result in found]),
+    )
+    return [columns.row(job, result, store) for job, result in pairs]
+
+
+@dataclass(frozen=True, slots=True)
+class _Columns:
+    """What the columns of a table show."""
+
+    factors: Sequence[str]
+    options: Sequence[tuple[str, str]]
+    """Step and name of the options that differ between the jobs of a step."""
+    measures: Sequence[str]
+    libraries: Sequence[str]
+
+    def row(self, job: Job, result: Result | None, store: Store) -> dict[str, Cell]:
+        """Return the row of a job."""
+        failed = result is not None and not result.ok
+        measures, versions = (result.measures, result.versions) if result else ({}, {})
+        return {
+            "job": job.key,
+            **{name: _cell(job.factors.get(name)) for name in self.factors},
+            "step": job.step,
+            **{f"{step}.{name}": _cell(job.options[name]) if job.step == step else None for step, name in self.options},
+            "seed": job.seed,
+            "status": result.status if result else MISSING,
+            **{name: _cell(measures.get(name)) for name in self.measures},
+            **{f"version.{name}": versions.get(name) for name in self.libraries},
+            "error": result.error if result and failed else None,
+            "log": store.log(job).relative_to(store.folder).as_posix() if failed else None,
+        }
+
+
+def write_csv(rows: Rows, folder: Path) -> Path:
+    """Write the table as CSV: empty cells for what has no value, `true` and `false`, numbers rounded as in all files.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(rows[0] if rows else ())
+    writer.writerows([_text(cell) for cell in row.values()] for row in rows)
+    return write_file(folder / CSV, text.getvalue().encode())
+
+
+def write_parquet(rows: Rows, folder: Path) -> Path:
+    """Write the table as Parquet, with whole numbers, numbers, truth values and texts as what they are.
+
+    Raises:
+        MissingExtraError: If pyarrow is not installed.
+        OutputError: If it cannot be written.
+    """
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtraError("pyarrow", "record") from None
+    columns = {name: [row[name] for row in rows] for name in (rows[0] if rows else ())}
+    arrays = {name: pyarrow.array(_alike(cells), _type(cells, pyarrow)) for name, cells in columns.items()}
+    buffer = io.BytesIO()
+    parquet.write_table(pyarrow.table(arrays), buffer, compression="zstd", version="2.6")
+    return write_file(folder / PARQUET, buffer.getvalue())
+
+
+def _union(mappings: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the keys of all mappings, in the order in which they first occur."""
+    return [*dict.fromkeys(name for each in mappings for name in each)]
+
+
+def _ordered(names: set[str]) -> list[str]:
+    """Return measures in the order in which they are documented, then others by name."""
+    return [*(name for name in MEASURES if name in names), *sorted(names - MEASURES.keys())]
+
+
+def _varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:
+    """Return step and name of the options that differ between the jobs of a step."""
+    seen: dict[tuple[str, str], set[str]] = {}
+    for job in jobs:
+        for name, value in job.options.items():
+            seen.setdefault((job.step, name), set()).add(json.dumps(value, sort_keys=True))
+    return [where for where, values in seen.items() if len(values) > 1]
+
+
+def _cell(value: Any) -> Cell:
+    """Return a value as a cell: lists and sections as JSON."""
+    return json.dumps(value, sort_keys=True) if isinstance(value, (list, tuple, Mapping)) else value
+
+
+def _text(cell: Cell) -> str:
+    if cell is None:
+        return ""
+    return num(cell) if isinstance(cell, (bool, float)) else str(cell)
+
+
+def _type(cells: Sequence[Cell], pyarrow: Any) -> Any:
+    """Return the type of a column: that of all its cells, or text."""
+    kinds = {type(cell) for cell in cells if cell is not None}
+    if kinds == {bool}:
+        return pyarrow.bool_()
+    if kinds == {int}:
+        return pyarrow.int64()
+    return pyarrow.float64() if kinds and kinds <= {int, float} else pyarrow.string()
+
+
+def _alike(cells: Sequence[Cell]) -> list[Cell]:
+    """Return the cells of a column as texts, if they are of several kinds."""
+    kinds = {type(cell) for cell in cells if cell is not None}
+    if len(kinds) < 2 or kinds <= {int, float}:
+        return [*cells]
+    return [None if cell is None else _text(cell) for cell in cells]

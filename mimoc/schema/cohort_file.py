@@ -1,0 +1,275 @@
+"""A cohort file: which infants a study has, what is done with each, and what is measured."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    StringConstraints,
+    Tag,
+    model_validator,
+)
+
+from mimoc.errors import suggestion
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.body import IndividualSpec
+from mimoc.schema.cohort_steps import FUNCTION, Step, not_empty
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.outline import language_of
+from mimoc.schema.quantities import PathText, Real, Whole
+from mimoc.schema.reading import read_keys
+from mimoc.schema.source import FileKind, Source
+from mimoc.schema.wording import unknown_key
+
+COHORT = FileKind("cohort file", "mimoc, cohort, base and do", "cohort: spring")
+
+MEASURES: Mapping[str, str] = {
+    "length_cm": "length from crown to sole",
+    "mass_kg": "mass of the whole body",
+    "head_circumference_cm": "head circumference",
+    "arm_circumference_cm": "upper-arm circumference",
+    "stable": "`check`: whether the infant stayed stable in all trials",
+    "energy_j_per_kg": "`check`: largest kinetic energy per body mass",
+    "beyond_deg": "`check`: largest violation of a joint range",
+    "return": "`run`, `train`: mean return of the completed episodes",
+    "success": "`run`, `train`: share of the completed episodes that were successful",
+    "time_to_success_s": "`run`, `train`: mean simulated time to success",
+    "episodes": "`run`, `train`: completed episodes",
+    "contacts_self": "`run`: mean number of contacts between parts of the own body",
+    "hip_path_m": "`run`: length of the path of the hip",
+    "head_height_m": "`run`: largest height of the head's centre",
+    "joint_speed_rad_s": "`run`: mean absolute joint velocity",
+    "unstable": "`run`: whether the simulation became unstable",
+}
+"""Measures by name, and what they are; those of a step have no value for other steps."""
+
+
+def _known_version(value: Any) -> Any:
+    if type(value) is not int or value != 1:
+        raise ValueError("this mimoc reads version 1 of cohort files; write 'mimoc: 1'")
+    return value
+
+
+def _known_key(key: str) -> str:
+    """Return a dotted key of a spec, if there is one of this name."""
+    language, path = language_of(InfantSpec), tuple(key.split("."))
+    for depth in range(1, len(path) + 1):
+        above = language.outline(path[: depth - 1])
+        if not above.keys and not above.schema.get("additionalProperties"):
+            raise ValueError(f"'{'.'.join(path[: depth - 1])}' has no keys below it; write that key alone")
+        if not language.is_known(path[:depth]):
+            raise ValueError(f"in a spec, {unknown_key(path[:depth], language)}")
+    if key in ("mimoc", "name"):
+        raise ValueError(f"'{key}' is the same for all infants; leave it out")
+    return key
+
+
+def _known_measure(name: str) -> str:
+    if name not in MEASURES and not FUNCTION.fullmatch(name):
+        raise ValueError(f"'{name}' is not a measure; {suggestion(name, MEASURES)}; or name a module:function")
+    return name
+
+
+Seed = Annotated[Whole, Field(ge=0, le=2**32 - 1)]
+Count = Annotated[Whole, Field(ge=1, le=1_000_000)]
+
+
+class DrawnChildren(Model):
+    """Children drawn from WHO's standards."""
+
+    draw: Annotated[Count, Field(examples=[100])]
+    """How many children."""
+    sex: Literal["both", "female", "male"] = "both"
+    """Their sex; of `both`, girls and boys take turns."""
+    seed: Seed = 0
+    """Seed of the draws; child i of a seed is the same however many are drawn."""
+
+
+class RangeSpec(Model):
+    """Equally spaced values."""
+
+    start: Annotated[Real, Field(alias="from", ge=-1e9, le=1e9, examples=[0])]
+    """The first value."""
+    to: Annotated[Real, Field(ge=-1e9, le=1e9, examples=[24])]
+    """The last value, if a whole number of steps leads to it."""
+    step: Annotated[Real, Field(gt=0, le=1e9, examples=[3])]
+    """Difference of two neighbours."""
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.to < self.start:
+            raise KeyedError(("to",), f"{self.to:g} is below 'from'; write the smaller value as 'from'")
+        if (self.to - self.start) / self.step > 100_000:
+            raise KeyedError(("step",), "this gives more than 100,000 values; give a larger step")
+        return self
+
+
+Pair = tuple[Annotated[Real, Field(ge=-1e9, le=1e9)], Annotated[Real, Field(ge=-1e9, le=1e9)]]
+
+
+class DrawsSpec(Model):
+    """Values drawn from a distribution."""
+
+    uniform: Pair | None = None
+    """Lowest and highest value of a uniform distribution."""
+    log_uniform: Pair | None = None
+    """The same for a value whose logarithm is uniformly distributed."""
+    normal: Pair | None = None
+    """Mean and standard deviation of a normal distribution."""
+    step: Annotated[Real, Field(gt=0, le=1e9)] | None = None
+    """Round the values to multiples of this."""
+    n: Count | None = None
+    """How many values; `design: sample` draws one for each infant instead."""
+    seed: Seed = 0
+    """Seed of the draws."""
+
+    @model_validator(mode="after")
+    def _is_one_distribution(self) -> Self:
+        given = [name for name in ("uniform", "log_uniform", "normal") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise KeyedError((), "give one distribution: uniform, log_uniform or normal, such as 'uniform: [0, 24]'")
+        low, high = getattr(self, given[0])
+        if given[0] == "normal" and high <= 0:
+            raise KeyedError(("normal",), f"a standard deviation of {high:g} is not positive; write [mean, deviation]")
+        if given[0] != "normal" and low > high:
+            raise KeyedError((given[0],), f"[{low:g}, {high:g}] is reversed; write the smaller number first")
+        if given[0] == "log_uniform" and low <= 0:
+            raise KeyedError((given[0],), f"{low:g} has no logarithm; give a number above 0")
+        return self
+
+
+def _kind_of_levels(value: Any) -> str | None:
+    if isinstance(value, list | tuple):
+        return "a list"
+    keys = value.keys() if isinstance(value, dict) else ()
+    if isinstance(value, DrawsSpec) or any(key in DrawsSpec.model_fields and key != "step" for key in keys):
+        return "some draws"
+    return "a range" if isinstance(value, dict | RangeSpec) else None
+
+
+_LEVELS = "values to vary; write [a, b], {from: a, to: b, step: c} or {uniform: [a, b], n: 5}"
+_BASE = "a spec; write the path of its file, or its keys"
+Levels = Annotated[
+    Annotated[tuple[Any, ...], AfterValidator(not_empty), Tag("a list")]
+    | Annotated[RangeSpec, Tag("a range")]
+    | Annotated[DrawsSpec, Tag("some draws")],
+    Discriminator(_kind_of_levels),
+    Field(json_schema_extra={"wanted": _LEVELS}),
+]
+"""The values of a key that is varied."""
+
+
+def _kind_of_children(value: Any) -> str | None:
+    if isinstance(value, list | tuple):
+        return "a list"
+    return "drawn children" if isinstance(value, dict | DrawnChildren) else None
+
+
+class SampleSize(Model):
+    """How many infants are sampled."""
+
+    n: Annotated[Count, Field(examples=[500])]
+    """How many infants."""
+    seed: Seed = 0
+    """Seed of the choice."""
+
+
+class SampleDesign(Model):
+    """Infants with values chosen at random."""
+
+    sample: Annotated[SampleSize, Field(examples=[{"n": 500}])]
+    """How many, and by which seed."""
+
+
+def _kind_of_design(value: Any) -> str | None:
+    return "a word" if isinstance(value, str) else "a sample" if isinstance(value, dict | SampleDesign) else None
+
+
+def _kind_of_base(value: Any) -> str | None:
+    return "a path" if isinstance(value, str) else "a spec" if isinstance(value, dict) else None
+
+
+class CohortSpec(Model):
+    """A cohort: children, what is varied, what is done with each infant, and what is measured."""
+
+    mimoc: Annotated[Literal[1], BeforeValidator(_known_version), Field(examples=[1])]
+    """Version of the language."""
+    cohort: Annotated[
+        str, StringConstraints(strict=True, pattern="^[a-z][a-z0-9_]*$", max_length=64), Field(examples=["spring"])
+    ]
+    """Name of the cohort."""
+    base: Annotated[
+        Annotated[PathText, Tag("a path")] | Annotated[dict[str, Any], Tag("a spec")],
+        Discriminator(_kind_of_base),
+        Field(
+            examples=["nine_months.yaml"],
+            json_schema_extra={"wanted": _BASE},
+        ),
+    ]
+    """The infant that all others are made from: the path of a spec, or the spec itself."""
+    children: (
+        Annotated[
+            Annotated[DrawnChildren, Tag("drawn children")]
+            | Annotated[tuple[IndividualSpec, ...], AfterValidator(not_empty), Tag("a list")],
+            Discriminator(_kind_of_children),
+            Field(json_schema_extra={"wanted": "children; write {draw: 100, seed: 7}, or a list of individuals"}),
+        ]
+        | None
+    ) = None
+    """The children, each of which is the same at every age; by default, the child of the base."""
+    vary: Mapping[Annotated[str, AfterValidator(_known_key)], Levels] = Field(default_factory=dict)
+    """Values of keys of the spec, by dotted key."""
+    design: Annotated[
+        Annotated[Literal["grid", "zip"], Tag("a word")] | Annotated[SampleDesign, Tag("a sample")],
+        Discriminator(_kind_of_design),
+        Field(json_schema_extra={"wanted": "a design; write grid, zip or {sample: {n: 500, seed: 1}}"}),
+    ] = "grid"
+    """How values are combined: each with each, in parallel, or at random."""
+    do: Annotated[tuple[Step, ...], AfterValidator(not_empty), Field(examples=[["build"]])]
+    """What is done with each infant."""
+    measure: tuple[Annotated[str, AfterValidator(_known_measure)], ...] = ()
+    """What the table shows; by default, every measure of every step."""
+
+    _source: Source | None = PrivateAttr(default=None)
+
+    @property
+    def source(self) -> Source | None:
+        """The file this was read from, or None if it was created in Python."""
+        return self._source
+
+    def model_post_init(self, context: Any) -> None:
+        """Store the source, which is passed as the context of validation."""
+        if isinstance(context, Source):
+            self._source = context
+
+    @model_validator(mode="after")
+    def _keys_do_not_overlap(self) -> Self:
+        for key in self.vary:
+            if self.children is not None and (key + ".").startswith("body.individual."):
+                raise KeyedError(("vary", key), "'children' says this; leave one of the two out", against=("children",))
+            for other in self.vary:
+                if other.startswith(f"{key}."):
+                    raise KeyedError(("vary", other), f"'{key}' is varied as a whole; leave one of the two out")
+        return self
+
+    @model_validator(mode="after")
+    def _design_fits(self) -> Self:
+        sampled = isinstance(self.design, SampleDesign)
+        for key, levels in self.vary.items():
+            if isinstance(levels, DrawsSpec) and sampled == (levels.n is not None):
+                advice = "remove n: 'design' says how many infants" if sampled else "add n, the number of values"
+                raise KeyedError(("vary", key), f"design and draws do not fit; {advice}", against=("design",))
+        return self
+
+
+def read_cohort_spec(source: Source) -> CohortSpec:
+    """Return the cohort in a file.
+
+    Raises:
+        SpecError: If the file is invalid; the error lists all problems.
+    """
+    return read_keys(CohortSpec, source)

@@ -1,0 +1,193 @@
+"""What a cohort does with each infant: the `do` of a cohort file."""
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, StringConstraints, Tag, model_validator
+
+from mimoc.errors import suggestion
+from mimoc.schema.base import KeyedError, Model
+from mimoc.schema.quantities import Whole
+
+MAX_SEEDS = 10_000
+FUNCTION = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+"""A function of the user's own, as `module:function`."""
+
+
+def _without_separators(value: Any) -> Any:
+    """Return a number that is written with separators, `200_000`, which YAML reads as text."""
+    is_number = isinstance(value, str) and re.fullmatch("[0-9]{1,3}(_[0-9]{3})+", value)
+    return int(value) if is_number else value
+
+
+def not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return a list, if there is something in it."""
+    if not items:
+        raise ValueError("this list is empty; name one or more, or remove the key")
+    return items
+
+
+Words = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
+Steps = Annotated[Whole, Field(ge=1, le=10**9), BeforeValidator(_without_separators)]
+
+
+def _seeds(value: Any) -> Any:
+    """Return seeds as a tuple: of one number, a list, or a range `0:3`."""
+    if isinstance(value, str) and (ends := re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", value)):
+        value = range(int(ends[1]), int(ends[2]))
+        if not value:
+            raise ValueError(f"'{ends[0]}' contains no seed; write the smaller number first, such as 0:3")
+    found = (value,) if type(value) is int else value
+    if not isinstance(found, list | tuple | range) or not all(
+        type(seed) is int and 0 <= seed < 2**31 for seed in found
+    ):
+        raise ValueError("these are not seeds; write a number, a list, or a range such as 0:3")
+    if not found or len(set(found)) < len(found) or len(found) > MAX_SEEDS:
+        raise ValueError(f"expected 1 to {MAX_SEEDS} different seeds; write a list, or a range such as 0:3")
+    return tuple(found)
+
+
+def _function(name: str) -> str:
+    if not FUNCTION.fullmatch(name):
+        raise ValueError(f"'{name}' does not name a function; write module:function, such as my_study:probe")
+    return name
+
+
+Seeds = Annotated[tuple[int, ...], BeforeValidator(_seeds)]
+Function = Annotated[Words, AfterValidator(_function)]
+Setting = str | bool | int | float | None
+
+
+class BuildStep(Model):
+    """Build the infant, and keep its bundle."""
+
+
+class CheckStep(Model):
+    """Check that the infant stays stable, as `mimoc check` does."""
+
+
+class RunStep(Model):
+    """Run the infant under a policy, as `mimoc run` does."""
+
+    policy: Words = "random"
+    """Name of a policy, or the path of a trained one, relative to the cohort file."""
+    steps: Steps = 1000
+    """Control steps."""
+    seeds: Seeds = (0,)
+    """Seeds of policy and episodes; each is a job."""
+
+
+class TrainStep(Model):
+    """Train a policy, as `mimoc train` does."""
+
+    algo: Literal["ppo", "sac"] = "ppo"
+    """Learning algorithm."""
+    steps: Steps = 500_000
+    """Control steps, summed over all environments."""
+    seeds: Seeds = (0,)
+    """Seeds of the training; each is a job."""
+    envs: Annotated[Whole, Field(ge=1, le=1024)] = 8
+    """Number of parallel environments."""
+    checkpoint_every: Steps = 20_480
+    """Control steps between checkpoints."""
+    hyper: Mapping[str, int | float] = Field(default_factory=dict)
+    """Hyperparameters that differ from the defaults."""
+    grow: Words | None = None
+    """Ages in months between which the infant grows, such as `6:12`."""
+    schedule: Literal["grown", "adult", "reversed", "shuffled"] = "grown"
+    """Order of these ages."""
+    grow_steps: Steps | None = None
+    """Control steps that growth takes; by default, all."""
+
+
+class ExperimentStep(Model):
+    """Run one of mimoc's experiments, which brings its own infants."""
+
+    name: Annotated[Words, Field(examples=["growth"])]
+    """Name of the experiment."""
+    quick: bool = False
+    """Whether to run its smaller version."""
+
+
+class PythonStep(Model):
+    """Call a function of the user's own."""
+
+    function: Annotated[Function, Field(examples=["my_study:probe"])]
+    """The function, as `module:function`."""
+    seeds: Seeds = (0,)
+    """Seeds it is called with; each is a job."""
+    options: Mapping[str, Setting] = Field(default_factory=dict)
+    """Further keyword arguments."""
+
+
+def _shape(value: Any) -> str | None:
+    return "a word" if isinstance(value, str) else "a section" if isinstance(value, dict | Model) else None
+
+
+Python = Annotated[
+    Annotated[Function, Tag("a word")] | Annotated[PythonStep, Tag("a section")],
+    Discriminator(_shape),
+    Field(json_schema_extra={"wanted": "a function; write module:function, or {function: module:function}"}),
+]
+Experiment = Annotated[
+    Annotated[Words, Tag("a word")] | Annotated[ExperimentStep, Tag("a section")],
+    Discriminator(_shape),
+    Field(json_schema_extra={"wanted": "an experiment; write its name, or {name: growth, quick: true}"}),
+]
+
+
+class StepChoice(Model):
+    """One step, with its options below its name."""
+
+    build: BuildStep | None = None
+    """Build the infant, and keep its bundle."""
+    check: CheckStep | None = None
+    """Check that the infant stays stable."""
+    run: RunStep | None = None
+    """Run the infant under a policy."""
+    train: TrainStep | None = None
+    """Train a policy."""
+    experiment: Experiment | None = None
+    """Run one of mimoc's experiments."""
+    python: Python | None = None
+    """Call a function of the user's own."""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if len(given := [name for name, value in self if value is not None]) != 1:
+            message = f"{len(given)} steps in one item; begin each step with '- ' on a line of its own"
+            raise KeyedError((), message)
+        return self
+
+
+WORDS = ("build", "check", "run", "train")
+"""Steps that a word alone can ask for."""
+
+
+def _word(value: str) -> str:
+    if value not in WORDS:
+        names = tuple(StepChoice.model_fields)
+        advice = f"write '{value}: ...', with what to do" if value in names else suggestion(value, names)
+        raise ValueError(f"'{value}' alone is not a step; {advice}")
+    return value
+
+
+Step = Annotated[
+    Annotated[Words, AfterValidator(_word), Tag("a word")] | Annotated[StepChoice, Tag("a section")],
+    Discriminator(_shape),
+    Field(json_schema_extra={"wanted": "a step; write build, check, run, train, or {run: {steps: 1000}}"}),
+]
+"""An item of `do`."""
+
+StepSpec = BuildStep | CheckStep | RunStep | TrainStep | ExperimentStep | PythonStep
+
+
+def step_of(item: str | StepChoice) -> tuple[str, StepSpec]:
+    """Return the name of a step and its options, however briefly it was written."""
+    if isinstance(item, str):
+        return item, StepChoice.model_validate({item: {}}).__dict__[item]
+    ((name, found),) = ((name, value) for name, value in item if value is not None)
+    if isinstance(found, str):
+        found = ExperimentStep(name=found) if name == "experiment" else PythonStep(function=found)
+    return name, found

@@ -1,0 +1,97 @@
+"""What a user reads who wrote something wrong in a cohort file: golden texts, in `__snapshots__`."""
+
+import pytest
+
+from mimoc.cohorts import Cohort
+from mimoc.errors import SpecError
+from mimoc.schema import source
+from mimoc.schema.cohort_file import COHORT, MEASURES, CohortSpec, read_cohort_spec
+from mimoc.schema.outline import language_of
+
+HEAD = "mimoc: 1\ncohort: spring\nbase: {mimoc: 1, name: x, age_months: 9}\n"
+DO = "do: [build]\n"
+
+ISSUE = """mimoc: 1
+cohort: spring
+base: nine_months.yaml
+children: {draw: 100, sex: both, seed: 7}
+vary:
+  age_months: [0, 3, 6, 9, 12, 18, 24]
+  delays.preset: [none, physiological]
+design: grid
+do:
+  - {run: {policy: random, steps: 1000, seeds: 0:3}}
+  - {train: {algo: ppo, steps: 200_000, seeds: 0:3}}
+measure: [length_cm, mass_kg, return, success, time_to_success_s, contacts_self]
+"""
+
+FILES = {
+    "an empty file": "",
+    "nothing that is needed": "vary: {}\n",
+    "a newer language": HEAD.replace("mimoc: 1\n", "mimoc: 2\n", 1) + DO,
+    "a name that is no name, and no step": HEAD.replace("spring", "Spring 7") + "do: []\n",
+    "a base that does not exist": HEAD.replace("{mimoc: 1, name: x, age_months: 9}", "nowhere.yaml") + DO,
+    "a base that is no spec": HEAD.replace("{mimoc: 1, name: x, age_months: 9}", "3") + DO,
+    "a base with mistakes, and others": "mimoc: 1\ncohort: s\nbase:\n  mimoc: 1\n  name: X\n  age_month: 9\n"
+    + "chidren: 3\n"
+    + DO,
+    "unknown keys": HEAD
+    + "childen: {draw: 3}\nchildren: {drawn: 3, seeds: 3}\nvarying: {}\ndesigns: grid\nmeasures: []\n"
+    + "do: [{run: {step: 3}}, {walk: {}}]\n",
+    "children that are none": HEAD + "children: 100\n" + DO,
+    "an empty list of children": HEAD + "children: []\n" + DO,
+    "too few children": HEAD + "children: {draw: 0, sex: girls, seed: -1}\n" + DO,
+    "individuals with mistakes": HEAD
+    + "children: [{sex: male, length_percentile: 200}, {sexx: male}, {sex: male}]\n"
+    + DO,
+    "keys that a spec does not have": HEAD
+    + "vary: {age: [3], delays.presett: [none], body.hand: [mitten], age_months.x: [1], name: [a], mimoc: [1]}\n"
+    + DO,
+    "values that are none": HEAD + "vary: {age_months: 3, scene.seed: [], body.hands: mitten, scene.kind: {}}\n" + DO,
+    "ranges": HEAD + "vary: {age_months: {from: 9, to: 3, step: 1}, scene.seed: {from: 0, to: 9, step: 0}}\n" + DO,
+    "draws": HEAD
+    + "vary: {age_months: {uniform: [9, 3], n: 3}, noise.motor: {normal: [1, 0], n: 3},\n"
+    + "  scene.seed: {log_uniform: [0, 9], n: 3}, control.step_ms: {uniform: [1, 2], normal: [1, 2], n: 1}}\n"
+    + DO,
+    "draws without a number in a grid": HEAD + "vary: {age_months: {uniform: [3, 9]}}\n" + DO,
+    "draws with a number in a sample": HEAD
+    + "vary: {age_months: {uniform: [3, 9], n: 3}}\ndesign: {sample: {n: 9}}\n"
+    + DO,
+    "designs": HEAD + "design: gird\n" + DO,
+    "a design of a list": HEAD + "design: [grid]\n" + DO,
+    "a sample without a size": HEAD + "design: {sample: {seed: 1}}\n" + DO,
+    "the child twice": HEAD + "children: {draw: 3}\nvary: {body.individual.sex: [male]}\n" + DO,
+    "a section and a key in it": HEAD + "vary: {delays: [{preset: none}], delays.motor_ms: [5]}\n" + DO,
+    "steps": HEAD
+    + "do: [biuld, python, 3, {}, {run: {}, train: {}}, {python: own.probe}, {experiment: 3},\n"
+    + "  {train: {algo: ppp, steps: 0, envs: 5000}}, {run: {steps: many, seeds: 3:0}}, {run: {seeds: [1, 1]}},\n"
+    + "  {run: {seeds: x}}]\n",
+    "measures": HEAD + DO + "measure: [length, weight_kg, own:probe, own]\n",
+}
+
+
+@pytest.mark.parametrize("what", FILES)
+def test_a_bad_cohort_file_is_told_all_at_once(what, snapshot):
+    with pytest.raises(SpecError) as caught:
+        Cohort(source.parse(FILES[what], "cohort.yaml", COHORT))
+    assert str(caught.value) == snapshot
+
+
+def test_the_file_of_the_issue_is_a_cohort():
+    spec = read_cohort_spec(source.parse(ISSUE, "cohort.yaml"))
+    assert (spec.cohort, spec.children.draw, len(spec.do)) == ("spring", 100, 2)
+    assert spec.do[1].train.steps == 200_000
+    assert spec.do[0].run.seeds == (0, 1, 2)
+
+
+def test_a_cohort_can_be_made_in_python():
+    study = Cohort({"mimoc": 1, "cohort": "s", "base": {"mimoc": 1, "name": "x", "age_months": 9}, "do": ["build"]})
+    assert [job.step for job in study.jobs()] == ["build"]
+    with pytest.raises(SpecError, match="<cohort>: do: is missing"):
+        Cohort({"mimoc": 1, "cohort": "s", "base": {"mimoc": 1, "name": "x", "age_months": 9}})
+
+
+def test_every_key_and_measure_is_described():
+    language = language_of(CohortSpec)
+    assert all(language.outline((key,)).schema.get("description") or key == "base" for key in language.outline(()).keys)
+    assert all(about for about in MEASURES.values())

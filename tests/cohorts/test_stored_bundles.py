@@ -1,0 +1,54 @@
+"""The bundles of a cohort, which share what they have in common."""
+
+import mujoco
+import pytest
+
+import mimoc
+from mimoc.cohorts.store import Store, size_bytes
+from mimoc.compiler import explain
+from mimoc.errors import BundleError
+
+NUMBER = 6
+
+
+@pytest.fixture
+def built(cohort, here, tmp_path):
+    study = cohort(children={"draw": NUMBER}, vary={"senses.vestibular": [{}]})
+    study.run(tmp_path / "out", here)
+    return study, Store(tmp_path / "out")
+
+
+def test_a_thousand_infants_take_less_than_100_megabytes(built):
+    study, store = built
+    shared = size_bytes(store.folder / "assets")
+    each = (size_bytes(store.folder) - shared) / NUMBER
+    assert shared + 1000 * each < 100e6
+    links = {path.name: path.stat().st_nlink for path in store.bundle_folder(study.jobs()[0]).glob("assets/*.png")}
+    assert len(links) > 5
+    assert set(links.values()) == {NUMBER + 1}
+
+
+def test_a_stored_bundle_opens_with_plain_mujoco_and_is_whole(built):
+    study, store = built
+    for job, spec in zip(study.jobs(), study.specs, strict=True):
+        model = mujoco.MjModel.from_xml_path(str(store.bundle_folder(job) / "scene.xml"))
+        alone = mimoc.build(spec)
+        assert store.read_bundle(job).manifest == alone.manifest
+        assert mimoc.make(store.read_bundle(job)).unwrapped.model.nq == model.nq
+
+
+def test_the_provenance_of_a_stored_bundle_is_worked_out_again(built):
+    study, store = built
+    lean, whole = store.read_bundle(study.jobs()[0]), mimoc.build(study.specs[0])
+    assert "provenance.json" not in lean.files
+    key = "body.left_foot.mass"
+    assert explain.explain(lean, key).lines == explain.explain(whole, key).lines
+
+
+def test_a_stored_bundle_is_not_explained_by_another_version(built, monkeypatch):
+    study, store = built
+    lean = store.read_bundle(study.jobs()[0])
+    monkeypatch.setattr("mimoc.body.growth.weigh", None)
+    monkeypatch.setattr("mimoc.compiler.building.Builder.files", {"infant.xml": b"another"})
+    with pytest.raises(BundleError, match="builds another infant"):
+        explain.contents(lean)

@@ -1,0 +1,73 @@
+"""The table of a cohort."""
+
+import csv
+import sys
+
+import pytest
+from pyarrow import parquet
+
+from mimoc.errors import MimocError, MissingExtraError
+
+NOTE = """
+def note(work):
+    return {"note": 'a, "b"', "few": 3 if work.seed else None}
+"""
+
+
+@pytest.fixture
+def done(cohort, here, tmp_path):
+    (tmp_path / "own.py").write_text(NOTE)
+    note = {"function": "own:note", "seeds": [0, 1]}
+    runs = [{"run": {"steps": steps}} for steps in (3, 4)]
+    study = cohort(vary={"body.remove": [[], ["left_hand"]]}, do=["check", *runs, {"python": note}])
+    study.run(tmp_path / "out", here)
+    return study, tmp_path / "out"
+
+
+def test_csv_and_parquet_say_the_same(done):
+    study, out = done
+    paths = study.table(out)
+    with paths[0].open(newline="") as file:
+        written = [*csv.DictReader(file)]
+    table = parquet.read_table(paths[1])
+    assert len(written) == table.num_rows == 10
+    for text, row in zip(written, table.to_pylist(), strict=True):
+        assert text == {name: as_text(value) for name, value in row.items()}
+    types = {name: str(table.schema.field(name).type) for name in ("length_cm", "seed", "stable", "few", "note")}
+    assert types == {"length_cm": "double", "seed": "int64", "stable": "bool", "few": "int64", "note": "string"}
+
+
+def as_text(value):
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return "" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def test_lists_are_cells_and_options_that_differ_are_columns(done):
+    study, out = done
+    rows = study.rows(out)
+    assert {row["body.remove"] for row in rows} == {"[]", '["left_hand"]'}
+    assert [row["run.steps"] for row in rows[:5]] == [None, 3, 4, None, None]
+    assert "run.policy" not in rows[0]
+
+
+def test_jobs_that_are_not_done_are_rows_too(done):
+    study, out = done
+    job = study.jobs()[3]
+    (out / "results" / job.key[:2] / f"{job.key}.json").write_text("not JSON: cut off")
+    assert [row["status"] for row in study.rows(out)] == ["ok"] * 3 + ["missing"] + ["ok"] * 6
+
+
+def test_without_pyarrow_there_is_the_csv_and_one_clear_error(done, monkeypatch):
+    study, out = done
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtraError, match=r"pyarrow is not installed; run: pip install 'mimoc\[record\]'"):
+        study.table(out)
+    assert (out / "table.csv").exists()
+    assert not (out / "table.parquet").exists()
+    assert study.table(out, parquet=False) == [out / "table.csv"]
+
+
+def test_a_folder_of_something_else_has_no_table(cohort, tmp_path):
+    with pytest.raises(MimocError, match="not the folder of a cohort"):
+        cohort().table(tmp_path)
