@@ -219,7 +219,7 @@ def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
     env = mimoc.make_vec(bundle(9), 2, device="warp:cpu")
     env.reset(seed=0)
     for absent in (lambda: env.grow(to=10), env.get_state, lambda: env.set_state([])):
-        with pytest.raises(DeviceError, match="on device 'cpu' .* leave out device"):
+        with pytest.raises(DeviceError, match=r"on device 'cpu' .* leave out device"):
             absent()
     command = np.zeros(env.action_space.shape, np.float32)
     command[1, 3] = np.nan
