@@ -108,7 +108,7 @@ def main() -> None:
     """Print all numbers."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--children", type=int, default=100)
-    options.add_argument("--jobs", type=int, default=100)
+    options.add_argument("--jobs", type=int, default=1000)
     options.add_argument("--kills", type=int, default=30)
     chosen = options.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -226,6 +226,7 @@ def _is_running(process: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.slow
 def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, tmp_path):
     hyper = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
     base = {"mimoc": 1, "name": "x", "age_months": 18, "senses": {"proprioception": {}}}
@@ -237,7 +238,7 @@ def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, 
     status = study.run(tmp_path / "out", here)
     assert not status.failures
     (row,) = study.rows(tmp_path / "out")
-    assert (row["seed"], row["episodes"], row["success"] is not None) == (4, 4, True)
+    assert (row["seed"], row["episodes"], row["success"] is not None) == (4, 2, True)
     (file,) = (tmp_path / "out" / "runs").rglob("run.json")
     run = json.loads(file.read_text())
     assert run["origin"] == {"cohort": "small", "job": row["job"], "factors": {"age_months": 18}}
