@@ -56,8 +56,10 @@ def _join(address: str) -> None:
     own = {"num_cpus": len(os.sched_getaffinity(0)), "include_dashboard": False} if address == "local" else {}
     try:
         ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **own)
-    except (ConnectionError, ValueError, RuntimeError) as error:
+    except Exception as error:  # Ray raises just that if a node does not start in time.
         reason = str(error).strip().partition("\n")[0]
+        if own:
+            raise MimocError(f"Ray does not start on this machine ({reason}); try again, or give an address") from None
         raise MimocError(
             f"there is no Ray cluster at '{address}' ({reason}); give the address that 'ray start --head' prints"
         ) from None
