@@ -33,7 +33,7 @@ node() {
             grep -q 'Ray runtime started' "$dir/$name.log" && return
             sleep 0.5
         done
-        kill -9 -- "-$group" 2>/dev/null || true
+        kill -9 "-$group" 2>/dev/null || true
     done
     echo "Ray did not start; see the logs in $dir" >&2
     exit 1
@@ -53,7 +53,7 @@ start() {
 
 case $verb in
 start) start "${3:-1}" ;;
-kill) kill -9 -- "-$(cat "$dir/$3.pid")" ;;
-stop) for each in n1 n2 head; do kill -- "-$(cat "$dir/$each.pid")" 2>/dev/null || true; done ;;
+kill) kill -9 "-$(cat "$dir/$3.pid")" ;;
+stop) for each in n1 n2 head; do kill -TERM "-$(cat "$dir/$each.pid")" 2>/dev/null || true; done ;;
 *) echo "what to do: start, kill or stop" >&2; exit 2 ;;
 esac
