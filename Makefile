@@ -18,7 +18,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test coverage golden matrix bench container apptainer opengl clean
+.PHONY: help demo test clusters coverage golden matrix bench container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -46,6 +46,12 @@ test: $(TEST) opengl ## Lint, check types and run every test, and say how long e
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
 		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
+
+clusters: $(TEST) ## Test cohorts on a real SLURM and a real Ray cluster (minutes; needs Debian's slurm-wlm and munge).
+	@PATH="$$PATH:/usr/sbin:/sbin"; for each in munged slurmctld slurmd sbatch; do command -v $$each >/dev/null || \
+		{ echo "make clusters needs SLURM; install it (Debian: apt-get install slurm-wlm munge)"; exit 1; }; done
+	$(BIN)/pip install --editable '.[slurm,ray,record]'
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pytest tests/clusters
 
 coverage: $(TEST) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
 	rm -rf out/coverage

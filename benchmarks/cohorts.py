@@ -77,6 +77,25 @@ def overhead(folder: Path, jobs: int) -> None:
     print(f"job overhead, one process: {wall:.1f} ms of wall time, {cpu:.1f} ms of CPU time; start {walls[0]:.1f} s")
 
 
+def on_cluster(folder: Path, jobs: int, on: str, address: str | None) -> None:
+    """Do jobs that do nothing on a cluster, in tasks of one, ten and fifty jobs: wall time, with all starting."""
+    (folder / "empty.py").write_text(EMPTY)
+    study = cohort(folder, do=[{"python": {"function": "empty:nothing", "seeds": [*range(jobs)]}}])
+    for size in (50, 10, 1):
+        few = (
+            study if size > 1 else cohort(folder, do=[{"python": {"function": "empty:nothing", "seeds": [*range(8)]}}])
+        )
+        options = {"jobs_per_task": size} | ({"address": address} if address else {})
+        start = time.perf_counter()
+        status = few.run(folder / f"{on}{size}", on, **options)
+        assert not status.failures, status.failures[0].error
+        wall = time.perf_counter() - start
+        print(
+            f"{on}, {size} jobs a task: {status.jobs} jobs in {wall:.1f} s, {wall / status.jobs:.3f} s a job",
+            flush=True,
+        )
+
+
 def killed(folder: Path, times: int) -> None:
     """Kill a cohort at random moments, resume it each time, and compare the table with that of a whole run."""
     study = cohort(
@@ -110,9 +129,14 @@ def main() -> None:
     options.add_argument("--children", type=int, default=100)
     options.add_argument("--jobs", type=int, default=1000)
     options.add_argument("--kills", type=int, default=30)
+    options.add_argument("--on", choices=("slurm", "ray"), help="only the job overhead on a cluster")
+    options.add_argument("--address", help="address of the Ray cluster")
     chosen = options.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
+        if chosen.on:
+            on_cluster(place, chosen.jobs, chosen.on, chosen.address)
+            return
         overhead(place, chosen.jobs)
         if chosen.kills:
             killed(place, chosen.kills)

@@ -85,7 +85,7 @@ LAYERS = {
     "cohorts": layer(
         "cohorts cohorts.*",
         f"{BUILDING} compiler {RUNNING} rollout policies training",
-        "mujoco pyarrow",
+        "mujoco pyarrow submitit ray",
     ),
     "mimoc": layer(
         "__init__ environments vector_environments recordings registration",

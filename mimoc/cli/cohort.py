@@ -21,9 +21,26 @@ app = typer.Typer(
 
 CohortPath = Annotated[Path, typer.Argument(metavar="COHORT", help="YAML file that describes the cohort.")]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder of the cohort.")]
-On = Annotated[str, typer.Option("--on", help="Where the jobs are done: local (processes on this machine).")]
+On = Annotated[
+    str, typer.Option("--on", help="Where the jobs are done: local (processes on this machine), slurm or ray.")
+]
 Processes = Annotated[
-    int | None, typer.Option("--processes", min=1, help="Processes; default: as many as cores may be used.")
+    int | None, typer.Option("--processes", min=1, help="local: processes; default: as many as cores may be used.")
+]
+Partition = Annotated[str | None, typer.Option("--partition", help="slurm: partition; default: SLURM's own.")]
+Time = Annotated[
+    int | None, typer.Option("--time", min=1, metavar="MINUTES", help="slurm: time for a task [default: 60].")
+]
+Memory = Annotated[float | None, typer.Option("--memory", metavar="GB", help="slurm: memory of a task.")]
+ArrayLimit = Annotated[
+    int | None, typer.Option("--array-limit", min=1, help="slurm: tasks of an array that run at once.")
+]
+Address = Annotated[
+    str | None, typer.Option("--address", help="ray: address of the cluster; default: a fresh one on this machine.")
+]
+JobsPerTask = Annotated[
+    int | None,
+    typer.Option("--jobs-per-task", min=1, help="slurm, ray: jobs of a task [default: 50; of train, experiment: 1]."),
 ]
 Index = Annotated[int, typer.Option("--index", min=0, metavar="I", help="Do only share I of the jobs, from 0 on.")]
 Of = Annotated[int, typer.Option("--of", min=1, metavar="N", help="Number of shares.")]
@@ -46,25 +63,44 @@ def run(
     cohort: CohortPath,
     out: Out,
     on: On = "local",
-    processes: Processes = None,
     index: Index = 0,
     of: Of = 1,
+    processes: Processes = None,
+    partition: Partition = None,
+    time: Time = None,
+    memory: Memory = None,
+    array_limit: ArrayLimit = None,
+    address: Address = None,
+    jobs_per_task: JobsPerTask = None,
 ) -> None:
     """Do all jobs that have no result yet; run the same command again after an interruption."""
     from mimoc.cli import console
 
-    options = _options(processes=processes)
+    slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
+    options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
     with console.progress("running") as show, resumable():
         status = _read(cohort).run(out, on, index=index, of=of, progress=show, **options)
     _end(status, cohort, out)
 
 
 @app.command(epilog="Example:  mimoc cohort retry examples/cohort/spring.yaml -o out/spring")
-def retry(cohort: CohortPath, out: Out, on: On = "local", processes: Processes = None) -> None:
+def retry(
+    cohort: CohortPath,
+    out: Out,
+    on: On = "local",
+    processes: Processes = None,
+    partition: Partition = None,
+    time: Time = None,
+    memory: Memory = None,
+    array_limit: ArrayLimit = None,
+    address: Address = None,
+    jobs_per_task: JobsPerTask = None,
+) -> None:
     """Do the failed jobs again, and those that have no result yet."""
     from mimoc.cli import console
 
-    options = _options(processes=processes)
+    slurm = {"partition": partition, "time_min": time, "memory_gb": memory, "array_limit": array_limit}
+    options = _given(**slurm, processes=processes, address=address, jobs_per_task=jobs_per_task)
     with console.progress("running") as show, resumable():
         status = _read(cohort).retry(out, on, progress=show, **options)
     _end(status, cohort, out)
@@ -93,7 +129,7 @@ def _read(path: Path) -> "Cohort":
     return read_cohort(path)
 
 
-def _options(**options: Any) -> dict[str, Any]:
+def _given(**options: Any) -> dict[str, Any]:
     """Return the options of the engine that were given."""
     return {name: value for name, value in options.items() if value is not None}
 

@@ -116,11 +116,13 @@ class Cohort:
 
         Args:
             out: Folder of the cohort: new, empty, or that of an earlier run.
-            on: Where: `local`, in processes on this machine.
+            on: Where: `local`, in processes on this machine; `slurm` or `ray`, on a cluster that shares the folder.
             index: Which share of the jobs to do, if others do the rest.
             of: Number of shares.
             progress: Called with the number of jobs done and their total.
-            options: For the engine; of `local`: `processes`, by default as many as cores may be used.
+            options: For the engine. Of `local`: `processes`, by default as many as cores may be used. Of `slurm`:
+                `partition`, `time_min`, `memory_gb`, `array_limit`, `jobs_per_task`. Of `ray`: `address`, by default
+                a fresh cluster on this machine; `jobs_per_task`.
 
         Raises:
             OutputError: If the folder holds anything else, or cannot be written.
@@ -128,7 +130,7 @@ class Cohort:
         """
         if not 0 <= index < of:
             raise MimocError(f"there is no share {index} of {of}; count shares from 0 to {of - 1}")
-        engine, store, share = find_engine(on), Store(Path(out).expanduser()), self.jobs()[index::of]
+        engine, store, share = find_engine(on, options), Store(Path(out).expanduser()), self.jobs()[index::of]
         store.create(self.spec.cohort)
         todo = store.missing(share)
         ready, report = len(share) - len(todo), progress or (lambda done, total: None)
@@ -139,13 +141,14 @@ class Cohort:
             store.write(job, lost(job, f"the engine '{on}' has ended without a result"))
         return _status(share, store)
 
-    def retry(self, out: str | Path, on: str = "local", **options: Any) -> Status:
+    def retry(self, out: str | Path, on: str = "local", *, progress: Progress | None = None, **options: Any) -> Status:
         """Do all failed jobs again, and those that have no result yet; see `run`."""
         store = Store(Path(out).expanduser())
         store.check()
+        find_engine(on, options)
         for failure in self.status(out).failures:
             store.forget(failure.job)
-        return self.run(out, on, **options)
+        return self.run(out, on, progress=progress, **options)
 
     def status(self, out: str | Path) -> Status:
         """Return how far the jobs are.

@@ -1,10 +1,11 @@
 """Engines: where the jobs of a cohort are done.
 
-An engine is one module here with a function `run(jobs, store, options, done)`, listed in `ENGINES`. It has every job
-done by `mimoc.cohorts.perform.perform(jobs, store)`, in some process that sees the cohort's folder, which writes a
-result for each; and it calls `done` with the number of jobs that have one, whenever there are more. It returns when all
-have one, or raises. When an exception such as KeyboardInterrupt leaves it, it ends what it has started. Jobs and store
-can be pickled; jobs may be handed out twice. A job that has no result after `run` has returned counts as failed.
+An engine is one module here, listed in `ENGINES`. Its `OPTIONS` are the names of its options, and `check(options)`
+raises if it cannot run with them. `run(jobs, store, options, done)` has every job done by
+`mimoc.cohorts.perform.perform(jobs, store)`, in some process that sees the cohort's folder, which writes a result for
+each; and it calls `done` with the number of jobs that have one, whenever there are more. It returns when all have one,
+or raises. When an exception such as KeyboardInterrupt leaves it, it ends what it has started. Jobs and store can be
+pickled; jobs may be handed out twice. A job that has no result after `run` has returned counts as failed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +19,11 @@ from mimoc.errors import UnknownNameError
 Done = Callable[[int], None]
 """Called with the number of jobs that have a result now."""
 
-ENGINES: Mapping[str, str] = {"local": "mimoc.cohorts.engines.local"}
+ENGINES: Mapping[str, str] = {
+    "local": "mimoc.cohorts.engines.local",
+    "slurm": "mimoc.cohorts.engines.slurm",
+    "ray": "mimoc.cohorts.engines.ray",
+}
 """Module of each engine, imported when needed."""
 
 
@@ -30,13 +35,19 @@ class Engine(Protocol):
         ...
 
 
-def find_engine(name: str) -> Engine:
-    """Return an engine.
+def find_engine(name: str, options: Mapping[str, Any]) -> Engine:
+    """Return an engine that can run with some options.
 
     Raises:
-        UnknownNameError: If there is none of this name.
+        UnknownNameError: If there is none of this name, or it has no such option.
         MissingExtraError: If what it needs is not installed.
+        MimocError: If it cannot run here, or an option has an impossible value.
     """
     if name not in ENGINES:
         raise UnknownNameError("place to run a cohort on", name, ENGINES)
-    return import_module(ENGINES[name]).run
+    engine = import_module(ENGINES[name])
+    for option in options:
+        if option not in engine.OPTIONS:
+            raise UnknownNameError(f"setting of '--on {name}'", option, engine.OPTIONS)
+    engine.check(options)
+    return engine.run

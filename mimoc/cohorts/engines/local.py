@@ -16,6 +16,7 @@ from mimoc.cohorts.perform import PINNED, lost
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MimocError
 
+OPTIONS = ("processes",)
 WORKER = "mimoc.cohorts.engines.local_worker"
 TRIES = 2
 """How often a job is begun whose process is killed."""
@@ -31,8 +32,6 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     A job whose process is killed is begun again in another, and fails if that is killed as well.
     """
     number = options.get("processes") or len(os.sched_getaffinity(0))
-    if number < 1:
-        raise MimocError(f"{number} processes can do nothing; give at least 1")
     queue, tries, finished = Queue(jobs), dict[str, int](), 0
     workers: list[_Worker] = []
     try:
@@ -57,6 +56,16 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     finally:
         for worker in workers:
             worker.end()
+
+
+def check(options: Mapping[str, Any]) -> None:
+    """Check the number of processes.
+
+    Raises:
+        MimocError: If there would be none.
+    """
+    if (number := options.get("processes") or 1) < 1:
+        raise MimocError(f"{number} processes can do nothing; give at least 1")
 
 
 def try_out(jobs: Sequence[Job], store: Store, limit_s: float) -> list[Result | None]:

@@ -1,0 +1,113 @@
+"""Jobs on a Ray cluster: one whose address is given, or a fresh one on this machine."""
+
+import logging
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from mimoc.cohorts.engines.tasks import End, Task, check_positive, do_on, tasks_of
+from mimoc.cohorts.job import Job
+from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.store import Store
+from mimoc.errors import MimocError, MissingExtraError
+
+try:
+    import ray
+except ImportError:
+    raise MissingExtraError("ray", "ray") from None
+
+OPTIONS = ("address", "jobs_per_task")
+TASKS_PER_CORE = 4
+"""Tasks that wait or run at once, for each core of the cluster."""
+POLL_S = 1.0
+"""How often to give the caller a chance."""
+
+
+def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any) -> None:
+    """Do jobs as tasks of one core each; options are OPTIONS, and a process that has joined a cluster uses that.
+
+    Raises:
+        MimocError: If there is no cluster at the address.
+    """
+    tasks = tasks_of(jobs, options.get("jobs_per_task"))
+    shared = Store(store.folder.resolve())
+    if ray.is_initialized():
+        do_on(_Ray(shared), tasks, shared, done)
+        return
+    _join(options.get("address") or os.environ.get("RAY_ADDRESS") or "local")
+    try:
+        do_on(_Ray(shared), tasks, shared, done)
+    finally:
+        ray.shutdown()
+
+
+def check(options: Mapping[str, Any]) -> None:
+    """Check that numbers are positive; the address is tried when it is needed.
+
+    Raises:
+        MimocError: If not.
+    """
+    check_positive(options)
+
+
+def _join(address: str) -> None:
+    """Join a cluster, or start one if the address is `local`."""
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
+    own = {"num_cpus": len(os.sched_getaffinity(0)), "include_dashboard": False} if address == "local" else {}
+    try:
+        ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **own)
+    except Exception as error:  # Ray raises just that if a node does not start in time.
+        reason = str(error).strip().partition("\n")[0]
+        if own:
+            raise MimocError(f"Ray does not start on this machine ({reason}); try again, or give an address") from None
+        raise MimocError(
+            f"there is no Ray cluster at '{address}' ({reason}); give the address that 'ray start --head' prints"
+        ) from None
+
+
+class _Ray:
+    """Tasks that a Ray cluster does."""
+
+    def __init__(self, store: Store):
+        """Prepare to submit tasks."""
+        self._store, self._running = store, dict[str, ray.ObjectRef]()
+        pinned = {"env_vars": dict(PINNED)}
+        self._do = ray.remote(num_cpus=1, max_retries=0, runtime_env=pinned)(_do)
+
+    @property
+    def room(self) -> int:
+        """Tasks for all cores that the cluster has now."""
+        return TASKS_PER_CORE * max(1, int(ray.cluster_resources().get("CPU", 1)))
+
+    def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
+        """Begin tasks."""
+        begun = [self._do.remote(task, self._store) for task in tasks]
+        names = [each.hex() for each in begun]
+        self._running.update(zip(names, begun, strict=True))
+        return names
+
+    def ended(self) -> Mapping[str, End]:
+        """Return how tasks have ended."""
+        ready, _ = ray.wait([*self._running.values()], num_returns=1, timeout=POLL_S)
+        if ready:
+            ready, _ = ray.wait([*self._running.values()], num_returns=len(self._running), timeout=0)
+        return {each.hex(): _end(self._running.pop(each.hex())) for each in ready}
+
+    def cancel(self) -> None:
+        """Cancel all tasks."""
+        for each in self._running.values():
+            ray.cancel(each, force=True)
+
+
+def _do(task: Task, store: Store) -> None:
+    """Do the jobs of a task, in a process of the cluster."""
+    perform(task, store)
+
+
+def _end(task: "ray.ObjectRef") -> End:
+    try:
+        ray.get(task)
+    except Exception as error:
+        reason = str(error).strip().partition("\n")[0]
+        return End(f"Ray has lost the task ({type(error).__name__}: {reason})")
+    return End("the task has ended")

@@ -1,0 +1,1 @@
+from submitit.core import utils as utils
