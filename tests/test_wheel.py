@@ -73,7 +73,8 @@ def test_the_wheel_says_what_it_is(wheel):
         assert any(name.endswith("/LICENSE") for name in archive.namelist())
     assert (metadata["Name"], metadata["Version"]) == ("mimoc", mimoc.__version__)
     assert metadata["License-Expression"] == "MIT"
-    assert set(metadata.get_all("Provides-Extra") or ()) == {"report", "toys", "record", "train", "gpu", "test", "dev"}
+    extras = {"report", "toys", "record", "minari", "train", "gpu", "slurm", "ray", "test", "dev"}
+    assert set(metadata.get_all("Provides-Extra") or ()) == extras
 
 
 def test_mimoc_comes_from_the_wheel(run, installed):
