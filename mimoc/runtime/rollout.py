@@ -73,6 +73,7 @@ class Run:
         Raises:
             UnknownNameError: If there is no such policy.
         """
+        self.observation, _ = env.reset(seed=seed)  # Policies take their aims from how it starts.
         self.env, self._act = env, policy_of(env, policy)
         self._generator = np.random.default_rng(seed)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
@@ -85,7 +86,6 @@ class Run:
         self._earned, self._taken = 0.0, 0
         self._returns: list[float] = []
         self._times_s: list[float] = []
-        self.observation, _ = env.reset(seed=seed)
 
     def step(self) -> None:
         """Take one control step; start a new episode if this one ends."""
