@@ -53,7 +53,7 @@ def test_the_programs_on_growing_work(here):
     session: dict[str, object] = {}
     for program in blocks("docs/growing.md", "python"):
         exec(program, session)
-    assert session["schedule"](0) == 6  # pyright: ignore[reportCallIssue]
+    assert session["schedule"](0) == 6
 
 
 def test_every_file_that_a_page_links_to_exists():
