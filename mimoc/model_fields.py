@@ -54,7 +54,5 @@ class ModelFields:
         """
         for (array, rows), built, now in zip(self._arrays, former._as_built, former.state, strict=True):
             array[rows] = np.where(now == built, array[rows], now)
-        if any(
-            field.name == "body_mass" for field in self._fields
-        ):  # The mass of all bodies follows from those that were taken over.
+        if "body_mass" in {field.name for field in self._fields}:
             self._model.body_subtreemass[WORLD] = self._model.body_mass.sum()

@@ -55,7 +55,7 @@ def test_the_programs_on_growing_work(here):
     session: dict[str, object] = {}
     for program in blocks("docs/growing.md", "python"):
         exec(program, session)
-    assert session["schedule"](0) == 6  # pyright: ignore[reportCallIssue]
+    assert session["schedule"](0) == 6
 
 
 @pytest.mark.slow

@@ -2,7 +2,8 @@
 
 The ages of an infant differ in numbers only. MuJoCo's own compiler makes each model, from its own copy of the elements,
 into which the numbers are written as they would be printed; what never changes, such as textures, is taken from the
-first model. `compile_model` of a whole bundle gives the same, array for array.
+first model. `compile_model` of a whole bundle gives the same, array for array, but for the name of the whole model:
+that of the first infant stays.
 """
 
 import copy

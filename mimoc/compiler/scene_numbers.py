@@ -100,8 +100,11 @@ def _names(settings: Settings) -> tuple[str, ...]:
 
 
 def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:
-    """Return the numbers of a scene, and everything else: scenes with the same rest differ in numbers only."""
-    bare = replace(scene, roots=(), tendons=(), actuators=(), keyframes=(), world=_fixed(scene.world))
+    """Return the numbers of a scene, and everything else: scenes with the same rest differ in numbers only.
+
+    The infant's name is in neither: no part of the model is called by it.
+    """
+    bare = replace(scene, name="", roots=(), tendons=(), actuators=(), keyframes=(), world=_fixed(scene.world))
     numbers, rest = list[Any](), list[Any]([bare])
     for form, each in _elements(scene):
         numbers += form.numbers(each)

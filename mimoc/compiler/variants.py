@@ -13,7 +13,7 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.aged import aged, quickly_aged
 from mimoc.compiler.building import Builder, builder
-from mimoc.compiler.mould import DifferenceError, Mould
+from mimoc.compiler.mould import Casting, DifferenceError, Mould
 from mimoc.errors import BundleError, MimocError
 from mimoc.mjcf.scene import SceneTree
 from mimoc.schema import source
@@ -65,13 +65,12 @@ class SpecVariants:
             ModelError: If MuJoCo rejects it.
         """
         mould, seed = other._usable_mould(), self._spec.scene.seed
-        try:
-            model = mould.cast(self._own_scene.scene).model()
-        except (DifferenceError, ValueError):  # Opening what is printed says what MuJoCo rejects.
+        casting = _cast(mould, self._own_scene.scene)
+        if casting is None:
             return Variant(self.own, load_model(self.own))
         self._mould = mould
         files = LaterFiles(self._own.arrays, lambda: self.own.files)
-        return Variant(Bundle(files, self._own.manifest_of(seed, self._own_scene), None), model)
+        return Variant(Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model())
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
@@ -100,20 +99,27 @@ class SpecVariants:
 
     def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> Callable[[], mujoco.MjModel]:
         """Return what gives out models of a bundle: in the scene of the spec, cast from the infant of another age."""
-        if scene_seed == self._spec.scene.seed:
-            try:
-                return self._usable_mould().cast(scene).model
-            except DifferenceError:  # Such as other poses, since some do not suit every age.
-                pass
-            except ValueError:  # MuJoCo rejects it, and says more of what is printed.
-                pass
-        return partial(copy.copy, load_model(bundle))
+        is_own_scene = scene_seed == self._spec.scene.seed
+        casting = _cast(self._usable_mould(), scene) if is_own_scene else None
+        return casting.model if casting else partial(copy.copy, load_model(bundle))
 
     def _usable_mould(self) -> Mould:
         """Return the mould of this infant, or of another one that it was cast from."""
         if self._mould is None or self._mould.broken:
             self._mould = Mould(self.own.files, self._own_scene.scene)
         return self._mould
+
+
+def _cast(mould: Mould, scene: SceneTree) -> Casting | None:
+    """Return what gives out models of a scene, or nothing if it has to be printed.
+
+    Either more than numbers is different, such as the poses, since some do not suit every age; or MuJoCo rejects it,
+    and says more about what is printed.
+    """
+    try:
+        return mould.cast(scene)
+    except (DifferenceError, ValueError):
+        return None
 
 
 def _kept(found: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:

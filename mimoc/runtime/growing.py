@@ -148,10 +148,11 @@ def _seed(seed: Any) -> int:
 
 
 def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:
-    """Return the sizes of a model's state and the names of all its elements but keyframes, which are last.
+    """Return the sizes of a model's state and the names of its elements.
 
-    The world's own geoms are left out, which come before those of bodies: a larger crib has more bars.
+    Left out are the name of the model, which is first, and those of keyframes, which are last; and the world's own
+    geoms, which come before those of bodies: a larger crib has more bars.
     """
-    names = model.names[: model.name_keyadr[0]] if model.nkey else model.names
-    first, end = model.name_geomadr[0], model.name_geomadr[np.count_nonzero(model.geom_bodyid == WORLD)]
-    return model.nq, model.nv, model.na, model.nu, names[:first] + names[end:]
+    begin, end = model.name_bodyadr[0], model.name_keyadr[0] if model.nkey else len(model.names)
+    worlds, bodies = model.name_geomadr[0], model.name_geomadr[np.count_nonzero(model.geom_bodyid == WORLD)]
+    return model.nq, model.nv, model.na, model.nu, model.names[begin:worlds] + model.names[bodies:end]

@@ -347,7 +347,7 @@ def test_bundles_specs_and_tasks_can_grow(tmp_path):
     ]
     for env in made:
         env.reset(seed=0)
-        env.unwrapped.grow(to=6.5)  # pyright: ignore[reportAttributeAccessIssue]
+        env.unwrapped.grow(to=6.5)
         assert env.step(env.action_space.sample())[4]["age_months"] == 6.5
 
 
@@ -392,7 +392,7 @@ def test_a_bundle_that_cannot_be_built_again_says_so():
     env = mimoc.make(mimoc.Bundle(files, bundle.manifest, None))
     env.reset(seed=0)
     with pytest.raises(BundleError, match=r"cannot be built at 7 months: there is no resolved\.yaml"):
-        env.unwrapped.grow(to=7)  # pyright: ignore[reportAttributeAccessIssue]
+        env.unwrapped.grow(to=7)
     env.step(env.action_space.sample())
 
 
