@@ -49,7 +49,7 @@ LAYERS = {
     "geometry": layer("geometry geometry.* rounding mujoco_layout", "errors", "scipy"),
     "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version geometry"),
     "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
-    "language": layer("schema.[!iorsw]* schema.source*", "errors units parts", "pydantic yaml"),
+    "language": layer("schema.[!ijorsw]* schema.source*", "errors units parts", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),
     "composition": layer("schema.composition", "errors language kinds", "pydantic"),
     "spec": layer("", "errors units language kinds composition", "pydantic"),

@@ -10,8 +10,8 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import choice_field, composed, own_sections
 from mimoc.schema.groups import GroupName, Groups
-from mimoc.schema.names import single_groups
-from mimoc.schema.quantities import Age, Real
+from mimoc.schema.names import STRENGTH_GROUPS, single_groups
+from mimoc.schema.quantities import Age, Real, keys_among
 
 
 def _fields() -> dict[str, FieldInfo]:
@@ -30,7 +30,9 @@ class ActuationSpec(Model):
     """Actuation model."""
     strength_age_months: Age | None = None
     """Age for which strength is computed; by default that of the infant."""
-    strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(default_factory=dict)
+    strength: Mapping[GroupName, Annotated[Real, Field(ge=0, le=10)]] = Field(
+        default_factory=dict, json_schema_extra=keys_among(STRENGTH_GROUPS)
+    )
     """Strength factors by muscle group. `arms` applies to both arms; a factor for one arm takes precedence over it.
     The wrist belongs to the hand, ankle and toes to the leg."""
     regions: Groups | None = None

@@ -8,14 +8,17 @@ from mimoc.cli import (
     build,
     check,
     cohort,
+    doctor,
     experiment,
     explain,
     export,
     import_config,
+    new,
     render,
     replay,
     rooms,
     run,
+    schema,
     see,
     train,
     validate,
@@ -48,6 +51,7 @@ def _options(
     pass
 
 
+app.command(epilog=new.EXAMPLE)(new.new)
 app.command(epilog=build.EXAMPLE)(build.build)
 app.command(epilog=validate.EXAMPLE)(validate.validate)
 app.command(epilog=run.EXAMPLE)(run.run)
@@ -62,3 +66,5 @@ app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
 app.command(epilog=replay.EXAMPLE)(replay.replay)
 app.command(epilog=export.EXAMPLE)(export.export)
 app.command("import", epilog=import_config.EXAMPLE)(import_config.import_config)
+app.command(epilog=schema.EXAMPLE)(schema.schema)
+app.command(epilog=doctor.EXAMPLE)(doctor.doctor)

@@ -17,6 +17,7 @@ from rich.tree import Tree
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
+    from mimoc.cli.doctor import Finding
     from mimoc.compiler.explain import Explanation
     from mimoc.compiler.validation import GrowthReport, Row
     from mimoc.fits.who import Reference
@@ -79,6 +80,14 @@ def status(what: str) -> Iterator[None]:
             yield
     else:
         yield
+
+
+def print_findings(findings: Sequence[Finding]) -> None:
+    """Print what was found out about this machine, a line each."""
+    styles = {"ok": "green", "none": "dim", "broken": "red"}
+    width = max(len(finding.what) for finding in findings)
+    for what, state, text in findings:
+        open_console().print(Text.assemble((f"{state:6}", styles[state]), f" {what:{width}}  {text}"), soft_wrap=True)
 
 
 def print_toys(manifest: Manifest) -> None:

@@ -125,3 +125,18 @@ def _backends() -> Iterator[str]:
         if has_screen():
             yield "glfw"
         yield from ("egl", "osmesa")
+
+
+def opengl_driver() -> str:
+    """Return what pictures are drawn with here: `egl, llvmpipe (LLVM 15.0.6, 256 bits)`, say.
+
+    Raises:
+        RenderingError: If OpenGL does not start.
+    """
+    context = open_context(8, 8)
+    try:
+        opengl = importlib.import_module("OpenGL.GL")
+        renderer = opengl.glGetString(opengl.GL_RENDERER)
+    finally:
+        context.free()
+    return f"{type(context).__module__.split('.')[1]}, {renderer.decode(errors='replace')}"

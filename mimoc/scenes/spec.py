@@ -45,7 +45,7 @@ class SceneSpec(Model):
 
     A bundle also contains the other poses, except those in which held parts or locked joints would be elsewhere.
     """
-    held: Annotated[tuple[PartName, ...], Distinct] = ()
+    held: Annotated[tuple[PartName, ...], *Distinct] = ()
     """Parts of the infant that are fixed in space, such as `chest` for an infant that is strapped into a seat."""
     textures: TexturesSpec = Field(default_factory=TexturesSpec)
     """Your own textures for floor, ceiling and walls."""

@@ -16,7 +16,7 @@ from mimoc.schema.names import (
     limb_bodies,
     trunk_bodies,
 )
-from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real
+from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, keys_among
 
 Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
 
@@ -49,8 +49,10 @@ def _removable(name: str) -> str:
 
 
 MeasurementKey = Annotated[str, AfterValidator(_known_measurement)]
-PartName = Annotated[str, AfterValidator(_known_part)]
-LimbName = Annotated[str, AfterValidator(_removable)]
+PartName = Annotated[
+    str, AfterValidator(_known_part), Field(json_schema_extra={"enum": [*trunk_bodies(), *all_limb_bodies()]})
+]
+LimbName = Annotated[str, AfterValidator(_removable), Field(json_schema_extra={"enum": [*all_limb_bodies()]})]
 Factor = Annotated[Real, Field(ge=0.5, le=2)]
 """Scale factor of a part, within the range that is plausible for a child."""
 
@@ -117,12 +119,16 @@ class BodySpec(Model):
     """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
     """An individual child; by default, the average child of the AnthroKids tables."""
-    measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(default_factory=dict)
+    measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(
+        default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
+    )
     """Measurements that replace those predicted from age, by AnthroKids name; the prefix `left_` or `right_` selects
     one side."""
-    parts: Mapping[PartName, PartSpec] = Field(default_factory=dict)
+    parts: Mapping[PartName, PartSpec] = Field(
+        default_factory=dict, json_schema_extra=keys_among(trunk_bodies() + all_limb_bodies())
+    )
     """Scale factors of single parts, by name of the body."""
-    remove: Annotated[tuple[LimbName, ...], Distinct] = ()
+    remove: Annotated[tuple[LimbName, ...], *Distinct] = ()
     """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"
     """Facial expression."""

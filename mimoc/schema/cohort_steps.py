@@ -4,7 +4,16 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, StringConstraints, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    StringConstraints,
+    Tag,
+    model_validator,
+)
+from pydantic.config import JsonDict
 
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
@@ -29,7 +38,11 @@ def not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 Words = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=4096)]
-Steps = Annotated[Whole, Field(ge=1, le=10**9), BeforeValidator(_without_separators)]
+Steps = Annotated[
+    Whole,
+    Field(ge=1, le=10**9, json_schema_extra={"also": {"type": "string", "pattern": "^[0-9]+(_[0-9]+)+$"}}),
+    BeforeValidator(_without_separators),
+]
 
 
 def _seeds(value: Any) -> Any:
@@ -54,7 +67,8 @@ def _function(name: str) -> str:
     return name
 
 
-Seeds = Annotated[tuple[int, ...], BeforeValidator(_seeds)]
+_ALSO: JsonDict = {"anyOf": [{"type": "integer", "minimum": 0}, {"type": "string", "pattern": "^[0-9]+:[0-9]+$"}]}
+Seeds = Annotated[tuple[int, ...], BeforeValidator(_seeds), Field(json_schema_extra={"also": _ALSO})]
 Function = Annotated[Words, AfterValidator(_function)]
 Setting = str | bool | int | float | None
 
@@ -174,7 +188,8 @@ def _word(value: str) -> str:
 
 
 Step = Annotated[
-    Annotated[Words, AfterValidator(_word), Tag("a word")] | Annotated[StepChoice, Tag("a section")],
+    Annotated[Words, AfterValidator(_word), Field(json_schema_extra={"enum": [*WORDS]}), Tag("a word")]
+    | Annotated[StepChoice, Tag("a section")],
     Discriminator(_shape),
     Field(json_schema_extra={"wanted": "a step; write build, check, run, train, or {run: {steps: 1000}}"}),
 ]

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
 from mimoc.errors import suggestion
 from mimoc.schema.names import STRENGTH_GROUPS
@@ -20,7 +20,5 @@ def _known_group(name: str) -> str:
     return name
 
 
-GroupName = Annotated[str, AfterValidator(_known_group)]
-
-
-Groups = Annotated[tuple[GroupName, ...], Distinct]
+GroupName = Annotated[str, AfterValidator(_known_group), Field(json_schema_extra={"enum": list(STRENGTH_GROUPS)})]
+Groups = Annotated[tuple[GroupName, ...], *Distinct]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Annotated, TypeVar
 
-from pydantic import AfterValidator, Field, StringConstraints
+from pydantic import AfterValidator, Field, JsonValue, StringConstraints
 
 Number = TypeVar("Number", int, float)
 
@@ -44,5 +44,10 @@ def _distinct(names: Sequence[str]) -> Sequence[str]:
 
 Rising = AfterValidator(_rising)
 """Marks two numbers as a range, the lowest first."""
-Distinct = AfterValidator(_distinct)
-"""Marks a list in which no name may be repeated."""
+Distinct = Field(json_schema_extra={"uniqueItems": True}), AfterValidator(_distinct)
+"""Mark a list in which no name may be repeated."""
+
+
+def keys_among(names: Sequence[str]) -> dict[str, JsonValue]:
+    """Return what tells editors which keys a section may have whose keys are names."""
+    return {"propertyNames": {"enum": list(names)}}

@@ -29,7 +29,7 @@ class ToysSpec(Model):
     root: PathText | None = None
     """Folder with the data of a source such as `toys4k`, relative to the spec's folder; `~` and environment variables
     are expanded."""
-    subset: Annotated[tuple[ToyName, ...], Distinct] = ()
+    subset: Annotated[tuple[ToyName, ...], *Distinct] = ()
     """Categories, such as `ball`, and single objects, such as `truck_003`, to choose from; by default, all. In a folder
     of your own meshes, the file names without their extensions."""
     count: Annotated[tuple[ToyCount, ToyCount], Rising] = (3, 6)

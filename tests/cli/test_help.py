@@ -26,7 +26,7 @@ def test_the_commands_are_in_this_order():
         ["explain", "render", "see", "rooms"],
         ["build", "validate", "run", "train", "experiment", "check"],
     )
-    assert list(COMMANDS) == [*running, *drawing, "replay", "export", "import"]
+    assert list(COMMANDS) == ["new", *running, *drawing, "replay", "export", "import", "schema", "doctor"]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

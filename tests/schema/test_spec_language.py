@@ -6,22 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from support.any_specs import LEAST, specs
 
 from mimoc.errors import SpecError
-from mimoc.schema import InfantSpec, PartSpec, VisionSpec, read_spec, to_data
-from mimoc.schema.names import (
-    KINDS_OF_HANDS,
-    MEASUREMENT_KEYS,
-    SIDED_MEASUREMENT_KEYS,
-    STRENGTH_GROUPS,
-    limb_bodies,
-    trunk_bodies,
-)
+from mimoc.schema import InfantSpec, VisionSpec, read_spec, to_data
 from mimoc.schema.source import parse, read
 from mimoc.schema.yaml_scalars import dump
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
-LEAST = {"mimoc": 1, "name": "x", "age_months": 9}
 WHOLE_LANGUAGE = """\
 mimoc: 1
 name: nine_months
@@ -65,39 +57,6 @@ scene:
 control: {step_ms: 10, timestep_ms: 5}
 task: {kind: reach}
 """
-
-
-def specs() -> st.SearchStrategy[InfantSpec]:
-    """Specs that say a little of everything."""
-    hands = st.sampled_from(KINDS_OF_HANDS)
-    timesteps_ms = st.sampled_from((1.0, 2.0, 2.5, 5.0))
-    return st.builds(_spec, hands, timesteps_ms, st.data(), st.floats(0, 24))
-
-
-def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float) -> InfantSpec:
-    keys = st.sampled_from(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
-    factors = st.floats(0.5, 2)
-    delays_ms = st.none() | st.integers(0, 100).map(lambda steps: steps * timestep_ms)
-    acuity = st.sampled_from(("off", "age", {"cpd": 4.2})) | st.floats(0, 36)
-    bodies = st.sampled_from(trunk_bodies() + limb_bodies(hands))
-    removable = [name for name in limb_bodies(hands) if name != "left_eye"]  # With an eye, it can see.
-    parts = st.dictionaries(bodies, st.builds(PartSpec, length=factors, girth=factors), max_size=3)
-    return InfantSpec.model_validate(
-        {
-            **LEAST,
-            "age_months": age_months,
-            "body": {
-                "hands": hands,
-                "measurements": data.draw(st.dictionaries(keys, st.floats(0.1, 100), max_size=3)),
-                "parts": data.draw(parts),
-                "remove": data.draw(st.lists(st.sampled_from(removable), unique=True, max_size=3)),
-            },
-            "actuation": {"strength": data.draw(st.dictionaries(st.sampled_from(STRENGTH_GROUPS), factors))},
-            "senses": {"touch": data.draw(st.none() | st.just({})), "vision": {"acuity": data.draw(acuity)}},
-            "delays": {key: data.draw(delays_ms) for key in ("sensory_ms", "vision_ms", "motor_ms")},
-            "control": {"timestep_ms": timestep_ms},
-        }
-    )
 
 
 def test_the_whole_language_is_understood():

@@ -11,7 +11,7 @@ ProprioceptiveQuantity = Literal["velocity", "torque", "limits", "actuation"]
 class ProprioceptionSpec(Model):
     """Proprioception: joint angles, and optionally more."""
 
-    include: Annotated[tuple[ProprioceptiveQuantity, ...], Distinct] = ("velocity", "torque", "limits", "actuation")
+    include: Annotated[tuple[ProprioceptiveQuantity, ...], *Distinct] = ("velocity", "torque", "limits", "actuation")
     """Quantities that are observed besides joint angles."""
 
 

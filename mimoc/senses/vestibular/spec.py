@@ -13,7 +13,7 @@ VestibularQuantity = Literal["accelerometer", "gyro"]
 class VestibularSpec(Model):
     """The vestibular sense: linear and angular motion of the head."""
 
-    include: Annotated[tuple[VestibularQuantity, ...], Distinct, Field(min_length=1)] = ("accelerometer", "gyro")
+    include: Annotated[tuple[VestibularQuantity, ...], *Distinct, Field(min_length=1)] = ("accelerometer", "gyro")
     """Measured quantities: specific force (`accelerometer`, the otoliths), angular velocity (`gyro`, the semicircular
     canals), or both."""
 

@@ -1,0 +1,142 @@
+"""`mimoc doctor`."""
+
+import os
+import platform
+import re
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Mapping
+from importlib.metadata import PackageNotFoundError, requires, version
+from importlib.util import find_spec
+from typing import NamedTuple
+
+import typer
+
+from mimoc.cli.exit_codes import FAILED_CHECK
+
+EXAMPLE = "Example:  mimoc doctor"
+
+EXTRAS: Mapping[str, str] = {
+    "report": "plots and pages",
+    "record": "videos, recordings, Parquet",
+    "minari": "export to Minari",
+    "train": "training",
+    "toys": "Toys4K",
+    "gpu": "many infants on a GPU",
+    "slurm": "cohorts on SLURM",
+    "ray": "cohorts on Ray",
+}
+"""What each optional part of the installation is for."""
+PATIENCE_S = 10.0
+"""How long to wait for a program of the system."""
+
+
+class Finding(NamedTuple):
+    """What was found out about one thing."""
+
+    what: str
+    state: str
+    """`ok`, `none` if it is not here, or `broken`."""
+    text: str
+
+
+class AbsentError(Exception):
+    """Something is not here, which may be as it should be."""
+
+
+def doctor() -> None:
+    """Say what works on this machine, and what to install for the rest; the exit code is 1 if something is broken."""
+    from mimoc.cli import console
+
+    with console.status("looking at this machine"):
+        findings = [_tried(what, look) for what, look in _looks()]
+    console.print_findings(findings)
+    if any(finding.state == "broken" for finding in findings):
+        raise typer.Exit(FAILED_CHECK)
+
+
+def _looks() -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield what to look at, and what returns how it is."""
+    yield "mimoc", lambda: version("mimoc")
+    yield "machine", _machine
+    yield "MuJoCo", _build
+    yield "OpenGL", _draw
+    for extra in EXTRAS:
+        yield f"mimoc[{extra}]", lambda extra=extra: _extra(extra)
+    yield "torch", _torch
+    yield (
+        "NVIDIA GPU",
+        lambda: _told("nvidia-smi", "--query-gpu=name,driver_version,memory.total", "--format=csv,noheader"),
+    )
+    yield "SLURM", lambda: f"partitions {_told('sinfo', '--noheader', '--format=%P')}"
+    yield "Ray cluster", lambda: _told("ray", "status").partition("\n")[0]
+
+
+def _tried(what: str, look: Callable[[], str]) -> Finding:
+    try:
+        return Finding(what, "ok", look())
+    except AbsentError as absence:
+        return Finding(what, "none", str(absence))
+    except Exception as error:  # Whatever is wrong is what is looked for.
+        return Finding(what, "broken", " ".join(str(error).split()) or type(error).__name__)
+
+
+def _machine() -> str:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return f"Python {platform.python_version()}, {platform.platform(terse=True)}, {platform.machine()}, {cores} cores"
+
+
+def _build() -> str:
+    """Build an infant, and let it move."""
+    import mimoc
+
+    with mimoc.make(mimoc.InfantSpec(mimoc=1, name="doctor", age_months=9)) as env:
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+    return f"{version('mujoco')}; infants compile and move"
+
+
+def _draw() -> str:
+    from mimoc.render.opengl import opengl_driver
+
+    return opengl_driver()
+
+
+def _extra(extra: str) -> str:
+    """Return the versions of the packages of an extra.
+
+    Raises:
+        AbsentError: If one is not installed.
+    """
+    wanted = re.compile(rf"([\w.-]+).*extra == ['\"]{extra}['\"]")
+    names = [match[1] for each in requires("mimoc") or () if (match := wanted.match(each))]
+    try:
+        found = [f"{name} {version(name)}" for name in names]
+    except PackageNotFoundError:
+        found = []
+    if not found:
+        raise AbsentError(f"for {EXTRAS[extra]}: pip install 'mimoc[{extra}]'")
+    return f"{EXTRAS[extra]} ({', '.join(found)})"
+
+
+def _torch() -> str:
+    if find_spec("torch") is None:
+        raise AbsentError("comes with mimoc[train]")
+    from mimoc.training.devices import torch_devices
+
+    return f"{version('torch')}, {torch_devices()}"
+
+
+def _told(*command: str) -> str:
+    """Return what a program of the system prints, in one line.
+
+    Raises:
+        AbsentError: If it is not there.
+        OSError: If it fails.
+    """
+    if not shutil.which(command[0]):
+        raise AbsentError(f"no command '{command[0]}'")
+    told = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
+    if told.returncode:
+        raise OSError(told.stderr.strip() or f"'{command[0]}' ends with code {told.returncode}")
+    return ", ".join(told.stdout.split("\n")).strip(", ")

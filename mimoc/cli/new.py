@@ -1,0 +1,107 @@
+"""`mimoc new`."""
+
+import re
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mimoc.errors import MimocError, UnknownNameError
+
+if TYPE_CHECKING:
+    from mimoc.schema.starter import Choices
+
+EXAMPLE = "Example:  mimoc new kim.yaml --age 7.5 --hands five_finger --senses proprioception,touch"
+STDOUT = Path("-")
+QUESTIONS = {
+    "age_months": "Age in months (0 to 24)",
+    "hands": "Hands (mitten: four fingers in one; five_finger)",
+    "actuation": "Muscles (torque, muscle or position)",
+    "senses": "Senses (of proprioception, vestibular, touch, vision; with commas)",
+    "scene": "Scene (empty, flat, crib or room)",
+    "pose": "Pose (supine, prone, sitting or standing)",
+}
+"""What is asked for each of the choices."""
+
+
+def new(
+    spec: Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file to write, or `-` for standard output.")],
+    like: Annotated[
+        str | None,
+        typer.Option("--like", metavar="NAME", help="Begin with an example, such as nine_months or playroom."),
+    ] = None,
+    age: Annotated[float | None, typer.Option("--age", metavar="MONTHS", help="Age, 0 to 24.")] = None,
+    hands: Annotated[str | None, typer.Option("--hands", help="mitten or five_finger.")] = None,
+    actuation: Annotated[str | None, typer.Option("--actuation", help="torque, muscle or position.")] = None,
+    senses: Annotated[str | None, typer.Option("--senses", help="Names with commas between; `none` for none.")] = None,
+    scene: Annotated[str | None, typer.Option("--scene", help="empty, flat, crib or room.")] = None,
+    pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing.")] = None,
+    task: Annotated[str | None, typer.Option("--task", help="reach, standup, selfbody, catch or rollover.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a commented spec to begin with, from a few choices; in a terminal, without any, it asks."""
+    from mimoc.bundle.files import write_file
+    from mimoc.schema import read_spec, source
+    from mimoc.schema.json_schema import shipped_schema
+    from mimoc.schema.starter import new_spec, with_schema
+
+    options = {
+        "age_months": age, "hands": hands, "actuation": actuation, "senses": senses, "scene": scene, "pose": pose,
+        "task": task,
+    }  # fmt: skip
+    given = {key: value for key, value in options.items() if value is not None}
+    if like and given:
+        raise MimocError("'--like' takes an example as it is; give either that or choices")
+    if spec != STDOUT and spec.exists() and not force:
+        raise MimocError(f"{spec}: there is such a file; choose another name, or add '--force' to replace it")
+    name = _name(spec)
+    if like:
+        text = with_schema(_example(like, name), shipped_schema())
+    else:
+        given = given or (_answers() if sys.stdin.isatty() and sys.stdout.isatty() else {})
+        text = new_spec(_choices(name, given), shipped_schema())
+    read_spec(source.parse(text, str(spec)))
+    if spec == STDOUT:
+        print(text, end="")
+        return
+    print(f"{write_file(spec, text.encode())}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}")
+
+
+def _name(spec: Path) -> str:
+    """Return the name of an infant whose spec has some path."""
+    words = re.sub("[^a-z0-9]+", "_", spec.stem.lower()).strip("_")
+    return words[:64] if words[:1].isalpha() else f"infant_{words}"[:64].rstrip("_")
+
+
+def _choices(name: str, given: dict[str, Any]) -> "Choices":
+    from mimoc.schema.starter import Choices
+
+    if "senses" in given:
+        words = given["senses"].replace(",", " ").split()
+        given["senses"] = () if words == ["none"] else tuple(words)
+    return Choices(name=name, **given)
+
+
+def _answers() -> dict[str, Any]:
+    """Return what the user answers to each question."""
+    from mimoc.schema.starter import Choices
+
+    usual = {**vars(Choices()), "senses": ",".join(Choices.senses)}
+    return {
+        key: typer.prompt(question, default=usual[key], type=type(usual[key])) for key, question in QUESTIONS.items()
+    }
+
+
+def _example(like: str, name: str) -> str:
+    """Return the text of an example, under another name.
+
+    Raises:
+        UnknownNameError: If there is no such example.
+    """
+    package = Path(__file__).resolve().parents[1]
+    found = {path.stem: path for folder in (package, package.parent) for path in (folder / "configs").glob("*.yaml")}
+    if like not in found:
+        raise UnknownNameError("name of an example", like, found)
+    return re.sub("^name: .*$", f"name: {name}", found[like].read_text(encoding="utf-8"), count=1, flags=re.MULTILINE)

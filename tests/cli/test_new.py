@@ -1,0 +1,80 @@
+"""`mimoc new` writes specs to begin with, and `mimoc schema` what editors know of them."""
+
+import json
+import os
+import re
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+import mimoc
+from mimoc.schema import read_spec, source
+from mimoc.schema.json_schema import json_schema, shipped_schema
+from mimoc.schema.starter import Choices, new_spec
+
+
+def test_a_new_spec_is_the_one_that_was_chosen_and_tells_editors_of_its_schema(invoke, here):
+    chosen = "--age 7.5 --hands five_finger --actuation muscle --senses touch,vision --scene crib --pose prone"
+    code, out, err = invoke("new", "Kim's infant.yaml", *chosen.split())
+    spec = mimoc.load_spec("Kim's infant.yaml")
+    assert (code, err) == (0, "")
+    assert out == """Kim's infant.yaml: build it with: mimoc build 'Kim'"'"'s infant.yaml' -o out/kim_s_infant\n"""
+    assert (spec.name, spec.age_months, spec.body.hands) == ("kim_s_infant", 7.5, "five_finger")
+    assert (spec.actuation.model, spec.scene.kind, spec.scene.pose) == ("muscle", "crib", "prone")
+    assert {name for name, sense in spec.senses if sense} == {"touch", "vision"}
+    assert spec.source.text.startswith(f"# yaml-language-server: $schema={shipped_schema()}\n")
+
+
+def test_comments_can_be_turned_into_keys():
+    lines = [re.sub("^( *)# ", r"\1", line) for line in new_spec(Choices()).splitlines()]
+    spec = read_spec(source.parse("\n".join(lines), "x.yaml"))
+    assert (spec.body.individual.sex, spec.delays.preset, spec.task.kind) == ("female", "physiological", "catch")
+    assert {name for name, sense in spec.senses if sense} == {"proprioception", "vestibular", "touch", "vision"}
+
+
+@pytest.mark.parametrize(
+    ("hands", "scene", "task"), [*product(("mitten", "five_finger"), ("flat", "room"), (None, "reach"))]
+)
+def test_any_choices_give_a_spec_that_says_them(hands, scene, task, here):
+    choices = Choices(name="x", hands=hands, scene=scene, task=task, senses=())
+    Path("x.yaml").write_text(new_spec(choices))
+    spec = mimoc.load_spec("x.yaml")
+    assert (spec.body.hands, spec.scene.kind, spec.task and spec.task.kind) == (hands, scene, task)
+
+
+def test_a_spec_like_an_example_differs_from_it_in_its_name_only(invoke, here):
+    assert invoke("new", "mine.yaml", "--like", "playroom").code == 0
+    mine = mimoc.load_spec("mine.yaml")
+    assert mine == mimoc.load_spec(Path(__file__).parents[2] / "configs" / "playroom.yaml").with_(name="mine")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    {
+        "--hands paws": "x.yaml:7:10: body.hands: 'paws' is not a choice; choose from five_finger, mitten",
+        "--age 25": "x.yaml:4:13: age_months: 25",
+        "--senses sight": "x.yaml:14:3: senses.sight: unknown key",
+        "--like nobody": "'nobody' is not a name of an example; choose from all_senses",
+        "--like catch --age 3": "'--like' takes an example as it is; give either that or choices",
+    }.items(),
+)
+def test_a_wrong_choice_is_told_and_nothing_is_written(invoke, here, arguments, problem):
+    code, out, err = invoke("new", "x.yaml", *arguments.split())
+    assert (code, out, err[: len(problem)]) == (2, "", problem)
+    assert os.listdir() == []
+
+
+def test_an_existing_file_is_replaced_only_if_asked(invoke, here):
+    Path("x.yaml").write_text("precious")
+    assert invoke("new", "x.yaml").code == 2
+    assert Path("x.yaml").read_text() == "precious"
+    assert invoke("new", "x.yaml", "--force").code == 0
+    assert mimoc.load_spec("x.yaml").age_months == 9
+
+
+def test_a_spec_and_a_schema_can_be_piped(invoke, here):
+    assert "age_months: 3" in invoke("new", "-", "--age", "3").out
+    assert json.loads(invoke("schema").out) == json_schema()
+    assert json.loads(invoke("schema", "cohort").out) == json_schema("cohort")
+    assert os.listdir() == []
