@@ -30,10 +30,10 @@ def rounded(data: Any) -> Any:
     """Return plain data with every float rounded as it is in files."""
     if isinstance(data, float):
         return float(num(data))
-    if isinstance(data, Mapping):
-        return {key: rounded(value) for key, value in data.items()}
     if isinstance(data, (list, tuple)):
         return [rounded(item) for item in data]
+    if not isinstance(data, str) and isinstance(data, Mapping):  # The latter takes longer to tell.
+        return {key: rounded(value) for key, value in data.items()}
     return data
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from types import MappingProxyType
 
 from mimoc.body import anatomy, five_finger, mitten
@@ -18,7 +18,7 @@ IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs")
 """MIMo lists the motors of the head and the eyes before those of the arms."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Anatomy:
     """A reference body: everything that does not depend on age.
 
@@ -34,7 +34,7 @@ class Anatomy:
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
 
-    @property
+    @cached_property
     def geoms(self) -> Mapping[str, GeomFigures]:
         """All geoms by name with `{side}`."""
         return MappingProxyType({geom.name: geom for _, part in self.parts for geom in part.geoms})

@@ -46,9 +46,10 @@ def _factors(tree: BodyTree, average: BodyTree, anatomy: Anatomy) -> Iterator[tu
 
 
 def _scale_body(body: Body, factors: dict[str, tuple[float, float]]) -> Body:
-    return replace(
-        body, joints=tuple(_scale_joint(joint, *factors.get(joint.name, (1.0, 1.0))) for joint in body.joints)
-    )
+    if not any(joint.name in factors for joint in body.joints):
+        return body
+    joints = (_scale_joint(joint, *factors[joint.name]) if joint.name in factors else joint for joint in body.joints)
+    return replace(body, joints=tuple(joints))
 
 
 def _scale_joint(joint: Joint, damping: float, armature: float) -> Joint:

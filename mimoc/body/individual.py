@@ -134,10 +134,11 @@ def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, ch
         raise IndividualError(f"a child of {child} cannot weigh {wanted_kg:.1f} kg; {possible}")
     ends_kg = {low: lightest_kg, high: heaviest_kg}  # The search begins there.
 
-    def excess_kg(factor: float) -> float:
-        return (ends_kg[factor] if factor in ends_kg else weigh(factor)) - wanted_kg
+    def excess(factor: float) -> float:
+        """Return by how much the cube root of the weight is too large; it is closer to a line than the weight is."""
+        return math.cbrt(ends_kg[factor] if factor in ends_kg else weigh(factor)) - math.cbrt(wanted_kg)
 
-    return root(excess_kg, low, high, _PRECISION)
+    return root(excess, low, high, _PRECISION)
 
 
 def _range(bounds: Bounds, limits: Bounds, unit: str) -> str:

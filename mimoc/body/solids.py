@@ -58,7 +58,7 @@ def published_solids(measurements: Measurements, anatomy: Anatomy, scales: Scale
         shapes = _shapes(measurements.published, anatomy, scales, side, MIMOS)
         return Solids(*shapes, masses(anatomy, shapes[1]))
 
-    return _of_sides(of_side, measurements, scales)
+    return _of_sides(of_side, measurements, scales, built=False)
 
 
 def measured_solids(
@@ -122,10 +122,20 @@ def matured_solids(
     return _of_sides(of_side, measurements, scales)
 
 
-def _of_sides(of_side: Callable[[str], Solids], measurements: Measurements, scales: Scales) -> dict[str, Solids]:
-    """Return the solids of each side; the left ones are the right ones, unless something is said of one side."""
-    found = {side: of_side(side) for side in SIDES[:2]}
-    return {**found, SIDES[2]: found[SIDES[1]] if measurements.symmetric and not scales else of_side(SIDES[2])}
+def _of_sides(
+    of_side: Callable[[str], Solids], measurements: Measurements, scales: Scales, *, built: bool = True
+) -> dict[str, Solids]:
+    """Return the solids of the middle and of each side; those of most children are the same ones.
+
+    Raises:
+        GeometryError: If they are *built*, and no body has these measurements.
+    """
+    if not measurements.symmetric or scales:
+        return {side: of_side(side) for side in SIDES}
+    same = of_side("")
+    if built:
+        check_limbs(same.dimensions)
+    return dict.fromkeys(SIDES, same)
 
 
 def _shapes(measurements: Measurements, anatomy: Anatomy, scales: Scales, side: str, kind: Kind) -> Shapes:

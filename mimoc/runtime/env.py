@@ -365,7 +365,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self.bundle, self.model = variant.bundle, variant.model
             self._bind(self._senses)
             check_same_space(self.observation_space, observation_space(self._senses, self._task))
-        except Exception:
+        except Exception:  # Whatever failed, be it in a sense of the caller's own: the infant goes on as it was.
             self.bundle, self.model = former, fields.model_as_built()
             self._bind(self._senses)
             self.set_state(state)

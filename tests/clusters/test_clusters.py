@@ -4,6 +4,7 @@
 """
 
 import os
+import re
 import select
 import signal
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 from support.commands import process
 
 from mimoc.cohorts import Cohort
+from mimoc.errors import MimocError
 from mimoc.schema.yaml_scalars import dump
 
 HERE = Path(__file__).parent
@@ -125,6 +127,13 @@ def test_a_job_that_kills_its_task_is_a_failed_row_and_a_second_run_does_what_is
     running = run(cohort, out, cluster)
     running.communicate(timeout=PATIENCE_S)
     assert study.status(out).number("ok") == 4
+
+
+@pytest.mark.parametrize("address", ["nonsense", "127.0.0.1:1", "ray://127.0.0.1:1", "nowhere.invalid:6379"])
+def test_without_a_ray_cluster_at_the_address_nothing_is_written(address, write, tmp_path):
+    with pytest.raises(MimocError, match=f"^there is no Ray cluster at '{re.escape(address)}' "):
+        Cohort(write("build")).run(tmp_path / "out", "ray", address=address)
+    assert not (tmp_path / "out").exists()
 
 
 def test_with_a_task_and_a_node_killed_the_table_is_the_one_of_local_processes(cluster, write, tmp_path):

@@ -1,11 +1,10 @@
 """Signals on their way when delays change: those that there is room for stay, and none overtakes another."""
 
-from typing import Any
-
 import mujoco
 import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from support.slider import MODEL, MOTORS
 
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.spec import DelayEntry
@@ -13,18 +12,6 @@ from mimoc.delays.timing import Timing
 from mimoc.noise.spec import NoiseEntry
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import Vector
-
-SLIDER = """
-<mujoco>
-  <option timestep="0.001" gravity="0 0 0"/>
-  <worldbody>
-    <body name="trunk"><joint name="x" type="slide"/><geom size="0.1" mass="1"/></body>
-    <body name="leg"><joint name="y" type="slide"/><geom size="0.1" mass="1"/></body>
-  </worldbody>
-  <actuator><motor joint="x"/><motor joint="y"/></actuator>
-</mujoco>
-"""
-MODEL = mujoco.MjModel.from_xml_string(SLIDER)
 
 
 class Clocks(Vector):
@@ -37,22 +24,11 @@ class Clocks(Vector):
         return np.full(2, data.time)
 
 
-class Motors:
-    """Every command is its control."""
-
-    actuators = np.arange(2)
-    low, high = np.full(2, -1e6), np.full(2, 1e6)
-
-    def __call__(self, action):
-        return np.array(action, float)
-
-
 def schedule(period: int, delay: int, legs: int | None, jitter: int, streams: NoiseStreams) -> Schedule:
     entry = DelayEntry(ms=delay, legs_ms=legs and delay + legs)
     noise = NoiseEntry(delay_jitter_ms=jitter)
-    motors: Any = Motors()
     timing = Timing(period, 1, {"clock": entry, "motor": entry}, ("leg",), noise)
-    return Schedule({"clock": Clocks()}, motors, MODEL, timing, streams)
+    return Schedule({"clock": Clocks()}, MOTORS, MODEL, timing, streams)
 
 
 delays = st.integers(1, 12)

@@ -1,26 +1,14 @@
 """A schedule of control steps takes any senses and any actuation, without a bundle."""
 
-from typing import Any
-
 import mujoco
 import numpy as np
 import pytest
+from support.slider import MODEL, MOTORS
 
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.spec import DelayEntry
 from mimoc.delays.timing import Timing
 from mimoc.senses.sense import Vector
-
-SLIDER = """
-<mujoco>
-  <option timestep="0.001" gravity="0 0 0"/>
-  <worldbody>
-    <body name="trunk"><joint name="x" type="slide"/><geom size="0.1" mass="1"/></body>
-    <body name="leg"><joint name="y" type="slide"/><geom size="0.1" mass="1"/></body>
-  </worldbody>
-  <actuator><motor joint="x"/><motor joint="y"/></actuator>
-</mujoco>
-"""
 
 
 class Clock(Vector):
@@ -33,21 +21,10 @@ class Clock(Vector):
         return np.array([data.time, *data.ctrl])
 
 
-class Motors:
-    """Every command is its control."""
-
-    actuators = np.arange(2)
-
-    def __call__(self, action):
-        return np.array(action, float)
-
-
 def clocked(delays: dict[str, DelayEntry], bodies=None) -> tuple[Schedule, mujoco.MjData]:
     """Return the schedule of control steps of 4 ms and physics steps of 1 ms, after a reset."""
-    model = mujoco.MjModel.from_xml_string(SLIDER)
     timing = Timing(step_ms=4, timestep_ms=1, delays=delays, legs=("leg",))
-    motors: Any = Motors()
-    schedule, data = Schedule({"clock": Clock(bodies)}, motors, model, timing), mujoco.MjData(model)
+    schedule, data = Schedule({"clock": Clock(bodies)}, MOTORS, MODEL, timing), mujoco.MjData(MODEL)
     schedule.reset(data)
     return schedule, data
 

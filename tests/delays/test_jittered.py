@@ -1,12 +1,11 @@
 """Signals whose delay varies keep their order, never come from the future, and take the stated time on average."""
 
-from typing import Any
-
 import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.slider import MODEL, MOTORS
 
 from mimoc.delays.schedule import Schedule
 from mimoc.delays.spec import DelayEntry
@@ -15,17 +14,6 @@ from mimoc.noise.spec import NoiseEntry
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import Vector
 
-SLIDER = """
-<mujoco>
-  <option timestep="0.001" gravity="0 0 0"/>
-  <worldbody>
-    <body name="trunk"><joint name="x" type="slide"/><geom size="0.1" mass="1"/></body>
-    <body name="leg"><joint name="y" type="slide"/><geom size="0.1" mass="1"/></body>
-  </worldbody>
-  <actuator><motor joint="x"/><motor joint="y"/></actuator>
-</mujoco>
-"""
-MODEL = mujoco.MjModel.from_xml_string(SLIDER)
 LONG = 4000
 
 
@@ -39,16 +27,6 @@ class Clock(Vector):
     def __call__(self, data):
         self.reads += 1
         return np.array([data.time])
-
-
-class Motors:
-    """Every command is its control."""
-
-    actuators = np.arange(2)
-    low, high = np.full(2, -1e6), np.full(2, 1e6)
-
-    def __call__(self, action):
-        return np.array(action, float)
 
 
 class Recorder:
@@ -65,9 +43,8 @@ def opened(period: int, jitter: int, seed: int = 0, **delays: int) -> tuple[Sche
     """Return a schedule of physics steps of 1 ms, after a reset."""
     entries = {name: DelayEntry(ms=ms) for name, ms in delays.items()}
     timing = Timing(period, 1, entries, noise=NoiseEntry(delay_jitter_ms=jitter))
-    motors: Any = Motors()
     clock, data = Clock(), mujoco.MjData(MODEL)
-    schedule = Schedule({"clock": clock}, motors, MODEL, timing, NoiseStreams(seed))
+    schedule = Schedule({"clock": clock}, MOTORS, MODEL, timing, NoiseStreams(seed))
     schedule.reset(data)
     return schedule, data, clock
 
@@ -148,8 +125,7 @@ def test_a_schedule_goes_on_from_a_state(period, delay, jitter, before, seed):
     timing = Timing(
         period, 1, {name: DelayEntry(ms=delay) for name in ("clock", "motor")}, noise=NoiseEntry(delay_jitter_ms=jitter)
     )
-    motors: Any = Motors()
-    schedule, data = Schedule({"clock": Clock()}, motors, MODEL, timing, streams), mujoco.MjData(MODEL)
+    schedule, data = Schedule({"clock": Clock()}, MOTORS, MODEL, timing, streams), mujoco.MjData(MODEL)
     schedule.reset(data)
     for number in range(before):
         schedule.step([number, number], data)

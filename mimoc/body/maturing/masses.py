@@ -3,11 +3,12 @@
 All other parts weigh what they do by the published law, and so does the whole body.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
+from functools import lru_cache
 
 from mimoc.body.assembly import Anatomy
 from mimoc.body.density import density
-from mimoc.body.figures import GeomFigures, Part
+from mimoc.body.figures import GeomFigures
 
 NECK_SHARE = 0.08
 """Of the neck in the mass of head and neck (D)."""
@@ -31,8 +32,8 @@ def matured_masses(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, g
     """
     heads_kg = gain * published_kg["head"]
     masses = dict(published_kg)
-    masses |= {geom.name: trunk * published_kg[geom.name] for geom in _geoms(anatomy, _is_trunk)}
-    masses |= {geom.name: _foot_kg(geom, anatomy, volumes_m3) for geom in _geoms(anatomy, _is_foot)}
+    masses |= {geom.name: trunk * published_kg[geom.name] for geom in _trunk(anatomy)}
+    masses |= {geom.name: _foot_kg(geom, anatomy, volumes_m3) for geom in _feet(anatomy)}
     return masses | {"head": (1 - NECK_SHARE) * heads_kg, "neck": NECK_SHARE * heads_kg}
 
 
@@ -47,8 +48,8 @@ def share_out(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, gain: 
         volumes_m3: Volumes by the law `maturing`, likewise.
         gain: By how much head and neck of the average child are heavier.
     """
-    trunk_kg = sum(published_kg[geom.name] for geom in _geoms(anatomy, _is_trunk))
-    foot_kg = sum(_foot_kg(geom, anatomy, volumes_m3) - published_kg[geom.name] for geom in _geoms(anatomy, _is_foot))
+    trunk_kg = sum(published_kg[geom.name] for geom in _trunk(anatomy))
+    foot_kg = sum(_foot_kg(geom, anatomy, volumes_m3) - published_kg[geom.name] for geom in _feet(anatomy))
     gain = min(gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * foot_kg) / published_kg["head"])
     return gain, 1 - ((gain - 1) * published_kg["head"] + 2 * foot_kg) / trunk_kg
 
@@ -57,16 +58,13 @@ def _foot_kg(figures: GeomFigures, anatomy: Anatomy, volumes_m3: Masses) -> floa
     return density(figures, anatomy.hands) * volumes_m3[figures.name]
 
 
-def _is_trunk(part: Part) -> bool:
-    return part.region == "trunk"
+@lru_cache(maxsize=16)
+def _trunk(anatomy: Anatomy) -> tuple[GeomFigures, ...]:
+    """Return the geoms of the trunk."""
+    return tuple(geom for _, part in anatomy.parts if part.region == "trunk" for geom in part.geoms)
 
 
-def _is_foot(part: Part) -> bool:
-    return part.lies
-
-
-def _geoms(anatomy: Anatomy, wanted: Callable[[Part], bool]) -> Iterator[GeomFigures]:
-    """Yield the geoms of some parts of the middle and of the right side."""
-    for side, part in anatomy.parts:
-        if side != "left" and wanted(part):
-            yield from part.geoms
+@lru_cache(maxsize=16)
+def _feet(anatomy: Anatomy) -> tuple[GeomFigures, ...]:
+    """Return the geoms of the right foot."""
+    return tuple(geom for side, part in anatomy.parts if side != "left" and part.lies for geom in part.geoms)

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import socket
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,8 +18,17 @@ except ImportError:
     raise MissingExtraError("ray", "ray") from None
 
 OPTIONS = ("address", "jobs_per_task")
+LOCAL = "local"
+"""In place of an address: a cluster of this machine's own."""
+FOUND_BY_RAY = (LOCAL, "auto")
+"""What may stand in place of an address."""
 TASKS_PER_CORE = 4
 """Tasks that wait or run at once, for each core of the cluster."""
+STARTS = 3
+"""How often Ray is started on this machine until it works; a part of it gives up after 15 s, too soon for a busy
+machine."""
+ANSWER_S = 10.0
+"""How long to wait for an answer from an address."""
 POLL_S = 1.0
 """How often to give the caller a chance."""
 
@@ -34,7 +44,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     if ray.is_initialized():
         do_on(_Ray(shared), tasks, shared, done)
         return
-    _join(options.get("address") or os.environ.get("RAY_ADDRESS") or "local")
+    _join(_address(options))
     try:
         do_on(_Ray(shared), tasks, shared, done)
     finally:
@@ -42,27 +52,65 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
 
 
 def check(options: Mapping[str, Any]) -> None:
-    """Check that numbers are positive; the address is tried when it is needed.
+    """Check that numbers are positive, and that something answers at the address.
 
     Raises:
         MimocError: If not.
     """
     check_positive(options)
+    address = _address(options)
+    if address in FOUND_BY_RAY:
+        return
+    host, _, port = address.removeprefix("ray://").rpartition(":")
+    if not (host and port.isdigit()):
+        raise _no_cluster(address, "an address is HOST:PORT")
+    try:  # Ray itself waits for minutes for what does not answer.
+        socket.create_connection((host, int(port)), ANSWER_S).close()
+    except (OSError, OverflowError) as error:
+        raise _no_cluster(address, str(error)) from None
+
+
+def _address(options: Mapping[str, Any]) -> str:
+    """Return the address of a cluster, `local` for one that is to be started."""
+    return options.get("address") or os.environ.get("RAY_ADDRESS") or LOCAL
 
 
 def _join(address: str) -> None:
-    """Join a cluster, or start one if the address is `local`."""
+    """Join a cluster, or start one if the address is `local`.
+
+    Raises:
+        MimocError: If that fails.
+    """
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # What is started here tells nobody.
-    own = {"num_cpus": len(os.sched_getaffinity(0)), "include_dashboard": False} if address == "local" else {}
+    if address == LOCAL:
+        _start()
+    elif problem := _problem(address):
+        raise _no_cluster(address, problem)
+
+
+def _no_cluster(address: str, problem: str) -> MimocError:
+    return MimocError(
+        f"there is no Ray cluster at '{address}' ({problem}); give the address that 'ray start --head' prints"
+    )
+
+
+def _start() -> None:
+    """Start a cluster on this machine, with all cores that this process may use."""
+    for _ in range(STARTS):
+        problem = _problem(LOCAL, num_cpus=len(os.sched_getaffinity(0)), include_dashboard=False)
+        if problem is None:
+            return
+    raise MimocError(f"Ray does not start on this machine ({problem}); try again, or give an address")
+
+
+def _problem(address: str, **own: Any) -> str | None:
+    """Return why a cluster cannot be joined or started; None if it is."""
     try:
         ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **own)
     except Exception as error:  # Ray raises just that if a node does not start in time.
-        reason = str(error).strip().partition("\n")[0]
-        if own:
-            raise MimocError(f"Ray does not start on this machine ({reason}); try again, or give an address") from None
-        raise MimocError(
-            f"there is no Ray cluster at '{address}' ({reason}); give the address that 'ray start --head' prints"
-        ) from None
+        ray.shutdown()
+        return str(error).strip().partition("\n")[0]
+    return None
 
 
 class _Ray:

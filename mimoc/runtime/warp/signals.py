@@ -104,7 +104,7 @@ def delays_of(infant: InfantEnv, signal: str, touch: Feeling | None = None) -> I
 
 def space_of(infant: InfantEnv, touch: Feeling | None) -> Dict:
     """Return what an infant observes here; it differs from the CPU where touch is told by bodies."""
-    spaces: Mapping[str, Any] = infant.observation_space.spaces  # pyright: ignore[reportAttributeAccessIssue]
+    spaces: Mapping[str, Any] = infant.observation_space.spaces
     found = dict(spaces)
     if touch is not None:
         low, high = (getattr(spaces["touch"], bound).flat[0] for bound in ("low", "high"))

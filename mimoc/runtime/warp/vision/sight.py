@@ -55,7 +55,7 @@ class Sight:
         fovy_deg = [float(each.cam_fovy[each.camera(first.cameras[0]).id]) for each in models]
         self._eyes = Eyes(models, first, body_of_world, model)
         self._filters = Filters(entries, fovy_deg, body)
-        delays = np.concatenate([delay_steps(manifest, VISION, None, 1) for manifest in manifests])
+        delays = np.stack([delay_steps(manifest, VISION, None, 1) for manifest in manifests])
         numbers = len(first.cameras) * first.height_px * first.width_px * len("rgb")
         self._line, self._period = PictureLine(delays, period, body, numbers), period
 

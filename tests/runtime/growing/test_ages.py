@@ -1,0 +1,166 @@
+"""Ages in states, copies and new episodes, ways to an environment that grows, and ages that it refuses."""
+
+import copy
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+from support.growing import flail, same, spec
+
+import mimoc
+from mimoc.errors import BundleError, MimocError, UnknownNameError
+
+# Chance, states and copies.
+
+
+def test_growth_draws_no_random_numbers(live):
+    env = live(6, noise={"motor": 0.1})
+    before = env.get_state()
+    env.grow(to=8)
+    after = env.get_state()
+    assert after["random"] == before["random"]
+    assert after["noise"] == before["noise"]
+
+
+def test_a_state_brings_its_age_along(live):
+    env = live(6, delays={"preset": "physiological"})
+    env.grow(to=9.5)
+    flail(env, 5)
+    state = pickle.loads(pickle.dumps(env.get_state()))
+    expected = flail(env, 10)
+    env.grow(to=3)
+    env.set_state(state)
+    assert env.age_months == 9.5
+    assert same(flail(env, 10), expected)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["copy", "pickle"])
+def test_copies_have_the_age_and_go_on_growing(live, copied):
+    env = live(6, task={"kind": "catch"}, steps=3)
+    env.grow(to=9)
+    twin = copied(env)
+    assert twin.age_months == 9
+    assert same(flail(twin, 5), flail(env, 5))
+    for each in (twin, env):
+        each.grow(to=10)
+    assert same(flail(twin, 5), flail(env, 5))
+
+
+def test_an_episode_can_start_at_another_age_pose_and_scene(live):
+    env = live(6, scene={"kind": "room", "toys": {"count": [2, 2]}})
+    _, info = env.reset(seed=3, options={"age_months": 12.5, "pose": "standing", "scene_seed": 7})
+    assert (info["age_months"], env.manifest.seed) == (12.5, 7)
+    assert np.array_equal(env.data.qpos, env.model.key("standing").qpos)
+    other = live(12.5, scene={"kind": "room", "toys": {"count": [2, 2]}, "seed": 7}, steps=0)
+    other.reset(seed=3, options={"pose": "standing"})
+    assert same(flail(env, 5), flail(other, 5))
+
+
+def test_growing_to_the_present_age_changes_nothing(live):
+    env = live(6)
+    model, data = env.model, env.data
+    env.grow(to=6)
+    assert env.model is model
+    assert env.data is data
+
+
+# Ways to an environment that grows.
+
+
+def test_bundles_specs_and_tasks_can_grow(tmp_path):
+    bundle = mimoc.build(spec(6))
+    folder = mimoc.write_bundle(bundle, tmp_path / "out")
+    made = [
+        mimoc.make(spec(6)),
+        mimoc.make(bundle),
+        mimoc.make(folder),
+        gymnasium.make("mimoc/Infant-v0", bundle=folder),
+        gymnasium.make("mimoc/Reach-v0", age_months=6),
+    ]
+    for env in made:
+        env.reset(seed=0)
+        env.unwrapped.grow(to=6.5)
+        assert env.step(env.action_space.sample())[4]["age_months"] == 6.5
+
+
+def test_an_individual_keeps_its_percentiles():
+    """Measured at six months, it is as tall and as heavy among children of its sex at a year."""
+    body = {"individual": {"sex": "female", "length_cm": 64.0, "weight_kg": 6.6}}
+    env = mimoc.make(spec(6, body=body)).unwrapped
+    who = mimoc.build(spec(6, body={"individual": {"sex": "female", "length_percentile": 50}})).manifest.child
+    assert isinstance(env, mimoc.InfantEnv)
+    shorter_cm = who.length_cm - env.manifest.child.length_cm
+    env.grow(to=12)
+    average = mimoc.build(spec(12, body={"individual": {"sex": "female", "length_percentile": 50}})).manifest.child
+    assert env.manifest.child.length_cm > 68
+    assert average.length_cm - env.manifest.child.length_cm == pytest.approx(shorter_cm, rel=0.35)
+
+
+# Bad input.
+
+
+@pytest.mark.parametrize("age_months", [-0.1, 24.1, float("nan"), float("inf"), "nine", None, True, [9]])
+def test_what_is_no_age_is_refused_and_changes_nothing(live, age_months):
+    env = live(6)
+    before = env.get_state()["physics"]
+    for ask in (lambda: env.grow(to=age_months), lambda: env.reset(options={"age_months": age_months})):
+        with pytest.raises(ValueError, match="expected an age from 0 to 24 months"):
+            ask()
+    assert np.array_equal(env.get_state()["physics"], before)
+    assert env.age_months == 6
+
+
+def test_an_environment_without_variants_says_what_to_do():
+    env = mimoc.InfantEnv(mimoc.build(spec(6)))
+    with pytest.raises(MimocError, match=r"open it with mimoc\.make"):
+        env.grow(to=7)
+    with pytest.raises(UnknownNameError, match="age_months"):
+        env.reset(options={"age_months": 7})
+
+
+def test_a_bundle_that_cannot_be_built_again_says_so():
+    bundle = mimoc.build(spec(6))
+    files = {name: content for name, content in bundle.files.items() if name != "resolved.yaml"}
+    env = mimoc.make(mimoc.Bundle(files, bundle.manifest, None))
+    env.reset(seed=0)
+    with pytest.raises(BundleError, match=r"cannot be built at 7 months: there is no resolved\.yaml"):
+        env.unwrapped.grow(to=7)
+    env.step(env.action_space.sample())
+
+
+def test_a_pose_that_does_not_exist_leaves_the_age_as_it_is(live):
+    env = live(6)
+    with pytest.raises(UnknownNameError, match="kneeling"):
+        env.reset(options={"age_months": 9, "pose": "kneeling"})
+    assert env.age_months == 6
+
+
+def test_an_observation_that_changes_its_space_is_refused_and_changes_nothing(variants):
+    class Size:
+        """A sense whose bounds change with the body."""
+
+        def bind(self, model, bundle):
+            self.space = gymnasium.spaces.Box(0.0, float(model.body_mass.sum()), (1,))
+
+        def __call__(self, data):
+            return [0.0]
+
+    found = variants(6)
+    env = mimoc.InfantEnv(found.own, variants=found, senses={"size": Size()})
+    env.reset(seed=0)
+    flail(env, 3)
+    twin = mimoc.InfantEnv(found.own, senses={"size": Size()})
+    twin.set_state(env.get_state())
+    with pytest.raises(MimocError, match="the space of the observation 'size' changes"):
+        env.grow(to=9)
+    assert env.age_months == 6
+    assert same(flail(env, 3), flail(twin, 3))
+
+
+def test_a_state_of_another_age_needs_an_environment_that_grows(live):
+    env = live(6)
+    state = env.get_state()
+    other = mimoc.InfantEnv(mimoc.build(spec(7)))
+    with pytest.raises(ValueError, match="state has age_months 6, but this environment has 7"):
+        other.set_state(state)
