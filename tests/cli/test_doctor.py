@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import mimoc
 from mimoc.cli import doctor
 
 ROOT = Path(__file__).parents[2]
@@ -41,13 +42,19 @@ def test_what_there_is_and_what_there_is_not(findings, tmp_path, monkeypatch):
     assert found["SLURM"] == "none   SLURM          no command 'sinfo'"
 
 
-def test_what_is_broken_says_so_in_one_line_and_the_exit_code_is_1(findings, tmp_path):
+def test_what_is_broken_says_so_in_one_line(findings, tmp_path):
     program(tmp_path, "sinfo", "echo no controller >&2", "exit 1")
     program(tmp_path, "nvidia-smi", "echo Somebody 5090, 999.1", "echo Somebody 5090, 999.1")
     code, found = findings(PATH=f"{tmp_path}:{os.environ['PATH']}")
-    assert code == 1
+    assert code == 0
     assert found["SLURM"] == "broken SLURM          no controller"
     assert found["NVIDIA GPU"] == "ok     NVIDIA GPU     Somebody 5090, 999.1, Somebody 5090, 999.1"
+
+
+def test_the_exit_code_is_1_if_no_infant_can_move(findings, monkeypatch):
+    monkeypatch.setattr(mimoc, "make", lambda spec: 1 / 0)
+    code, found = findings()
+    assert (code, found["MuJoCo"]) == (1, "broken MuJoCo         division by zero")
 
 
 def test_every_extra_has_a_purpose():

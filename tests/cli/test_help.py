@@ -34,7 +34,7 @@ def test_the_commands_are_in_this_order():
 def test_the_help_of_each_command_has_an_example(invoke, command, option):
     done = invoke(command, option)
     assert (done.code, done.err) == (0, "")
-    assert f"Example: mimoc {command} " in " ".join(done.out.split())
+    assert f"Example: mimoc {command} " in " ".join(done.out.split()) + " "
 
 
 def without_notes(told: str) -> list[str]:
@@ -57,6 +57,8 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     assert sorted(os.listdir()) == [
         "configs",
         "growth.png",
+        "infant.schema.json",
+        "kim.yaml",
         "nine_months.png",
         "out",
         "recordings",
