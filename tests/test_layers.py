@@ -88,7 +88,7 @@ LAYERS = {
         "mujoco pyarrow submitit ray",
     ),
     "mimoc": layer(
-        "__init__ environments vector_environments recordings registration",
+        "__init__ environments vector_environments recordings registration notebook",
         f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts",
         "gymnasium",
     ),

@@ -43,7 +43,12 @@ def write_picture(path: str | Path, picture: npt.NDArray[Any]) -> Path:
         OutputError: If its name ends in no format that is known, or it cannot be written.
     """
     check_picture_name(path)
-    name, settings = FORMATS[Path(path).suffix.lower()]
+    return write_file(path, encoded(picture, Path(path).suffix.lower()))
+
+
+def encoded(picture: npt.NDArray[Any], suffix: str) -> bytes:
+    """Return an RGB picture of 0 to 255, shape (height, width, 3), in the format of FORMATS with some suffix."""
+    name, settings = FORMATS[suffix]
     buffer = io.BytesIO()
     Image.fromarray(np.rint(picture).astype(np.uint8)).save(buffer, name, **settings)
-    return write_file(path, buffer.getvalue())
+    return buffer.getvalue()

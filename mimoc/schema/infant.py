@@ -1,5 +1,6 @@
 """A spec: reading it from a file, creating it in Python, and changing it."""
 
+from html import escape
 from pathlib import Path
 from typing import Any, Self
 
@@ -45,6 +46,10 @@ class InfantSpec(InfantKeys):
         """
         data = self._source.data if self._source and _says(self._source, self) else given(self)
         return _checked(type(self), changed(data, changes), self)
+
+    def _repr_html_(self) -> str:
+        """Return what notebooks show: the text of the spec."""
+        return f"<pre>{escape(as_written(self).text)}</pre>"
 
     def __eq__(self, other: object) -> bool:
         """Return whether two specs have equal values, regardless of the files they were read from."""

@@ -1,0 +1,46 @@
+"""What notebooks show of bundles and specs."""
+
+import html
+import io
+import re
+from base64 import b64decode
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import mimoc
+from mimoc.errors import RenderingError
+
+CONFIG = Path(__file__).parents[1] / "configs" / "individual.yaml"
+
+
+@pytest.fixture(scope="module")
+def bundle():
+    return mimoc.build(CONFIG)
+
+
+def test_a_bundle_shows_a_picture_and_its_measures_with_percentiles(bundle):
+    shown = bundle._repr_html_()
+    (picture,) = re.findall(r'src="data:image/png;base64,([^"]+)"', shown)
+    cells = re.findall("<td>(.*?)</td>", shown)
+    child = bundle.manifest.child
+    assert np.ptp(Image.open(io.BytesIO(b64decode(picture)))) > 50
+    assert cells[3:6] == ["length", f"{child.length_cm:.1f} cm", "25"]
+    assert 'src="http' not in shown
+
+
+def test_without_opengl_a_bundle_shows_its_measures(bundle, monkeypatch):
+    def fail(*_):
+        raise RenderingError("no OpenGL")
+
+    monkeypatch.setattr("mimoc.notebook.portrait", fail)
+    shown = bundle._repr_html_()
+    assert "<img" not in shown
+    assert f"{bundle.manifest.child.weight_kg:.1f} kg" in shown
+
+
+def test_a_spec_shows_its_text():
+    shown = mimoc.load_spec(CONFIG)._repr_html_()
+    assert html.unescape(shown) == f"<pre>{CONFIG.read_text()}</pre>"
