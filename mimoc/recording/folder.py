@@ -248,10 +248,23 @@ def _told_of(bundles: Sequence[Bundle]) -> list[dict[str, str]]:
 
 
 def _is_description(told: Mapping[str, Any]) -> bool:
-    infants, sessions = told.get("infants"), told.get("sessions")
+    """Return whether data is what `open_folder` and `RecordingFolder.mark` write into `recording.json`."""
+    infants, sessions, marks = (told.get(name) for name in ("infants", "sessions", "marks"))
     if not (isinstance(infants, list) and isinstance(sessions, list) and isinstance(told.get("step_ms"), (int, float))):
         return False
-    return all(isinstance(each, dict) and {"name", "bundle"} <= each.keys() for each in infants)
+    if not infants or not all(
+        isinstance(each, dict) and isinstance(each.get("name"), str) and isinstance(each.get("bundle"), str)
+        for each in infants
+    ):
+        return False
+    return marks is None or (isinstance(marks, list) and all(_is_mark(each, len(infants)) for each in marks))
+
+
+def _is_mark(told: Any, infants: int) -> bool:
+    if not isinstance(told, dict) or not {"run", "steps", "episodes"} <= told.keys():
+        return False
+    episodes = told["episodes"]
+    return isinstance(episodes, list) and len(episodes) == infants and all(type(each) is int for each in episodes)
 
 
 def _files(home: Path, key: tuple[int, int], is_whole: bool, parts: set[int]) -> EpisodeFiles:

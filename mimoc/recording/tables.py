@@ -257,5 +257,5 @@ class _damage:  # noqa: N801 - A context manager.
         return
 
     def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
-        if isinstance(error, (pa.ArrowException, OSError, ValueError, KeyError, TypeError)):
+        if isinstance(error, (pa.ArrowException, OSError, ValueError, KeyError, TypeError, AttributeError)):
             raise RecordingError(f"{self._path}: the file is damaged or missing") from None
