@@ -39,6 +39,9 @@ def leave(work):
     print("about to leave")
     sys.exit(3)
 
+def strange(work):
+    return {"number": 2**64} if work.seed else {"row": __import__("numpy").zeros(3)}
+
 def name_of(work):
     return work.bundle.manifest.name
 """
@@ -85,6 +88,21 @@ def test_a_failed_job_is_a_row_with_its_error_and_the_others_go_on(cohort, here,
     assert [row["twice"] for row in rows] == [0, None, 4, None]
     assert "raise ValueError" in (tmp_path / "out" / rows[1]["log"]).read_text()
     assert (tmp_path / "out" / rows[3]["log"]).read_text().startswith("about to leave\n")
+
+
+def test_what_no_table_can_hold_is_a_failed_job(cohort, here, own, tmp_path):
+    status = cohort(do=[{"python": {"function": "own:strange", "seeds": [0, 1]}}]).run(tmp_path / "out", here)
+    assert {each.job.seed: each.error for each in status.failures} == {
+        0: "'own:strange' measured a ndarray; return a number, a text or None",
+        1: "'own:strange' measured a whole number of more than 64 bits; return it as a float",
+    }
+
+
+def test_a_package_that_cannot_be_imported_is_one_clear_error(cohort, tmp_path):
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "__init__.py").write_text("1 / 0")
+    with pytest.raises(MimocError, match=r"'broken.in:f': its package cannot be imported \(division by zero\)"):
+        cohort(do=[{"python": "broken.in:f"}]).jobs()
 
 
 def test_only_a_retry_does_failed_jobs_again(cohort, here, own, tmp_path):
@@ -246,11 +264,21 @@ def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, 
 
 
 def test_a_folder_with_anything_else_in_it_is_left_alone(cohort, here, tmp_path):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "thesis.tex").touch()
+    (tmp_path / "out" / "results").mkdir(parents=True)
     with pytest.raises(MimocError, match="not the folder of a cohort"):
         cohort().run(tmp_path / "out", here)
-    assert os.listdir(tmp_path / "out") == ["thesis.tex"]
+    with pytest.raises(MimocError, match=r"cohort\.yaml: this is a file"):
+        cohort().run(tmp_path / "cohort.yaml", here)
+    assert [*(tmp_path / "out").rglob("*")] == [tmp_path / "out" / "results"]
+
+
+def test_a_folder_that_cannot_be_written_is_one_clear_error(write, tmp_path, invoke):
+    cohort = write()
+    (tmp_path / "out").mkdir()
+    assert invoke("cohort", "run", cohort, "-o", "/proc/out")[::2] == (
+        2,
+        "/proc/out: cannot be written (No such file or directory); choose another folder\n",
+    )
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from mimoc.errors import MimocError, MissingExtraError
 
 NOTE = """
 def note(work):
-    return {"note": 'a, "b"', "few": 3 if work.seed else None}
+    return {"note": 'a, "b"', "few": 3 if work.seed else None, "status": "\\ud800", "body.remove": 7}
 """
 
 
@@ -51,11 +51,19 @@ def test_lists_are_cells_and_options_that_differ_are_columns(done):
     assert "run.policy" not in rows[0]
 
 
-def test_jobs_that_are_not_done_are_rows_too(done):
+def test_a_measure_with_the_name_of_another_column_has_one_of_its_own(done):
+    rows = done[0].rows(done[1])
+    assert {row["status"] for row in rows} == {"ok"}
+    assert [(row["measured.status"], row["measured.body.remove"]) for row in rows[3:5]] == [("\\ud800", 7)] * 2
+    assert rows[3]["body.remove"] == "[]"
+
+
+def test_jobs_that_are_not_done_or_whose_results_are_damaged_are_rows_and_are_done_then(done, here):
     study, out = done
     job = study.jobs()[3]
     (out / "results" / job.key[:2] / f"{job.key}.json").write_text("not JSON: cut off")
     assert [row["status"] for row in study.rows(out)] == ["ok"] * 3 + ["missing"] + ["ok"] * 6
+    assert study.run(out, here).number("ok") == 10
 
 
 def test_without_pyarrow_there_is_the_csv_and_one_clear_error(done, monkeypatch):

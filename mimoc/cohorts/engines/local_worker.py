@@ -7,6 +7,7 @@ from threading import Thread
 
 from mimoc.cohorts.perform import perform
 from mimoc.cohorts.work import Bench
+from mimoc.errors import MimocError
 
 
 def main(descriptor: int) -> None:
@@ -26,7 +27,10 @@ def main(descriptor: int) -> None:
             job, store = connection.recv()
         except EOFError:
             return
-        perform([job], store, bench)
+        try:
+            perform([job], store, bench)
+        except MimocError as error:  # The folder cannot be written: who handed the job out is told by the end of this.
+            sys.exit(str(error))
         connection.send(True)
 
 
