@@ -102,8 +102,15 @@ def test_pictures_come_back_as_they_were_also_when_joined(tmp_path):
     assert seen.shape == (9, 18, 34, 3)
 
 
-@pytest.mark.parametrize("content", [b"", b"no video"])
-def test_a_damaged_video_is_one_clear_error(content, tmp_path):
+@pytest.mark.parametrize("damage", ["empty", "no video", "no text"])
+def test_a_damaged_video_is_one_clear_error(damage, tmp_path):
+    """Even if its text, such as the name of the library that wrote it, cannot be decoded."""
+    frames.write_pictures(tmp_path / "eye", np.zeros((2, 16, 16, 3), np.uint8), Fraction(100))
+    written = (tmp_path / "eye.mkv").read_bytes()
+    content = {"empty": b"", "no video": b"no video", "no text": written.replace(b"Lavf", b"\x93avf")}[damage]
     (tmp_path / "eye.mkv").write_bytes(content)
     with pytest.raises(RecordingError, match=r"eye\.mkv: the file is damaged or missing"):
         frames.read_pictures(tmp_path / "eye.mkv")
+    with pytest.raises(RecordingError, match=r"whole\.mkv: a part of it is damaged"):
+        frames.join_videos(tmp_path / "whole.mkv", [tmp_path / "eye.mkv"], Fraction(100))
+    assert {path.name for path in tmp_path.iterdir()} == {"eye.mkv", "eye.mp4"}

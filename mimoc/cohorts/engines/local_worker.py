@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from threading import Thread
 
@@ -22,16 +23,14 @@ def main(descriptor: int) -> None:
     os.dup2(nothing, 0)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
     connection, bench = Connection(descriptor), Bench()
-    while True:
-        try:
+    with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
+        while True:
             job, store = connection.recv()
-        except EOFError:
-            return
-        try:
-            perform([job], store, bench)
-        except MimocError as error:  # The folder cannot be written: who handed the job out is told by the end of this.
-            sys.exit(str(error))
-        connection.send(True)
+            try:
+                perform([job], store, bench)
+            except MimocError as error:  # The folder cannot be written, which who handed the job out will notice, too.
+                sys.exit(str(error))
+            connection.send(True)
 
 
 def _end_with(lifeline: int) -> None:
