@@ -1,7 +1,6 @@
 """Checking what the steps of a cohort name, before anything is done: a mistake in one word would fail every job."""
 
 from mimoc.errors import MimocError, MissingExtraError, SpecError, UnknownNameError
-from mimoc.experiments import EXPERIMENTS
 from mimoc.policies import POLICIES
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.cohort_steps import ExperimentStep, RunStep, StepSpec, TrainStep, step_of
@@ -35,8 +34,11 @@ def check_steps(cohort: CohortSpec, source: Source) -> None:
 def _check(step: StepSpec) -> None:
     if isinstance(step, RunStep) and not step.policy.endswith(".zip"):
         POLICIES.find(step.policy)
-    elif isinstance(step, ExperimentStep) and step.name not in EXPERIMENTS:
-        raise UnknownNameError("known experiment", step.name, EXPERIMENTS)
+    elif isinstance(step, ExperimentStep):
+        from mimoc.experiments import EXPERIMENTS  # Takes time to import, in each process that does jobs.
+
+        if step.name not in EXPERIMENTS:
+            raise UnknownNameError("known experiment", step.name, EXPERIMENTS)
     elif isinstance(step, TrainStep):
         from mimoc.training.growth import growth_settings  # Needs Stable-Baselines3.
         from mimoc.training.settings import Settings

@@ -8,7 +8,7 @@ from mimoc.cohorts.store import Store, size_bytes
 from mimoc.compiler import explain
 from mimoc.errors import BundleError
 
-NUMBER = 6
+NUMBER = 3
 
 
 @pytest.fixture

@@ -10,7 +10,8 @@ from mimoc.errors import MimocError, MissingExtraError
 
 NOTE = """
 def note(work):
-    return {"note": 'a, "b"', "few": 3 if work.seed else None, "status": "\\ud800", "body.remove": 7}
+    seen = {"stable": bool(work.seed), "few": 3 if work.seed else None}
+    return {**seen, "note": 'a, "b"', "status": "\\ud800", "body.remove": 7}
 """
 
 
@@ -19,7 +20,7 @@ def done(cohort, here, tmp_path):
     (tmp_path / "own.py").write_text(NOTE)
     note = {"function": "own:note", "seeds": [0, 1]}
     runs = [{"run": {"steps": steps}} for steps in (3, 4)]
-    study = cohort(vary={"body.remove": [[], ["left_hand"]]}, do=["check", *runs, {"python": note}])
+    study = cohort(vary={"body.remove": [[], ["left_hand"]]}, do=["build", *runs, {"python": note}])
     study.run(tmp_path / "out", here)
     return study, tmp_path / "out"
 
