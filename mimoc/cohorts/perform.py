@@ -102,6 +102,8 @@ def _logged(path: Path) -> Iterator[None]:
             redirect_stderr(text),
         ):
             yield
+    except OSError as error:  # No job raises one here: what is printed cannot be written.
+        raise write_error(path, error) from None
     finally:
         _flush()
         for number, before in zip((1, 2), kept, strict=True):

@@ -73,9 +73,11 @@ def plan(cohort: Cohort, out: str | Path) -> Plan:
 
     Raises:
         SpecError: If some combinations of values are invalid, or a step is.
+        OutputError: If the folder holds anything else.
         MimocError: If a module or a policy that it names does not exist.
     """
     jobs, store = cohort.jobs(), Store(Path(out).expanduser())
+    store.check_usable()
     cohort.check_steps()
     found = [_planned(step, alike, store) for step, alike in _by_step(jobs).items()]
     return Plan(len(cohort.infants), tuple(found), len(os.sched_getaffinity(0)))

@@ -56,11 +56,9 @@ class Store:
         Raises:
             OutputError: If it holds anything else, or cannot be written.
         """
+        self.check_usable()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            inside = [path for path in self.folder.iterdir() if not path.name.startswith(".")]
-            if inside and not (self.folder / MARK).exists():
-                raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
             write_file(self.folder / MARK, render_json({"cohort": cohort, "version": 1}))
             for name in FOLDERS:
                 (self.folder / name).mkdir(exist_ok=True)
@@ -68,6 +66,18 @@ class Store:
             raise OutputError(f"{error.filename}: this is a file; name a new folder") from None
         except OSError as error:
             raise OutputError(f"{self.folder}: cannot be written ({error.strerror}); choose another folder") from None
+
+    def check_usable(self) -> None:
+        """Check that a cohort can have this folder: it does not exist, is empty, or is a cohort's.
+
+        Raises:
+            OutputError: If it is a file, or holds anything else.
+        """
+        if self.folder.exists() and not self.folder.is_dir():
+            raise OutputError(f"{self.folder}: this is a file; name a new folder")
+        inside = self.folder.iterdir() if self.folder.is_dir() else ()
+        if any(not path.name.startswith(".") for path in inside) and not (self.folder / MARK).exists():
+            raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
 
     def check(self) -> None:
         """Check that this is the folder of a cohort.

@@ -11,9 +11,10 @@ import pytest
 from support.commands import process
 
 import mimoc
-from mimoc.cohorts.perform import PINNED
+from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.plan import plan
 from mimoc.cohorts.store import Store
-from mimoc.errors import MimocError
+from mimoc.errors import MimocError, OutputError
 
 OWN = """
 import os, signal, sys
@@ -101,6 +102,24 @@ def test_what_no_table_can_hold_is_a_failed_job(cohort, here, own, tmp_path):
         0: "'own:strange' measured a ndarray; return a number, a text or None",
         1: "'own:strange' measured a whole number of more than 64 bits; return it as a float",
     }
+
+
+def test_a_log_that_cannot_be_written_is_one_clear_error(cohort, own, tmp_path, monkeypatch):
+    """`/dev/full` is like a full disk."""
+    monkeypatch.setattr(Store, "log", lambda store, job: Path("/dev/full"))
+    (job,) = cohort(do=[{"python": {"function": "own:probe", "options": {"at": 0}}}]).jobs()
+    with pytest.raises(OutputError, match=r"^/dev/full: cannot be written \(No space left on device\); choose another"):
+        perform([job], Store(tmp_path))
+
+
+@pytest.mark.slow
+def test_a_folder_that_cannot_be_written_any_more_ends_the_run_with_one_clear_error(write, own, tmp_path, invoke):
+    own.write_text(
+        "def spoil(work):\n    results = work.store.folder / 'results'\n    results.rmdir()\n    results.touch()\n"
+    )
+    done = invoke("cohort", "run", write(do=[{"python": "own:spoil"}]), "-o", tmp_path / "out", "--processes", 1)
+    assert (done.code, len(done.err.splitlines())) == (2, 1)
+    assert "cannot be written (Not a directory); choose another folder" in done.err
 
 
 def test_a_package_that_cannot_be_imported_is_one_clear_error(cohort, tmp_path):
@@ -289,8 +308,9 @@ def test_a_training_is_a_job_whose_folder_names_it_and_its_cohort(cohort, here, 
 
 def test_a_folder_with_anything_else_in_it_is_left_alone(cohort, here, tmp_path):
     (tmp_path / "out" / "results").mkdir(parents=True)
-    with pytest.raises(MimocError, match="not the folder of a cohort"):
-        cohort().run(tmp_path / "out", here)
+    for do in (lambda out: cohort().run(out, here), lambda out: plan(cohort(), out)):
+        with pytest.raises(MimocError, match="not the folder of a cohort; name a new or empty folder"):
+            do(tmp_path / "out")
     with pytest.raises(MimocError, match=r"cohort\.yaml: this is a file"):
         cohort().run(tmp_path / "cohort.yaml", here)
     assert [*(tmp_path / "out").rglob("*")] == [tmp_path / "out" / "results"]

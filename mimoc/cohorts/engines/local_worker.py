@@ -12,7 +12,7 @@ from mimoc.errors import MimocError
 
 
 def main(descriptor: int) -> None:
-    """Do the jobs that come over a connection.
+    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written.
 
     Args:
         descriptor: File descriptor of the connection.
@@ -28,9 +28,10 @@ def main(descriptor: int) -> None:
             job, store = connection.recv()
             try:
                 perform([job], store, bench)
-            except MimocError as error:  # The folder cannot be written, which who handed the job out will notice, too.
-                sys.exit(str(error))
-            connection.send(True)
+            except MimocError as error:
+                connection.send(error)
+            else:
+                connection.send(True)
 
 
 def _end_with(lifeline: int) -> None:
