@@ -66,11 +66,11 @@ class Cohort:
         if isinstance(source, Mapping):
             source = sources.in_memory(dict(source), "<cohort>", Path())
         self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
-        found = [*_tried(lambda: read_cohort_spec(self._source)), *_tried(lambda: _base(self._source))]
-        if problems := [problem for each in found if isinstance(each, SpecError) for problem in each.problems]:
+        spec, base = _tried(read_cohort_spec, self._source), _tried(_base, self._source)
+        if problems := [problem for each in (spec, base) if isinstance(each, SpecError) for problem in each.problems]:
             raise SpecError(problems)
-        self.spec: CohortSpec = found[0]
-        self._base: Source = found[1]
+        self.spec: CohortSpec = spec
+        self._base: Source = base
 
     def __repr__(self) -> str:
         """Return its name and file."""
@@ -208,12 +208,12 @@ def read_cohort(path: str | Path) -> Cohort:
     return Cohort(path)
 
 
-def _tried(read: Callable[[], Any]) -> Iterable[Any]:
-    """Return what was read, or the error."""
+def _tried(read: Callable[[Source], Any], source: Source) -> Any:
+    """Return what was read, or the error, so that the problems of several parts are reported together."""
     try:
-        return [read()]
+        return read(source)
     except SpecError as error:
-        return [error]
+        return error
 
 
 def _base(source: Source) -> Source:

@@ -56,7 +56,7 @@ def finish(episode: EpisodeFiles, ended: str, described: Described | None = None
         OutputError: If a file cannot be written.
         RecordingError: If a part is damaged.
     """
-    stem = episode.stems[0].with_name(episode.stems[0].name.partition(".")[0])
+    stem = episode.stem
     described = described or tables.describe(episode.tables[0])
     for reading in described.readings:
         for extension in (frames.LOSSLESS, frames.VIDEO) if reading.kind == "picture" else ():

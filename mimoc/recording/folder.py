@@ -39,6 +39,11 @@ class EpisodeFiles:
     """Whether it is in one set."""
 
     @property
+    def stem(self) -> Path:
+        """Path of all its files without what tells them apart."""
+        return self.stems[0].with_name(_name(self.infant, self.number))
+
+    @property
     def sidecars(self) -> list[Path]:
         """The sidecar of each part."""
         return [with_extension(stem, ".json") for stem in self.stems]
@@ -74,7 +79,7 @@ class RecordingFolder:
 
     def stem(self, infant: int, number: int) -> Path:
         """Return the path of an episode's files without their extensions."""
-        return self.path / EPISODES / f"{infant:04d}-{number:06d}"
+        return self.path / EPISODES / _name(infant, number)
 
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
@@ -206,9 +211,7 @@ def episodes_in(folder: Path) -> list[EpisodeFiles]:
 
 def remove(episode: EpisodeFiles) -> None:
     """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole."""
-    stem = episode.stems[0]
-    base = stem.name.partition(".")[0]
-    found = sorted(stem.parent.glob(f"{base}.*"), key=lambda path: path.suffix != ".json")
+    found = sorted(episode.stem.parent.glob(f"{episode.stem.name}.*"), key=lambda path: path.suffix != ".json")
     for path in found:
         path.unlink(missing_ok=True)
 
@@ -243,6 +246,11 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     write_file(path, (json.dumps(data, ensure_ascii=False, sort_keys=True) + "\n").encode())
 
 
+def _name(infant: int, number: int) -> str:
+    """Return what the names of the files of an episode begin with, as `NAME` expects."""
+    return f"{infant:04d}-{number:06d}"
+
+
 def _told_of(bundles: Sequence[Bundle]) -> list[dict[str, str]]:
     return [{"name": bundle.manifest.name, "bundle": digest(bundle)} for bundle in bundles]
 
@@ -268,7 +276,7 @@ def _is_mark(told: Any, infants: int) -> bool:
 
 
 def _files(home: Path, key: tuple[int, int], is_whole: bool, parts: set[int]) -> EpisodeFiles:
-    stem = home / f"{key[0]:04d}-{key[1]:06d}"
+    stem = home / _name(*key)
     if is_whole:
         return EpisodeFiles(*key, (stem,), True)
     count = next(number for number in range(len(parts) + 1) if number not in parts)
