@@ -1,12 +1,18 @@
 """The table of a cohort."""
 
 import csv
+import shutil
 import sys
+from pathlib import Path
 
 import pytest
 from pyarrow import parquet
 
+from mimoc.cohorts import Cohort
+from mimoc.cohorts.perform import perform
+from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
+from mimoc.schema.yaml_scalars import dump
 
 NOTE = """
 def note(work):
@@ -15,14 +21,27 @@ def note(work):
 """
 
 
-@pytest.fixture
-def done(cohort, here, tmp_path):
-    (tmp_path / "own.py").write_text(NOTE)
-    note = {"function": "own:note", "seeds": [0, 1]}
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory) -> tuple[Cohort, Path]:
+    """Return a cohort whose jobs are done, and its folder, which is only to be read."""
+    folder = tmp_path_factory.mktemp("cohort")
+    (folder / "own.py").write_text(NOTE)
     runs = [{"run": {"steps": steps}} for steps in (3, 4)]
-    study = cohort(vary={"body.remove": [[], ["left_hand"]]}, do=["build", *runs, {"python": note}])
-    study.run(tmp_path / "out", here)
-    return study, tmp_path / "out"
+    base = {"mimoc": 1, "name": "infant", "age_months": 9}
+    do = ["build", *runs, {"python": {"function": "own:note", "seeds": [0, 1]}}]
+    keys = {"cohort": "small", "base": base, "vary": {"body.remove": [[], ["left_hand"]]}, "do": do}
+    (folder / "cohort.yaml").write_text(dump({"mimoc": 1, **keys}))
+    study, store = Cohort(folder / "cohort.yaml"), Store(folder / "out")
+    store.create("small")
+    perform(study.jobs(), store)
+    return study, store.folder
+
+
+@pytest.fixture
+def done(finished, tmp_path):
+    """Return the cohort, and a copy of its folder."""
+    study, folder = finished
+    return study, Path(shutil.copytree(folder, tmp_path / "out"))
 
 
 def test_csv_and_parquet_say_the_same(done):
