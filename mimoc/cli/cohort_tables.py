@@ -53,8 +53,9 @@ def print_status(status: Status) -> None:
         table.add_row(step, *(f"{counts.get(state, 0)}" for state in ("ok", "failed", "missing")))
     console.print(table)
     for failure in status.failures[:SHOWN]:
-        who = ", ".join(f"{name}={value}" for name, value in failure.job.factors.items())
-        console.print(Text(f"failed: {failure.job.step} {who}: {failure.error}", style="red"))
+        seed = {} if failure.job.seed is None else {"seed": failure.job.seed}
+        who = ", ".join(f"{name}={value}" for name, value in {**failure.job.factors, **seed}.items())
+        console.print(Text(f"failed: {' '.join((failure.job.step, who)).rstrip()}: {failure.error}", style="red"))
         console.print(f"        {failure.log}")
     if len(status.failures) > SHOWN:
         console.print(f"... and {len(status.failures) - SHOWN} more; see the table")
