@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mimoc.cli.console import open_console
+from mimoc.errors import counted
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
@@ -20,14 +21,14 @@ SHOWN = 10
 def print_plan(plan: Plan) -> None:
     """Print what each step will take, and all together."""
     console = open_console()
-    table = Table(title=f"{plan.infants} infants, {plan.jobs} jobs", title_justify="left")
+    table = Table(title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}", title_justify="left")
     for heading in ("step", "jobs", "done", "a job [s]", "the rest [h]", "a job [kB]"):
         table.add_column(heading, justify="left" if heading == "step" else "right")
     for step in plan.steps:
         table.add_row(*_plan_row(step, plan.processes))
     console.print(table)
     more = "at least " if any(step.at_least for step in plan.steps) else ""
-    cores = f"{plan.processes} core{'s' if plan.processes > 1 else ''}"
+    cores = counted(plan.processes, "core")
     console.print(f"{more}{_duration(plan.hours)} on {cores}, {more}{plan.bytes / 1e6:.0f} MB on disk")
     for step in plan.steps:
         if step.error:
@@ -46,7 +47,7 @@ def _plan_row(step: StepPlan, processes: int) -> tuple[str, ...]:
 def print_status(status: Status) -> None:
     """Print how many jobs of each step are done, and the first that have failed."""
     console = open_console()
-    table = Table(title=f"{status.jobs} jobs", title_justify="left")
+    table = Table(title=counted(status.jobs, "job"), title_justify="left")
     for heading in ("step", "ok", "failed", "missing"):
         table.add_column(heading, justify="left" if heading == "step" else "right")
     for step, counts in status.counts.items():

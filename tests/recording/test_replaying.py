@@ -61,7 +61,7 @@ def test_the_first_different_number_is_named(copied, invoke):
     code, out, err = invoke("replay", copied)
     assert (code, err) == (1, "")
     assert out.startswith(f"infant 0, episode 0, step 7: proprioception '{layout[2]}' was ")
-    assert out.endswith("failed: 1 of 1 episodes did not come out again\n")
+    assert out.endswith("failed: 1 of 1 episode did not come out again\n")
 
 
 def test_another_action_leads_elsewhere(copied):
