@@ -140,6 +140,11 @@ class UnknownNameError(MimocError):
         super().__init__(f"'{name}' is not a {kind}; {suggestion(name, known)}")
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun: `1 job`, `1,000 jobs`."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
 def suggestion(name: str, known: Collection[str]) -> str:
     """Return the advice of an error message: the *known* names that *name* may be a misspelling of."""
     near = get_close_matches(name, known, n=3, cutoff=0.6)

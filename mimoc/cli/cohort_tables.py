@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mimoc.cli.console import open_console
+from mimoc.errors import counted
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
@@ -20,14 +21,14 @@ SHOWN = 10
 def print_plan(plan: Plan) -> None:
     """Print what each step will take, and all together."""
     console = open_console()
-    table = Table(title=f"{plan.infants} infants, {plan.jobs} jobs", title_justify="left")
+    table = Table(title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}", title_justify="left")
     for heading in ("step", "jobs", "done", "a job [s]", "the rest [h]", "a job [kB]"):
         table.add_column(heading, justify="left" if heading == "step" else "right")
     for step in plan.steps:
         table.add_row(*_plan_row(step, plan.processes))
     console.print(table)
     more = "at least " if any(step.at_least for step in plan.steps) else ""
-    cores = f"{plan.processes} core{'s' if plan.processes > 1 else ''}"
+    cores = counted(plan.processes, "core")
     console.print(f"{more}{_duration(plan.hours)} on {cores}, {more}{plan.bytes / 1e6:.0f} MB on disk")
     for step in plan.steps:
         if step.error:
@@ -46,15 +47,16 @@ def _plan_row(step: StepPlan, processes: int) -> tuple[str, ...]:
 def print_status(status: Status) -> None:
     """Print how many jobs of each step are done, and the first that have failed."""
     console = open_console()
-    table = Table(title=f"{status.jobs} jobs", title_justify="left")
+    table = Table(title=counted(status.jobs, "job"), title_justify="left")
     for heading in ("step", "ok", "failed", "missing"):
         table.add_column(heading, justify="left" if heading == "step" else "right")
     for step, counts in status.counts.items():
         table.add_row(step, *(f"{counts.get(state, 0)}" for state in ("ok", "failed", "missing")))
     console.print(table)
     for failure in status.failures[:SHOWN]:
-        who = ", ".join(f"{name}={value}" for name, value in failure.job.factors.items())
-        console.print(Text(f"failed: {failure.job.step} {who}: {failure.error}", style="red"))
+        seed = {} if failure.job.seed is None else {"seed": failure.job.seed}
+        who = ", ".join(f"{name}={value}" for name, value in {**failure.job.factors, **seed}.items())
+        console.print(Text(f"failed: {' '.join((failure.job.step, who)).rstrip()}: {failure.error}", style="red"))
         console.print(f"        {failure.log}")
     if len(status.failures) > SHOWN:
         console.print(f"... and {len(status.failures) - SHOWN} more; see the table")

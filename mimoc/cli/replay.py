@@ -9,7 +9,7 @@ import typer
 from mimoc.cli.arguments import RecordingPath
 from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import FAILED_CHECK
-from mimoc.errors import MimocError
+from mimoc.errors import MimocError, counted
 
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
@@ -59,9 +59,9 @@ def replay(
                 failed += 1
                 print(replayed)
     if failed:
-        print(f"failed: {failed} of {count} episodes did not come out again")
+        print(f"failed: {failed} of {counted(count, 'episode')} did not come out again")
         raise typer.Exit(FAILED_CHECK)
-    print(f"ok: all numbers of {count} episodes, {steps} control steps, came out again")
+    print(f"ok: all numbers of {counted(count, 'episode')}, {counted(steps, 'control step')}, came out again")
     if video:
         print(video)
 

@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from mimoc.cohorts.checking import check_steps
 from mimoc.cohorts.engines import find_engine
 from mimoc.cohorts.infants import Infant, infants_of
 from mimoc.cohorts.job import Job, jobs_of
@@ -65,11 +66,11 @@ class Cohort:
         if isinstance(source, Mapping):
             source = sources.in_memory(dict(source), "<cohort>", Path())
         self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
-        found = [*_tried(lambda: read_cohort_spec(self._source)), *_tried(lambda: _base(self._source))]
-        if problems := [problem for each in found if isinstance(each, SpecError) for problem in each.problems]:
+        spec, base = _tried(read_cohort_spec, self._source), _tried(_base, self._source)
+        if problems := [problem for each in (spec, base) if isinstance(each, SpecError) for problem in each.problems]:
             raise SpecError(problems)
-        self.spec: CohortSpec = found[0]
-        self._base: Source = found[1]
+        self.spec: CohortSpec = spec
+        self._base: Source = base
 
     def __repr__(self) -> str:
         """Return its name and file."""
@@ -102,6 +103,15 @@ class Cohort:
         """
         return self._jobs
 
+    def check_steps(self) -> None:
+        """Check that there are the policies, experiments and settings of trainings that its steps name.
+
+        Raises:
+            SpecError: If some are unknown or impossible; the error lists all.
+            MissingExtraError: If it trains, and Stable-Baselines3 is not installed.
+        """
+        check_steps(self.spec, self._source)
+
     def run(
         self,
         out: str | Path,
@@ -125,12 +135,14 @@ class Cohort:
                 a fresh cluster on this machine; `jobs_per_task`.
 
         Raises:
+            SpecError: See `infants` and `check_steps`.
             OutputError: If the folder holds anything else, or cannot be written.
             MimocError: If there is no such share, or the engine cannot run.
         """
         if not 0 <= index < of:
             raise MimocError(f"there is no share {index} of {of}; count shares from 0 to {of - 1}")
         engine, store, share = find_engine(on, options), Store(Path(out).expanduser()), self.jobs()[index::of]
+        self.check_steps()
         store.create(self.spec.cohort)
         todo = store.missing(share)
         ready, report = len(share) - len(todo), progress or (lambda done, total: None)
@@ -146,6 +158,7 @@ class Cohort:
         store = Store(Path(out).expanduser())
         store.check()
         find_engine(on, options)
+        self.check_steps()
         for failure in self.status(out).failures:
             store.forget(failure.job)
         return self.run(out, on, progress=progress, **options)
@@ -195,12 +208,12 @@ def read_cohort(path: str | Path) -> Cohort:
     return Cohort(path)
 
 
-def _tried(read: Callable[[], Any]) -> Iterable[Any]:
-    """Return what was read, or the error."""
+def _tried(read: Callable[[Source], Any], source: Source) -> Any:
+    """Return what was read, or the error, so that the problems of several parts are reported together."""
     try:
-        return [read()]
+        return read(source)
     except SpecError as error:
-        return [error]
+        return error
 
 
 def _base(source: Source) -> Source:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from typing import Any
 
 from mimoc.cohorts.children import draw_children
@@ -17,6 +18,8 @@ from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.plain import given
 from mimoc.schema.source import Source, in_memory
 
+MAX_INFANTS = 1_000_000
+"""Infants of one cohort: a million take 3 GB of memory."""
 Place = tuple[str | int, ...]
 """Path in the cohort file of a value that was chosen."""
 
@@ -61,6 +64,7 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
         SpecError: If some combinations of values are invalid; the error names the values.
     """
     _check_lengths(cohort, source)
+    _check_number(cohort, source)
     children, months = children_of(cohort), read_spec(base).age_months
     found, problems = [], []
     for choice in _choices(cohort, len(children)):
@@ -83,6 +87,18 @@ def _check_lengths(cohort: CohortSpec, source: Source) -> None:
     if cohort.design == "zip" and len({*lengths.values()}) > 1:
         told = ", ".join(f"{key} {length}" for key, length in lengths.items())
         raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {told}")])
+
+
+def _check_number(cohort: CohortSpec, source: Source) -> None:
+    """Raise a SpecError if there are too many infants, before any of them is made."""
+    if isinstance(cohort.design, SampleDesign):
+        return
+    lengths = [len(levels_of(key, levels)) for key, levels in cohort.vary.items()]
+    children = cohort.children.draw if isinstance(cohort.children, DrawnChildren) else len(cohort.children or (None,))
+    number = children * (max(lengths, default=1) if cohort.design == "zip" else prod(lengths))
+    if number > MAX_INFANTS:
+        advice = "give fewer values, a sample, or several cohort files"
+        raise SpecError([source.problem((), f"{number:,} infants are more than {MAX_INFANTS:,}; {advice}")])
 
 
 def _choices(cohort: CohortSpec, children: int) -> Iterator[Choice]:
@@ -129,11 +145,11 @@ def _data(base: Mapping[str, Any], choice: Choice, child: IndividualSpec | None,
 
 
 def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str, Any]:
-    """Return data in which one key has another value; None removes it."""
+    """Return data in which one key has another value; None removes it. A value in the way of the key stays."""
     first, *deeper = keys
     if deeper:
-        below = data.get(first)
-        value = _with(below if isinstance(below, Mapping) else {}, deeper, value)
+        below = data.get(first, {})
+        value = _with(below, deeper, value) if isinstance(below, Mapping) else below
     rest = {key: item for key, item in data.items() if key != first}
     return rest if value is None else {**rest, first: value}
 

@@ -18,6 +18,7 @@ from mimoc.version import __version__
 
 WITHOUT_INFANT = ("experiment",)
 """Steps that bring their own infants."""
+MAX_JOBS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +54,13 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_fo
     """Return all jobs of a cohort, those of one infant next to each other; equal ones are one.
 
     Raises:
-        MimocError: If a module or a policy does not exist.
+        MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
     """
     place, home = str(folder.resolve()), str(spec_folder.resolve())
     own = tuple(name for name in cohort.measure if name not in MEASURES)
     steps = [*_steps(cohort)]
+    if (number := len(infants) * len(steps)) > MAX_JOBS:
+        raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
     functions = {*own, *(options["function"] for step, options, _ in steps if step == "python")}
     policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
     code = {name: digest_of(name, place) for name in functions}

@@ -43,6 +43,8 @@ def digest_of(name: str, folder: str) -> str:
             spec = _beside(module_name, folder) or find_spec(module_name)
         except (ImportError, ValueError):
             spec = None
+        except Exception as error:  # Whatever the package that the module is in does when it is imported.
+            raise MimocError(f"'{name}': its package cannot be imported ({error}); mend it") from None
     if spec is None:
         raise MimocError(f"'{name}': there is no module '{module_name}'; put it beside the cohort file, or install it")
     source = Path(spec.origin or "")

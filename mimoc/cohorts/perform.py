@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 
+from mimoc.bundle.files import write_error
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.steps import measured
 from mimoc.cohorts.store import Result, Store
@@ -80,11 +81,18 @@ def lost(job: Job, reason: str) -> Result:
 
 @contextmanager
 def _logged(path: Path) -> Iterator[None]:
-    """Write to a file all that this process prints, by Python or by a library beneath it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Write to a file all that this process prints, by Python or by a library beneath it.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
     _flush()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    except OSError as error:
+        raise write_error(path, error) from None
     kept = [os.dup(number) for number in (1, 2)]
-    log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     try:
         os.dup2(log, 1)
         os.dup2(log, 2)
@@ -94,6 +102,8 @@ def _logged(path: Path) -> Iterator[None]:
             redirect_stderr(text),
         ):
             yield
+    except OSError as error:  # No job raises one here: what is printed cannot be written.
+        raise write_error(path, error) from None
     finally:
         _flush()
         for number, before in zip((1, 2), kept, strict=True):

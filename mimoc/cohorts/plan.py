@@ -11,6 +11,7 @@ from mimoc.cohorts.cohort import Cohort
 from mimoc.cohorts.engines.local import try_out
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.store import ASSETS, Result, Store, size_bytes
+from mimoc.cohorts.table import varied_options
 
 TRIAL_S = 30.0
 """Longest trial of a step; a step that takes longer is counted as this long."""
@@ -23,6 +24,7 @@ class StepPlan:
     """What a step of a cohort will take."""
 
     step: str
+    """Its name, with the options that tell it from other steps of this name."""
     jobs: int
     done: int
     """Jobs that have a result already."""
@@ -31,7 +33,7 @@ class StepPlan:
     at_least: bool
     """Whether the trial was stopped, so that jobs take longer than that."""
     bytes: float
-    """Size of what a job leaves behind."""
+    """Size of what a job leaves behind; 0 if there was no trial."""
     error: str
     """Why the trial failed; empty if it did not."""
 
@@ -58,8 +60,8 @@ class Plan:
 
     @property
     def bytes(self) -> float:
-        """Size of what all jobs leave behind."""
-        return sum(step.jobs * step.bytes for step in self.steps)
+        """Size of what the missing jobs leave behind."""
+        return sum((step.jobs - step.done) * step.bytes for step in self.steps)
 
 
 def plan(cohort: Cohort, out: str | Path) -> Plan:
@@ -70,15 +72,24 @@ def plan(cohort: Cohort, out: str | Path) -> Plan:
         out: The folder of the cohort, which need not exist; nothing is written to it.
 
     Raises:
-        SpecError: If some combinations of values are invalid.
+        SpecError: If some combinations of values are invalid, or a step is.
+        OutputError: If the folder holds anything else.
+        MimocError: If a module or a policy that it names does not exist.
     """
     jobs, store = cohort.jobs(), Store(Path(out).expanduser())
-    found = [_planned(step, [job for job in jobs if job.step == step], store) for step in _steps(jobs)]
+    store.check_usable()
+    cohort.check_steps()
+    found = [_planned(step, alike, store) for step, alike in _by_step(jobs).items()]
     return Plan(len(cohort.infants), tuple(found), len(os.sched_getaffinity(0)))
 
 
-def _steps(jobs: Sequence[Job]) -> list[str]:
-    return [*dict.fromkeys(job.step for job in jobs)]
+def _by_step(jobs: Sequence[Job]) -> dict[str, list[Job]]:
+    """Return the jobs of each step with the same options, which take alike long, by what is said of it."""
+    varied, found = varied_options(jobs), dict[str, list[Job]]()
+    for job in jobs:
+        told = ", ".join(f"{name} {job.options[name]}" for step, name in varied if step == job.step)
+        found.setdefault(f"{job.step} ({told})" if told else job.step, []).append(job)
+    return found
 
 
 def _planned(step: str, jobs: Sequence[Job], store: Store) -> StepPlan:

@@ -143,8 +143,14 @@ def _policy(work: Work, name: str) -> Any:
 
 
 def _cell(value: Any, function: str) -> str | bool | int | float | None:
-    """Return a value for the table: NumPy's numbers as Python's."""
-    plain = value.item() if hasattr(value, "item") else value
+    """Return a value for the table: NumPy's numbers as Python's.
+
+    Raises:
+        MimocError: If it is no number, text or None, or a whole number of more than 64 bits.
+    """
+    plain = value.item() if getattr(value, "shape", None) == () else value
     if plain is not None and not isinstance(plain, (str, bool, int, float)):
         raise MimocError(f"'{function}' measured a {type(plain).__name__}; return a number, a text or None")
+    if isinstance(plain, int) and plain.bit_length() > 63:
+        raise MimocError(f"'{function}' measured a whole number of more than 64 bits; return it as a float")
     return plain

@@ -56,19 +56,28 @@ class Store:
         Raises:
             OutputError: If it holds anything else, or cannot be written.
         """
+        self.check_usable()
         try:
-            known = {MARK, "table.csv", "table.parquet"}
-            if self.folder.is_dir() and not (self.folder / MARK).exists():
-                inside = {path.name for path in self.folder.iterdir() if not path.name.startswith(".")}
-                if inside - {*known, *FOLDERS}:
-                    raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_file(self.folder / MARK, render_json({"cohort": cohort, "version": 1}))
             for name in FOLDERS:
-                (self.folder / name).mkdir(parents=True, exist_ok=True)
-        except FileExistsError:
-            raise OutputError(f"{self.folder}: this is a file; name a new folder") from None
+                (self.folder / name).mkdir(exist_ok=True)
+        except FileExistsError as error:
+            raise OutputError(f"{error.filename}: this is a file; name a new folder") from None
         except OSError as error:
             raise OutputError(f"{self.folder}: cannot be written ({error.strerror}); choose another folder") from None
-        write_file(self.folder / MARK, render_json({"cohort": cohort, "version": 1}))
+
+    def check_usable(self) -> None:
+        """Check that a cohort can have this folder: it does not exist, is empty, or is a cohort's.
+
+        Raises:
+            OutputError: If it is a file, or holds anything else.
+        """
+        if self.folder.exists() and not self.folder.is_dir():
+            raise OutputError(f"{self.folder}: this is a file; name a new folder")
+        inside = self.folder.iterdir() if self.folder.is_dir() else ()
+        if any(not path.name.startswith(".") for path in inside) and not (self.folder / MARK).exists():
+            raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
 
     def check(self) -> None:
         """Check that this is the folder of a cohort.
@@ -80,22 +89,18 @@ class Store:
             raise MimocError(f"{self.folder}: not the folder of a cohort; name the one given to 'mimoc cohort run -o'")
 
     def read(self, job: Job) -> Result | None:
-        """Return the result of a job, None if it is not done."""
+        """Return the result of a job; None if it is not done, or its file is damaged, so that it is done again."""
         try:
             found = json.loads(self._place("results", job, ".json").read_bytes())
-            return Result(**{name: found[name] for name in ("status", "measures", "versions", "error", "seconds")})
-        except FileNotFoundError:
+            result = Result(**{name: found[name] for name in Result.__slots__})
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
-        except (OSError, ValueError, KeyError, TypeError):
-            return None  # Not one of ours, or lost with a file system: the job is done again.
-
-    def is_done(self, job: Job) -> bool:
-        """Return whether a job has a result."""
-        return self._place("results", job, ".json").exists()
+        is_ours = result.status in ("ok", "failed") and isinstance(result.measures, dict)
+        return result if is_ours and isinstance(result.versions, dict) else None
 
     def missing(self, jobs: Iterable[Job]) -> list[Job]:
         """Return the jobs without a result."""
-        return [job for job in jobs if not self.is_done(job)]
+        return [job for job in jobs if self.read(job) is None]
 
     def write(self, job: Job, result: Result) -> None:
         """Write the result of a job; a failure never replaces a success, which another process may have had.
@@ -168,9 +173,11 @@ def _make(folder: Path) -> None:
 
 
 def _plain(data: Any) -> Any:
-    """Return data with numbers as they are in files, and none that JSON does not know."""
+    """Return data with numbers as they are in files, without what neither JSON nor UTF-8 knows."""
+    if isinstance(data, str):
+        return data.encode(errors="backslashreplace").decode()
     if isinstance(data, Mapping):
-        return {key: _plain(value) for key, value in data.items()}
+        return {_plain(key): _plain(value) for key, value in data.items()}
     if isinstance(data, (list, tuple)):
         return [_plain(value) for value in data]
     if isinstance(data, float):

@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,8 @@ from mimoc.rounding import num
 from mimoc.schema.cohort_file import MEASURES
 
 CSV, PARQUET = "table.csv", "table.parquet"
+COLUMNS = ("job", "step", "seed", "status", "error", "log")
+"""Columns that every table has."""
 MISSING = "missing"
 """Status of a job that is not done yet."""
 
@@ -37,10 +39,11 @@ def rows_of(jobs: Sequence[Job], store: Store, measures: Sequence[str]) -> list[
     returned = _union([result.measures for job, result in pairs if result and job.step == "python"])
     own = [name for name in returned if name not in MEASURES]
     shown = measures or _ordered({name for result in found for name in result.measures})
+    factors = _union([job.factors for job in jobs])
     columns = _Columns(
-        factors=_union([job.factors for job in jobs]),
-        options=_varied_options(jobs),
-        measures=[*dict.fromkeys((*shown, *own))],
+        factors=factors,
+        options=varied_options(jobs),
+        measures={_column(name, {*COLUMNS, *factors}): name for name in (*shown, *own)},
         libraries=_union([result.versions for result in found]),
     )
     return [columns.row(job, result, store) for job, result in pairs]
@@ -53,7 +56,8 @@ class _Columns:
     factors: Sequence[str]
     options: Sequence[tuple[str, str]]
     """Step and name of the options that differ between the jobs of a step."""
-    measures: Sequence[str]
+    measures: Mapping[str, str]
+    """Name of each measure, by that of its column."""
     libraries: Sequence[str]
 
     def row(self, job: Job, result: Result | None, store: Store) -> dict[str, Cell]:
@@ -67,7 +71,7 @@ class _Columns:
             **{f"{step}.{name}": _cell(job.options[name]) if job.step == step else None for step, name in self.options},
             "seed": job.seed,
             "status": result.status if result else MISSING,
-            **{name: _cell(measures.get(name)) for name in self.measures},
+            **{column: _cell(measures.get(name)) for column, name in self.measures.items()},
             **{f"version.{name}": versions.get(name) for name in self.libraries},
             "error": result.error if result and failed else None,
             "log": store.log(job).relative_to(store.folder).as_posix() if failed else None,
@@ -111,12 +115,17 @@ def _union(mappings: Sequence[Mapping[str, Any]]) -> list[str]:
     return [*dict.fromkeys(name for each in mappings for name in each)]
 
 
+def _column(measure: str, others: Set[str]) -> str:
+    """Return the column of a measure, which has another name if one of the other columns is called so."""
+    return f"measured.{measure}" if measure in others else measure
+
+
 def _ordered(names: set[str]) -> list[str]:
     """Return measures in the order in which they are documented, then others by name."""
     return [*(name for name in MEASURES if name in names), *sorted(names - MEASURES.keys())]
 
 
-def _varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:
+def varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:
     """Return step and name of the options that differ between the jobs of a step."""
     seen: dict[tuple[str, str], set[str]] = {}
     for job in jobs:

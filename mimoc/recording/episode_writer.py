@@ -56,7 +56,7 @@ def finish(episode: EpisodeFiles, ended: str, described: Described | None = None
         OutputError: If a file cannot be written.
         RecordingError: If a part is damaged.
     """
-    stem = episode.stems[0].with_name(episode.stems[0].name.partition(".")[0])
+    stem = episode.stem
     described = described or tables.describe(episode.tables[0])
     for reading in described.readings:
         for extension in (frames.LOSSLESS, frames.VIDEO) if reading.kind == "picture" else ():
@@ -86,7 +86,23 @@ def read_sidecars(episode: EpisodeFiles) -> dict[str, Any]:
 def _read_sidecar(path: Path) -> dict[str, Any]:
     try:
         told = json.loads(path.read_bytes())
-        _ = told["rows"] + 0, told["changes"] + [], told["states"] + []
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (OSError, ValueError, RecursionError):
         raise RecordingError(f"{path}: the file is damaged or missing") from None
+    if not _is_sidecar(told):
+        raise RecordingError(f"{path}: the file is damaged")
     return told
+
+
+def _is_sidecar(told: Any) -> bool:
+    """Return whether data is what `write_part` writes into each sidecar."""
+    if not isinstance(told, dict) or type(told.get("rows")) is not int or told["rows"] < 1:
+        return False
+    changes, states = told.get("changes"), told.get("states")
+    if not isinstance(changes, list) or not isinstance(states, list):
+        return False
+    has_steps = all(isinstance(each, dict) and type(each.get("step")) is int for each in (*changes, *states))
+    return (
+        has_steps
+        and all(len(each) == 2 for each in changes)
+        and all(isinstance(each.get("state"), dict) for each in states)
+    )

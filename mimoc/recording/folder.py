@@ -39,6 +39,11 @@ class EpisodeFiles:
     """Whether it is in one set."""
 
     @property
+    def stem(self) -> Path:
+        """Path of all its files without what tells them apart."""
+        return self.stems[0].with_name(_name(self.infant, self.number))
+
+    @property
     def sidecars(self) -> list[Path]:
         """The sidecar of each part."""
         return [with_extension(stem, ".json") for stem in self.stems]
@@ -74,7 +79,7 @@ class RecordingFolder:
 
     def stem(self, infant: int, number: int) -> Path:
         """Return the path of an episode's files without their extensions."""
-        return self.path / EPISODES / f"{infant:04d}-{number:06d}"
+        return self.path / EPISODES / _name(infant, number)
 
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
@@ -206,9 +211,7 @@ def episodes_in(folder: Path) -> list[EpisodeFiles]:
 
 def remove(episode: EpisodeFiles) -> None:
     """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole."""
-    stem = episode.stems[0]
-    base = stem.name.partition(".")[0]
-    found = sorted(stem.parent.glob(f"{base}.*"), key=lambda path: path.suffix != ".json")
+    found = sorted(episode.stem.parent.glob(f"{episode.stem.name}.*"), key=lambda path: path.suffix != ".json")
     for path in found:
         path.unlink(missing_ok=True)
 
@@ -243,19 +246,37 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     write_file(path, (json.dumps(data, ensure_ascii=False, sort_keys=True) + "\n").encode())
 
 
+def _name(infant: int, number: int) -> str:
+    """Return what the names of the files of an episode begin with, as `NAME` expects."""
+    return f"{infant:04d}-{number:06d}"
+
+
 def _told_of(bundles: Sequence[Bundle]) -> list[dict[str, str]]:
     return [{"name": bundle.manifest.name, "bundle": digest(bundle)} for bundle in bundles]
 
 
 def _is_description(told: Mapping[str, Any]) -> bool:
-    infants, sessions = told.get("infants"), told.get("sessions")
+    """Return whether data is what `open_folder` and `RecordingFolder.mark` write into `recording.json`."""
+    infants, sessions, marks = (told.get(name) for name in ("infants", "sessions", "marks"))
     if not (isinstance(infants, list) and isinstance(sessions, list) and isinstance(told.get("step_ms"), (int, float))):
         return False
-    return all(isinstance(each, dict) and {"name", "bundle"} <= each.keys() for each in infants)
+    if not infants or not all(
+        isinstance(each, dict) and isinstance(each.get("name"), str) and isinstance(each.get("bundle"), str)
+        for each in infants
+    ):
+        return False
+    return marks is None or (isinstance(marks, list) and all(_is_mark(each, len(infants)) for each in marks))
+
+
+def _is_mark(told: Any, infants: int) -> bool:
+    if not isinstance(told, dict) or not {"run", "steps", "episodes"} <= told.keys():
+        return False
+    episodes = told["episodes"]
+    return isinstance(episodes, list) and len(episodes) == infants and all(type(each) is int for each in episodes)
 
 
 def _files(home: Path, key: tuple[int, int], is_whole: bool, parts: set[int]) -> EpisodeFiles:
-    stem = home / f"{key[0]:04d}-{key[1]:06d}"
+    stem = home / _name(*key)
     if is_whole:
         return EpisodeFiles(*key, (stem,), True)
     count = next(number for number in range(len(parts) + 1) if number not in parts)

@@ -58,7 +58,7 @@ def join_videos(path: Path, parts: Sequence[Path], rate_hz: Fraction) -> None:
             str(temporary), "w", format="mp4" if path.suffix == VIDEO else "matroska", options=options
         ) as joined:
             _copy(av, joined, parts, rate_hz)
-    except av.error.InvalidDataError:
+    except (IndexError, ValueError):  # ValueError: also what PyAV makes of texts that are no UTF-8.
         files.discard(temporary)
         raise RecordingError(f"{path}: a part of it is damaged") from None
     except OSError as error:
@@ -90,7 +90,7 @@ def decoded(path: Path) -> Iterator[Picture]:
         with av.open(str(path)) as container:
             for frame in container.decode(video=0):
                 yield frame.to_ndarray(format="rgb24")
-    except (av.error.FFmpegError, OSError, IndexError):
+    except (av.error.FFmpegError, OSError, IndexError, ValueError):
         raise RecordingError(f"{path}: the file is damaged or missing") from None
 
 

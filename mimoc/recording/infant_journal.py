@@ -1,6 +1,6 @@
 """The journal of one infant whose episodes are recorded."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -63,17 +63,23 @@ class InfantJournal(Journal):
     keeps = True
 
     def __init__(
-        self, infant: InfantEnv, writer: Writer, stem_of: Any, first: int, pace: Pace, about: Mapping[str, Any]
+        self,
+        infant: InfantEnv,
+        writer: Writer,
+        stem_of: Callable[[int], Path],
+        first: int,
+        pace: Pace,
+        about: Mapping[str, Any],
     ):
         """Begin with the next reset or step of an infant.
 
         Args:
             infant: The infant.
             writer: What does the writing.
-            stem_of: Returns the path of the files of an episode by its number.
+            stem_of: Returns the path of the files of an episode by its number, without extension.
             first: Number of the first episode.
             pace: How often something is kept.
-            about: What the sidecar of each episode says.
+            about: What the sidecar of each episode says, such as the number of the `infant`.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
         self._next, self._pace, self._about = first, pace, dict(about)
@@ -147,9 +153,8 @@ class InfantJournal(Journal):
         stem = self._stem_of(episode.number)
         stems = tuple(part_stem(stem, number) for number in range(episode.parts))
         self._episode = None
-        self._writer(
-            partial(episode_writer.finish, EpisodeFiles(0, episode.number, stems, False), how, self._described)
-        )
+        files = EpisodeFiles(self._about["infant"], episode.number, stems, is_whole=False)
+        self._writer(partial(episode_writer.finish, files, how, self._described))
 
     def go_on_from(self, number: int) -> None:
         """Begin the next episode with another number, where no episode is being recorded."""

@@ -333,13 +333,32 @@ def read_recording(folder: str | Path) -> ReadRecording:
     return ReadRecording(path, told, episodes)
 
 
+def _has_head(told: Mapping[str, Any]) -> bool:
+    """Return whether a sidecar says, besides what each does, how an episode began."""
+    reset = told.get("reset", "missing")
+    if isinstance(reset, dict):
+        seed = reset.get("seed", "missing")
+        is_begun = seed is None or (type(seed) is int and seed >= 0)
+        is_begun &= isinstance(reset.get("options"), dict) and isinstance(reset.get("before"), dict)
+    else:
+        is_begun = reset is None
+    texts = [told.get("versions"), told.get("objects", {})]
+    return (
+        is_begun
+        and isinstance(told.get("start"), dict)
+        and isinstance(told.get("bundle"), str)
+        and isinstance(told["ended"], str)
+        and all(isinstance(each, dict) and all(isinstance(text, str) for text in each.values()) for each in texts)
+    )
+
+
 def _check(episode: Episode, infants: int) -> None:
     """Check that what is needed of an episode is there.
 
     Raises:
         RecordingError: If it is not.
     """
-    if episode.infant >= infants or not {"reset", "start", "bundle", "versions"} <= episode.told.keys():
+    if episode.infant >= infants or not _has_head(episode.told):
         raise RecordingError(f"{episode.files.sidecars[0]}: the file is damaged or of another recording")
     for reading in episode.described.readings:
         paths = episode.files.pictures(reading.name, frames.LOSSLESS) if reading.kind == "picture" else []

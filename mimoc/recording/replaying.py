@@ -1,6 +1,7 @@
 """Simulating a recording again, from its seeds and actions, to see whether every number comes out again."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -17,7 +18,7 @@ from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE, SEED
-from mimoc.runtime.physics_state import set_physics
+from mimoc.runtime.physics_state import check_physics, set_physics
 from mimoc.senses.sense import Observation
 
 ROWS = 250
@@ -96,7 +97,7 @@ class _Replay:
     def __init__(self, env: InfantEnv, episode: Episode, watch: Watch, progress: Callable[[int], None]):
         self._env, self._episode, self._watch, self._progress = env, episode, watch, progress
         self._recorded = Recorded(episode)
-        self._dtype = ACTION
+        self._dtype = np.dtype(ACTION)
         self._block = self._new_block(0)
 
     def __call__(self) -> Difference | None:
@@ -126,30 +127,31 @@ class _Replay:
     def _begin(self) -> tuple[Observation, dict[str, Any]]:
         """Reset the infant as it was, going on from the same random numbers; or restore the state it began in."""
         env, episode = self._env, self._episode
-        if (before := episode.before) is None:
-            return env.set_state(episode.start), {}
-        if before[SEED] != env.manifest.seed:
-            env.reset(options={SEED: before[SEED], AGE: before[AGE]})
-        env.set_state({**env.get_state(), **before})
+        with _damage_told(episode):
+            if (before := episode.before) is None:
+                return env.set_state(episode.start), {}
+            if before[SEED] != env.manifest.seed:
+                env.reset(options={SEED: before[SEED], AGE: before[AGE]})
+            env.set_state({**env.get_state(), **before})
         return env.reset(seed=episode.seed, options=dict(episode.options))
 
     def _change(self, what: str, value: Any) -> None:
         """Do again what was done besides control steps."""
-        env = self._env
-        if what == "age_months":
-            env.grow(to=value)
-        elif what == "state":
-            env.set_state(value)
-        elif what == "expression":
-            env.set_expression(value)
-        elif what == "physics":
-            set_physics(env.model, env.data, value)
-        elif what == "action_dtype":
-            self._dtype = value
-        else:
-            raise RecordingError(
-                f"{self._episode.files.sidecars[0]}: this version of mimoc does not know the change '{what}'"
-            )
+        env, sidecar = self._env, self._episode.files.sidecars[0]
+        with _damage_told(self._episode):
+            if what == "age_months":
+                env.grow(to=value)
+            elif what == "state":
+                env.set_state(value)
+            elif what == "expression":
+                env.set_expression(value)
+            elif what == "physics":
+                check_physics(value, env.model)
+                set_physics(env.model, env.data, value)
+            elif what == "action_dtype":
+                self._dtype = np.dtype(value)
+            else:
+                raise RecordingError(f"{sidecar}: this version of mimoc does not know the change '{what}'")
 
     def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
         """Keep a row, and compare when there are enough."""
@@ -169,14 +171,25 @@ class _Replay:
         return Block(described.readings, len(described.actions), ROWS, first_step)
 
 
+@contextmanager
+def _damage_told(episode: Episode) -> Iterator[None]:
+    """Turn what a damaged state or value leads to into one clear line."""
+    try:
+        yield
+    except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
+        place = episode.files.sidecars[0]
+        raise RecordingError(f"{place}: a state or a change is damaged ({type(error).__name__}: {error})") from None
+
+
 def _told(progress: Callable[[int, int], None], before: int, total: int, steps: int) -> None:
     progress(before + steps, total)
 
 
 def _other_scene(episode: Episode, seed: int) -> bool:
     """Return whether an episode is in another scene than its bundle, or comes from one."""
-    seeds = [episode.start[SEED], *([episode.before[SEED]] if episode.before else [])]
-    seeds += [value[SEED] for changes in episode.changes.values() for what, value in changes if what == "state"]
+    with _damage_told(episode):
+        seeds = [episode.start[SEED], *([episode.before[SEED]] if episode.before else [])]
+        seeds += [value[SEED] for changes in episode.changes.values() for what, value in changes if what == "state"]
     return any(each != seed for each in seeds)
 
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -120,7 +121,7 @@ def describe(path: Path) -> Described:
     Raises:
         RecordingError: If it is damaged, or not a recording's.
     """
-    with _damage(path), _opened(path) as reader:
+    with _damage_told(path), _opened(path) as reader:
         return Described.from_json(_schema(reader).metadata[KEY])
 
 
@@ -226,7 +227,7 @@ def _schema_of(paths: Sequence[Path]) -> Any:
     """Return a schema with the columns of all files."""
     schemas = []
     for path in paths:
-        with _damage(path), _opened(path) as reader:
+        with _damage_told(path), _opened(path) as reader:
             schemas.append(_schema(reader))
     return pa.unify_schemas(schemas)
 
@@ -240,22 +241,17 @@ def _schema(reader: Any) -> Any:
 
 
 def _read(path: Path) -> Any:
-    with _damage(path):
+    with _damage_told(path):
         if path.suffix == WHOLE:
             return pq.read_table(path)
         with pa.OSFile(str(path), "rb") as source, pa.ipc.open_stream(source) as reader:
             return reader.read_all()
 
 
-class _damage:  # noqa: N801 - A context manager.
-    """Turns what PyArrow says of a damaged file into one clear line."""
-
-    def __init__(self, path: Path):
-        self._path = path
-
-    def __enter__(self) -> None:
-        return
-
-    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
-        if isinstance(error, (pa.ArrowException, OSError, ValueError, KeyError, TypeError)):
-            raise RecordingError(f"{self._path}: the file is damaged or missing") from None
+@contextmanager
+def _damage_told(path: Path) -> Iterator[None]:
+    """Turn what PyArrow says of a damaged file into one clear line."""
+    try:
+        yield
+    except (pa.ArrowException, OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise RecordingError(f"{path}: the file is damaged or missing") from None

@@ -257,6 +257,20 @@ class CohortSpec(Model):
         return self
 
     @model_validator(mode="after")
+    def _values_differ(self) -> Self:
+        """Check the lists of a grid, in which equal values would make equal infants."""
+        if self.design == "grid":
+            lists = {("vary", key): levels for key, levels in self.vary.items() if isinstance(levels, tuple)}
+            lists |= {("children",): self.children} if isinstance(self.children, tuple) else {}
+            for path, values in lists.items():
+                seen = set[str]()
+                for index, value in enumerate(values):
+                    if (text := repr(value)) in seen:
+                        raise KeyedError((*path, index), "this is there twice; leave one of the two out")
+                    seen.add(text)
+        return self
+
+    @model_validator(mode="after")
     def _design_fits(self) -> Self:
         sampled = isinstance(self.design, SampleDesign)
         for key, levels in self.vary.items():

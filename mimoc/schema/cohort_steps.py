@@ -18,6 +18,7 @@ from pydantic.config import JsonDict
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.quantities import Whole
+from mimoc.schema.wording import got
 
 MAX_SEEDS = 10_000
 FUNCTION = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
@@ -28,6 +29,20 @@ def _without_separators(value: Any) -> Any:
     """Return a number that is written with separators, `200_000`, which YAML reads as text."""
     is_number = isinstance(value, str) and re.fullmatch("[0-9]{1,3}(_[0-9]{3})+", value)
     return int(value) if is_number else value
+
+
+def _number(value: Any) -> Any:
+    """Return a number as it is."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{got(value)} is not a number; write one, such as 0.99")
+    return value
+
+
+def _setting(value: Any) -> Any:
+    """Return a text, a number or a truth value as it is."""
+    if not isinstance(value, str | int | float):
+        raise ValueError(f"{got(value)} is not a number, a text, true or false; write one of these")
+    return value
 
 
 def not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -70,7 +85,8 @@ def _function(name: str) -> str:
 _ALSO: JsonDict = {"anyOf": [{"type": "integer", "minimum": 0}, {"type": "string", "pattern": "^[0-9]+:[0-9]+$"}]}
 Seeds = Annotated[tuple[int, ...], BeforeValidator(_seeds), Field(json_schema_extra={"also": _ALSO})]
 Function = Annotated[Words, AfterValidator(_function)]
-Setting = str | bool | int | float | None
+Number = Annotated[int | float, BeforeValidator(_number)]
+Setting = Annotated[str | bool | int | float, BeforeValidator(_setting)]
 
 
 class BuildStep(Model):
@@ -105,7 +121,7 @@ class TrainStep(Model):
     """Number of parallel environments."""
     checkpoint_every: Steps = 20_480
     """Control steps between checkpoints."""
-    hyper: Mapping[str, int | float] = Field(default_factory=dict)
+    hyper: Mapping[str, Number] = Field(default_factory=dict)
     """Hyperparameters that differ from the defaults."""
     grow: Words | None = None
     """Ages in months between which the infant grows, such as `6:12`."""

@@ -109,7 +109,7 @@ def _wrong_kind(details: ErrorDetails, section: KeyPath, language: Language) -> 
     if details["type"] == "union_tag_not_found":
         return Fault(path, "key", _missing(path, language))
     value, choices = details["input"][path[-1]], language.outline(path).choices
-    return Fault(path, "value", f"{_got(value)} is not a choice; {_nearest(str(value)[:80], choices)}")
+    return Fault(path, "value", f"{got(value)} is not a choice; {_nearest(str(value)[:80], choices)}")
 
 
 def unknown_key(path: KeyPath, language: Language, kind: str = "") -> str:
@@ -139,7 +139,7 @@ def _wrong_count(known: Outline, value: Any) -> str:
 
 
 def _wrong_value(details: ErrorDetails, known: Outline) -> str:
-    kind, value = details["type"], _got(details["input"])
+    kind, value = details["type"], got(details["input"])
     match kind:
         case "literal_error":
             return f"{value} is not a choice; {_nearest(str(details['input'])[:80], known.choices)}"
@@ -166,20 +166,20 @@ def _wrong_type(value: Any, known: Outline) -> str:
     wanted = _TYPES[known.type]
     if known.type in ("number", "integer"):
         if known.unit == "percentile" and isinstance(value, str) and (meant := _PERCENTILE.fullmatch(value)):
-            return f"{_got(value)} is text, not a number; write {meant[1]}"
+            return f"{got(value)} is text, not a number; write {meant[1]}"
         written = _WRITTEN_NUMBER.fullmatch(value) if isinstance(value, str) else None
         if written and not written[2]:
-            return f"{_got(value)} is text, not a number; write {written[1].replace(',', '.')}, without quotes"
+            return f"{got(value)} is text, not a number; write {written[1].replace(',', '.')}, without quotes"
         if written:
-            return f"{_got(value)} is text, not a number; write the bare number{_in_unit(known)}"
-        return f"{_got(value)} is not {wanted}; give {_range(known)}"
+            return f"{got(value)} is text, not a number; write the bare number{_in_unit(known)}"
+        return f"{got(value)} is not {wanted}; give {_range(known)}"
     advice = {
         "boolean": "write true or false",
         "string": "write a word, or put it in quotes",
         "object": f"write its keys below it: {', '.join(known.keys)}" if known.keys else "write its keys below it",
         "array": "write [lowest, highest]" if "prefixItems" in known.schema else "write [a, b], or [] for none",
     }
-    return f"{_got(value)} is not {wanted}; {advice[known.type]}"
+    return f"{got(value)} is not {wanted}; {advice[known.type]}"
 
 
 def _nearest(word: str, choices: Sequence[str]) -> str:
@@ -208,7 +208,7 @@ def _in_unit(known: Outline) -> str:
     return f", in {words}" if words else ""
 
 
-def _got(value: Any) -> str:
+def got(value: Any) -> str:
     """Return a value as text for a message."""
     if isinstance(value, str):
         return f"'{shown(value)}'"

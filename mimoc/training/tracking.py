@@ -1,14 +1,17 @@
 """Where else the progress of a training goes: TensorBoard and, if asked for, Weights & Biases and MLflow."""
 
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import KVWriter, Logger
+
+from mimoc.errors import MimocError
 
 TENSORBOARD = "tensorboard"
 """Folder of a training run with TensorBoard's files."""
@@ -24,14 +27,17 @@ def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> 
         agent: The agent, at the step that it goes on from.
         folder: Folder of the training run.
         settings: What the run is told apart by, for trackers that keep it.
+
+    Raises:
+        MimocError: If one of them cannot begin.
     """
-    writers = [*_writers(agent, folder, settings)]
-    agent.set_logger(Logger(str(folder), writers))
-    try:
+    with ExitStack() as opened:
+        writers = list[KVWriter]()
+        for writer in _writers(agent, folder, settings):
+            opened.callback(writer.close)
+            writers.append(writer)
+        agent.set_logger(Logger(str(folder), writers))
         yield
-    finally:
-        for writer in writers:
-            writer.close()
 
 
 def _writers(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[KVWriter]:
@@ -40,7 +46,43 @@ def _writers(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) ->
     for name, made in {"wandb": _Wandb, "mlflow": _Mlflow}.items():
         if ASKED_BY[name] in os.environ:
             with suppress(ImportError):
-                yield made(import_module(name), folder, settings)
+                module = import_module(name)
+                yield _Remote(name, lambda made=made, module=module: made(module, folder, settings))
+
+
+class _Remote(KVWriter):
+    """A tracker that may be far away: if it fails later on, it is told no more, and the training goes on."""
+
+    def __init__(self, name: str, made: Callable[[], KVWriter]):
+        """Begin a run.
+
+        Raises:
+            MimocError: If that fails.
+        """
+        self._name, self._works = name, True
+        try:
+            self._writer = made()
+        except Exception as error:  # Each tracker fails with errors of its own.
+            variable = ASKED_BY[name]
+            raise MimocError(
+                f"{name} fails ({_line(error)}); set it up, or unset {variable} to train without"
+            ) from None
+
+    def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
+        """Send numbers."""
+        self._try(lambda: self._writer.write(key_values, key_excluded, step))
+
+    def close(self) -> None:
+        """End the run."""
+        self._try(self._writer.close)
+
+    def _try(self, tell: Callable[[], None]) -> None:
+        if self._works:
+            try:
+                tell()
+            except Exception as error:
+                self._works = False
+                warnings.warn(f"{self._name} fails ({_line(error)}) and is told no more of this training", stacklevel=2)
 
 
 class _TensorBoard(KVWriter):
@@ -96,6 +138,11 @@ class _Mlflow(KVWriter):
     def close(self) -> None:
         """End the run."""
         self._mlflow.end_run()
+
+
+def _line(error: Exception) -> str:
+    """Return what an error says, in one line that is not too long."""
+    return " ".join(str(error).split())[:200] or type(error).__name__
 
 
 def _numbers(key_values: Mapping[str, Any]) -> dict[str, float]:

@@ -12,7 +12,7 @@ def test_a_run_is_recorded_replayed_filmed_and_exported(invoke, built, here):
     assert out.endswith("\nkept\n")
     assert [each.steps for each in mimoc.read_recording("kept")] == [6]
     done = invoke("replay", "kept", "--video", "film.gif", "--size", 64)
-    assert done == (0, "ok: all numbers of 1 episodes, 6 control steps, came out again\nfilm.gif\n", "")
+    assert done == (0, "ok: all numbers of 1 episode, 6 control steps, came out again\nfilm.gif\n", "")
     with Image.open("film.gif") as film:
         assert film.n_frames == 2
     code, out, err = invoke("export", "kept", "--to", "csv", "-o", "tables")

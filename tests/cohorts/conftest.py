@@ -10,6 +10,7 @@ import pytest
 
 from mimoc.cohorts import Cohort, engines
 from mimoc.cohorts.perform import perform
+from mimoc.cohorts.work import Bench
 from mimoc.schema.yaml_scalars import dump
 
 BASE = {"mimoc": 1, "name": "infant", "age_months": 9}
@@ -39,8 +40,9 @@ def here(monkeypatch) -> str:
     module = ModuleType("engine_of_the_tests")
 
     def run(jobs, store, options, done):
+        bench = Bench()
         for number, job in enumerate(reversed(jobs), start=1):
-            perform([job], store)
+            perform([job], store, bench)
             done(number)
 
     vars(module).update(run=run, OPTIONS=(), check=lambda options: None)

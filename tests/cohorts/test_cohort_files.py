@@ -3,6 +3,7 @@
 import pytest
 
 from mimoc.cohorts import Cohort
+from mimoc.cohorts.plan import plan
 from mimoc.errors import SpecError
 from mimoc.schema import source
 from mimoc.schema.cohort_file import COHORT, MEASURES, CohortSpec, read_cohort_spec
@@ -57,6 +58,10 @@ FILES = {
     "draws with a number in a sample": HEAD
     + "vary: {age_months: {uniform: [3, 9], n: 3}}\ndesign: {sample: {n: 9}}\n"
     + DO,
+    "values and children that are there twice": HEAD
+    + "vary: {age_months: [3, 9, 3], body.hands: [mitten]}\n"
+    + "children: [{sex: male, length_percentile: 9}, {sex: male, length_percentile: 9}]\n"
+    + DO,
     "designs": HEAD + "design: gird\n" + DO,
     "a design of a list": HEAD + "design: [grid]\n" + DO,
     "a sample without a size": HEAD + "design: {sample: {seed: 1}}\n" + DO,
@@ -66,6 +71,9 @@ FILES = {
     + "do: [biuld, python, 3, {}, {run: {}, train: {}}, {python: own.probe}, {experiment: 3},\n"
     + "  {train: {algo: ppp, steps: 0, envs: 5000}}, {run: {steps: many, seeds: 3:0}}, {run: {seeds: [1, 1]}},\n"
     + "  {run: {seeds: x}}]\n",
+    "hyperparameters and options": HEAD
+    + "do: [{train: {hyper: {gamma: x, n_steps: [1], width: true}}},\n"
+    + "  {python: {function: own:probe, options: {a: [1], b: {c: 1}, d: 1.5}}}]\n",
     "measures": HEAD + DO + "measure: [length, weight_kg, own:probe, own]\n",
 }
 
@@ -75,6 +83,27 @@ def test_a_bad_cohort_file_is_told_all_at_once(what, snapshot):
     with pytest.raises(SpecError) as caught:
         Cohort(source.parse(FILES[what], "cohort.yaml", COHORT))
     assert str(caught.value) == snapshot
+
+
+def test_steps_that_name_what_is_not_there_are_told_before_anything_is_done(tmp_path, snapshot):
+    steps = (
+        "do: [{run: {policy: rnadom}}, {experiment: grwoth}, {train: {hyper: {n_step: 3}}},\n"
+        "  {train: {hyper: {gamma: 3}}}, {train: {grow: 12:6}}, {train: {grow_steps: 9}}]\n"
+    )
+    study = Cohort(source.parse(HEAD + steps, "cohort.yaml", COHORT))
+    for do in (study.run, study.retry, lambda out: plan(study, out)):
+        (tmp_path / "cohort.json").touch()
+        with pytest.raises(SpecError) as caught:
+            do(tmp_path)
+    assert str(caught.value) == snapshot
+    assert [path.name for path in tmp_path.iterdir()] == ["cohort.json"]
+
+
+def test_a_cohort_of_too_many_infants_is_refused_before_they_are_made():
+    keys = "vary: {age_months: {from: 0, to: 24, step: 0.001}, scene.seed: {from: 0, to: 99999, step: 1}}\n"
+    study = Cohort(source.parse(HEAD + keys + DO, "cohort.yaml", COHORT))
+    with pytest.raises(SpecError, match=r"cohort\.yaml:1:1: 2,400,100,000 infants are more than 1,000,000; give fewer"):
+        study.jobs()
 
 
 def test_the_file_of_the_issue_is_a_cohort():

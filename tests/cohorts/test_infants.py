@@ -79,6 +79,11 @@ def test_a_value_that_the_spec_does_not_allow_is_reported_where_it_stands(cohort
     assert len({line.partition(": ")[0] for line in lines}) == 2
 
 
+def test_a_section_that_is_none_is_not_hidden_by_the_child(cohort):
+    with pytest.raises(SpecError, match=r"vary\.body\[0\]: 3 is not a section"):
+        _ = cohort(children={"draw": 1}, vary={"body": [3]}).infants
+
+
 def test_lists_of_different_length_are_not_zipped(cohort):
     with pytest.raises(SpecError, match=r"equally many values of each key, got age_months 2, scene.seed 3"):
         _ = cohort(vary={"age_months": [3, 6], "scene.seed": [1, 2, 3]}, design="zip").infants

@@ -4,18 +4,24 @@ import mujoco
 import pytest
 
 import mimoc
+from mimoc.cohorts import Cohort
+from mimoc.cohorts.perform import perform
 from mimoc.cohorts.store import Store, size_bytes
 from mimoc.compiler import explain
 from mimoc.errors import BundleError
 
-NUMBER = 6
+NUMBER = 3
 
 
-@pytest.fixture
-def built(cohort, here, tmp_path):
-    study = cohort(children={"draw": NUMBER}, vary={"senses.vestibular": [{}]})
-    study.run(tmp_path / "out", here)
-    return study, Store(tmp_path / "out")
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Return a cohort whose infants are built, and its folder, which is only to be read."""
+    base = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"vestibular": {}}}
+    keys = {"cohort": "small", "base": base, "children": {"draw": NUMBER}, "do": ["build"]}
+    study, store = Cohort({"mimoc": 1, **keys}), Store(tmp_path_factory.mktemp("cohort"))
+    store.create("small")
+    perform(study.jobs(), store)
+    return study, store
 
 
 def test_a_thousand_infants_take_less_than_100_megabytes(built):

@@ -1,27 +1,47 @@
 """The table of a cohort."""
 
 import csv
+import shutil
 import sys
+from pathlib import Path
 
 import pytest
 from pyarrow import parquet
 
+from mimoc.cohorts import Cohort
+from mimoc.cohorts.perform import perform
+from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
+from mimoc.schema.yaml_scalars import dump
 
 NOTE = """
 def note(work):
-    return {"note": 'a, "b"', "few": 3 if work.seed else None}
+    seen = {"stable": bool(work.seed), "few": 3 if work.seed else None}
+    return {**seen, "note": 'a, "b"', "status": "\\ud800", "body.remove": 7}
 """
 
 
-@pytest.fixture
-def done(cohort, here, tmp_path):
-    (tmp_path / "own.py").write_text(NOTE)
-    note = {"function": "own:note", "seeds": [0, 1]}
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory) -> tuple[Cohort, Path]:
+    """Return a cohort whose jobs are done, and its folder, which is only to be read."""
+    folder = tmp_path_factory.mktemp("cohort")
+    (folder / "own.py").write_text(NOTE)
     runs = [{"run": {"steps": steps}} for steps in (3, 4)]
-    study = cohort(vary={"body.remove": [[], ["left_hand"]]}, do=["check", *runs, {"python": note}])
-    study.run(tmp_path / "out", here)
-    return study, tmp_path / "out"
+    base = {"mimoc": 1, "name": "infant", "age_months": 9}
+    do = ["build", *runs, {"python": {"function": "own:note", "seeds": [0, 1]}}]
+    keys = {"cohort": "small", "base": base, "vary": {"body.remove": [[], ["left_hand"]]}, "do": do}
+    (folder / "cohort.yaml").write_text(dump({"mimoc": 1, **keys}))
+    study, store = Cohort(folder / "cohort.yaml"), Store(folder / "out")
+    store.create("small")
+    perform(study.jobs(), store)
+    return study, store.folder
+
+
+@pytest.fixture
+def done(finished, tmp_path):
+    """Return the cohort, and a copy of its folder."""
+    study, folder = finished
+    return study, Path(shutil.copytree(folder, tmp_path / "out"))
 
 
 def test_csv_and_parquet_say_the_same(done):
@@ -51,11 +71,19 @@ def test_lists_are_cells_and_options_that_differ_are_columns(done):
     assert "run.policy" not in rows[0]
 
 
-def test_jobs_that_are_not_done_are_rows_too(done):
+def test_a_measure_with_the_name_of_another_column_has_one_of_its_own(done):
+    rows = done[0].rows(done[1])
+    assert {row["status"] for row in rows} == {"ok"}
+    assert [(row["measured.status"], row["measured.body.remove"]) for row in rows[3:5]] == [("\\ud800", 7)] * 2
+    assert rows[3]["body.remove"] == "[]"
+
+
+def test_jobs_that_are_not_done_or_whose_results_are_damaged_are_rows_and_are_done_then(done, here):
     study, out = done
     job = study.jobs()[3]
     (out / "results" / job.key[:2] / f"{job.key}.json").write_text("not JSON: cut off")
     assert [row["status"] for row in study.rows(out)] == ["ok"] * 3 + ["missing"] + ["ok"] * 6
+    assert study.run(out, here).number("ok") == 10
 
 
 def test_without_pyarrow_there_is_the_csv_and_one_clear_error(done, monkeypatch):

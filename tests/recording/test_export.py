@@ -62,7 +62,7 @@ def test_minari_loads_what_was_recorded(recording, exported, monkeypatch):
         assert np.array_equal(theirs.actions, ours.actions.astype(np.float32))
         assert np.array_equal(theirs.rewards, ours.rewards)
         assert theirs.truncations[-1] != theirs.terminations[-1]
-    assert any(note.startswith("1 episodes that were cut short") for note in notes)
+    assert any(note.startswith("1 episode cut short") for note in notes)
 
 
 def test_lerobot_finds_its_layout(recording, exported):

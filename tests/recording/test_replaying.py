@@ -61,7 +61,7 @@ def test_the_first_different_number_is_named(copied, invoke):
     code, out, err = invoke("replay", copied)
     assert (code, err) == (1, "")
     assert out.startswith(f"infant 0, episode 0, step 7: proprioception '{layout[2]}' was ")
-    assert out.endswith("failed: 1 of 1 episodes did not come out again\n")
+    assert out.endswith("failed: 1 of 1 episode did not come out again\n")
 
 
 def test_another_action_leads_elsewhere(copied):
@@ -108,6 +108,30 @@ def test_a_damaged_recording_is_one_clear_line(damage, copied, invoke):
     code, out, err = invoke("replay", copied)
     assert (code, out, len(err.splitlines())) == (2, "", 1)
     assert str(copied) in err
+
+
+EDITS = {
+    "recording.json": [("infants", 3), ("infants", [{"name": "infant", "bundle": 3}]), ("marks", [{"run": 3}])],
+    "episodes/0000-000000.json": [
+        ("rows", "10"),
+        ("states", [{"step": 4}]),
+        ("changes", [{"step": 1, "physics": [1]}]),
+        ("changes", [{"step": 1, "state": {}}]),
+        ("reset", {"seed": "x"}),
+        ("start", {}),
+        ("start", []),
+        ("objects", True),
+        ("ended", None),
+    ],
+}
+
+
+@pytest.mark.parametrize(("file", "key", "value"), [(file, *edit) for file, edits in EDITS.items() for edit in edits])
+def test_an_edited_recording_is_one_clear_line(file, key, value, copied, invoke):
+    (copied / file).write_text(json.dumps(json.loads((copied / file).read_text()) | {key: value}))
+    code, _, err = invoke("replay", copied)
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert str(copied / file) in err
 
 
 def test_what_is_not_there_is_not_replayed(made, tmp_path):

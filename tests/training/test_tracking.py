@@ -6,6 +6,9 @@ from types import ModuleType
 import pytest
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
+from mimoc.errors import MimocError
+from mimoc.training.tracking import ASKED_BY
+
 
 class Recorded(ModuleType):
     """A tracker that keeps what it is told."""
@@ -53,7 +56,7 @@ def test_tensorboard_shows_returns_and_losses_by_step(learn, tmp_path):
 
 
 def test_another_tracker_is_told_if_its_variable_asks_for_it(learn, tracker, monkeypatch):
-    monkeypatch.setenv({"wandb": "WANDB_PROJECT", "mlflow": "MLFLOW_TRACKING_URI"}[tracker.__name__], "file:infants")
+    monkeypatch.setenv(ASKED_BY[tracker.__name__], "file:infants")
     learn("run")
     (begun,) = tracker.begun
     assert (begun["name"], begun["config"]["algo"], tracker.ended) == ("run", "ppo", 1)
@@ -62,7 +65,34 @@ def test_another_tracker_is_told_if_its_variable_asks_for_it(learn, tracker, mon
 
 
 def test_no_tracker_is_told_without_its_variable(learn, tracker, monkeypatch):
-    for name in ("WANDB_PROJECT", "MLFLOW_TRACKING_URI"):
+    for name in ASKED_BY.values():
         monkeypatch.delenv(name, raising=False)
     learn("run", steps=128)
     assert (tracker.begun, tracker.told) == ([], [])
+
+
+@pytest.fixture
+def asked(tracker, monkeypatch):
+    monkeypatch.setenv(ASKED_BY[tracker.__name__], "file:infants")
+    return tracker
+
+
+def test_a_tracker_that_cannot_begin_is_one_error(learn, asked, monkeypatch):
+    def fail(**_):
+        raise OSError("no\nlogin")
+
+    monkeypatch.setattr(asked, "init", fail)
+    monkeypatch.setattr(asked, "start_run", fail)
+    with pytest.raises(MimocError, match=rf"^{asked.__name__} fails \(no login\); set it up, or unset "):
+        learn("run", steps=128)
+
+
+def test_a_tracker_that_fails_later_is_told_no_more_and_the_training_goes_on(learn, asked, monkeypatch):
+    def fail(*_, **__):
+        raise ConnectionError
+
+    monkeypatch.setattr(asked, "log", fail)
+    monkeypatch.setattr(asked, "log_metrics", fail)
+    with pytest.warns(UserWarning, match=rf"^{asked.__name__} fails \(ConnectionError\) and is told no more"):
+        learn("run")
+    assert asked.ended == 0

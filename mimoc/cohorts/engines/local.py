@@ -30,6 +30,9 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
     """Do jobs in as many processes as this one may use cores, or as `processes` says.
 
     A job whose process is killed is begun again in another, and fails if that is killed as well.
+
+    Raises:
+        OutputError: If the folder cannot be written.
     """
     number = options.get("processes") or len(os.sched_getaffinity(0))
     queue, tries, finished = Queue(jobs), dict[str, int](), 0
@@ -107,13 +110,20 @@ class _Worker:
             self.connection.send((job, self._store))
 
     def finish(self) -> tuple[Job, bool]:
-        """Return its job, and whether it has done it, rather than ended."""
+        """Return its job, and whether it has done it, rather than ended.
+
+        Raises:
+            OutputError: If it cannot write the result.
+        """
         assert self.job is not None
         job, self.job = self.job, None
         try:
-            return job, self.connection.poll() and self.connection.recv()
+            answer = self.connection.poll() and self.connection.recv()
         except (EOFError, OSError):
             return job, False
+        if isinstance(answer, MimocError):
+            raise answer
+        return job, answer
 
     @property
     def has_ended(self) -> bool:

@@ -2,15 +2,17 @@
 
 import os
 import sys
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from threading import Thread
 
 from mimoc.cohorts.perform import perform
 from mimoc.cohorts.work import Bench
+from mimoc.errors import MimocError
 
 
 def main(descriptor: int) -> None:
-    """Do the jobs that come over a connection.
+    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written.
 
     Args:
         descriptor: File descriptor of the connection.
@@ -21,13 +23,15 @@ def main(descriptor: int) -> None:
     os.dup2(nothing, 0)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
     connection, bench = Connection(descriptor), Bench()
-    while True:
-        try:
+    with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
+        while True:
             job, store = connection.recv()
-        except EOFError:
-            return
-        perform([job], store, bench)
-        connection.send(True)
+            try:
+                perform([job], store, bench)
+            except MimocError as error:
+                connection.send(error)
+            else:
+                connection.send(True)
 
 
 def _end_with(lifeline: int) -> None:

@@ -96,11 +96,12 @@ def _no_cluster(address: str, problem: str) -> MimocError:
 
 def _start() -> None:
     """Start a cluster on this machine, with all cores that this process may use."""
-    for _ in range(STARTS):
+    for tries_left in reversed(range(STARTS)):
         problem = _problem(LOCAL, num_cpus=len(os.sched_getaffinity(0)), include_dashboard=False)
         if problem is None:
             return
-    raise MimocError(f"Ray does not start on this machine ({problem}); try again, or give an address")
+        if not tries_left:
+            raise MimocError(f"Ray does not start on this machine ({problem}); try again, or give an address")
 
 
 def _problem(address: str, **own: Any) -> str | None:

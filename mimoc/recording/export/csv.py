@@ -21,7 +21,7 @@ def export_csv(recording: ReadRecording, episodes: Iterable[Episode], out: Path)
     """
     notes = dict[str, None]()
     for episode in episodes:
-        name = episode.files.stems[0].name.partition(".")[0]
+        name = episode.files.stem.name
         _write(out / f"{name}.csv", episode.columns())
         for reading in episode.described.readings:
             if reading.kind == "picture":

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 
 from mimoc.actuation.commands import command_range
-from mimoc.errors import MissingExtraError
+from mimoc.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
 from mimoc.recording.reading import Episode, ReadRecording
 
@@ -55,7 +55,7 @@ def _notes(episodes: Iterable[Episode], name: str) -> list[str]:
     cut = sum(not (episode.terminated[-1] or episode.truncated[-1]) for episode in episodes)
     return [
         f"load it with MINARI_DATASETS_PATH set to this folder: minari.load_dataset('{name}')",
-        *([f"{cut} episodes that were cut short are marked as truncated"] if cut else []),
+        *([f"{counted(cut, 'episode')} cut short: marked as truncated"] if cut else []),
         "names and units, states and the environment itself are left out: Minari has no place for them",
     ]
 
