@@ -7,7 +7,7 @@ import numpy as np
 
 from fields import Array, Field, smooth_max
 from figure import Figure, folded
-from meshing import gradient
+from meshing import gradient, without_slivers
 from mimoc.body.kinematics import Frame
 
 SLEEVE, LEG = 0.64, 0.72
@@ -17,6 +17,8 @@ HEM, WAIST = 10.0, 40.0
 NECK = (2.0, 0.0, 268.0)
 """Middle of the neckline, a ball of radius `NECKLINE`, flatter from side to side."""
 NECKLINE = 40.0
+SLIVER = 0.22
+"""Edges shorter than this share of the usual ones are drawn together."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def trousers(figure: Figure, frames: Mapping[str, Frame]) -> Cloth:
         on_leg = rise(t, 0.1, 0.5)
         sides = rise(np.abs(p[:, 1]), 20, 70)
         below_shirt = rise(-p[:, 2], -12, 4)
-        loose = below_shirt * (1.0 + 2.4 * on_leg * rise(t, 0.2, LEG) + 1.0 * sides) + 0.4
+        loose = below_shirt * (0.9 + 2.2 * on_leg * rise(t, 0.2, LEG) + 0.6 * sides) + 0.4
         return body(p) - loose
 
     def cut(p: Array) -> Array:
@@ -91,17 +93,19 @@ def sewn(cloth: Cloth, verts: Array, faces: np.ndarray, hem_mm: float = 2.2) -> 
     slope = gradient(cloth.cut, verts, 0.2)
     size = np.linalg.norm(slope, axis=1)
     lengths = np.linalg.norm(verts[faces[:, 0]] - verts[faces[:, 1]], axis=1)
-    typical = np.bincount(faces[:, 0], lengths, minlength=len(verts)) / np.maximum(np.bincount(faces[:, 0], minlength=len(verts)), 1)
+    typical = np.bincount(faces[:, 0], lengths, minlength=len(verts)) / np.maximum(
+        np.bincount(faces[:, 0], minlength=len(verts)), 1
+    )
     close = (np.abs(away) < 0.3 * typical) & (size > 0.3) & (size < 3)
     verts = verts.copy()
     verts[close] -= (away[close] / size[close] ** 2)[:, None] * slope[close]
     away[close] = 0.0
-    verts, faces, edge = _clipped(verts, faces, away)
-    return _hemmed(cloth.layer, verts, faces, edge, hem_mm)
+    verts, faces = without_slivers(*_clipped(verts, faces, away), least=SLIVER * float(np.median(typical)))
+    return _hemmed(cloth.layer, verts, faces, hem_mm)
 
 
-def _clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.ndarray, np.ndarray]:
-    """Return the faces where *away* is not positive, cut where it is zero, and whether each vertex is on the cut."""
+def _clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.ndarray]:
+    """Return the faces where *away* is not positive, cut where it is zero."""
     new: dict[tuple[int, int], int] = {}
     points = list(verts)
     found = []
@@ -130,11 +134,10 @@ def _clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.nd
     used = np.unique(faces)
     number = np.full(len(all_points), -1)
     number[used] = np.arange(len(used))
-    on_edge = np.concatenate((away == 0, np.ones(len(points) - len(verts), bool)))
-    return all_points[used], number[faces], on_edge[used]
+    return all_points[used], number[faces]
 
 
-def _hemmed(layer: Field, verts: Array, faces: np.ndarray, edge: np.ndarray, hem_mm: float) -> tuple[Array, np.ndarray]:
+def _hemmed(layer: Field, verts: Array, faces: np.ndarray, hem_mm: float) -> tuple[Array, np.ndarray]:
     """Return a mesh with a strip along its open edges that leads inwards."""
     directed = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     pairs = {tuple(pair) for pair in directed}

@@ -14,17 +14,17 @@ from mimoc.body.kinematics import Frame
 TRUNK = column(
     (  # height, back, front, half width, widest place
         (-60.0, -44.0, 54.0, 66.0, 0.45),
-        (-20.0, -48.0, 62.0, 77.0, 0.45),
-        (4.5, -49.0, 64.5, 79.5, 0.45),
-        (45.0, -44.5, 66.0, 79.0, 0.47),
-        (85.0, -46.0, 68.5, 79.0, 0.50),
-        (127.6, -54.0, 68.6, 75.0, 0.48),
-        (175.8, -57.0, 65.5, 69.5, 0.46),
-        (210.0, -53.0, 50.0, 64.0, 0.45),
-        (238.0, -45.0, 27.0, 54.0, 0.45),
+        (-20.0, -48.0, 62.0, 75.0, 0.45),
+        (4.5, -49.0, 64.5, 77.5, 0.45),
+        (45.0, -44.5, 66.0, 80.0, 0.47),
+        (85.0, -46.0, 68.5, 81.5, 0.50),
+        (127.6, -54.0, 68.6, 76.0, 0.48),
+        (175.8, -57.0, 65.5, 67.0, 0.46),
+        (210.0, -53.0, 50.0, 60.0, 0.45),
+        (238.0, -45.0, 27.0, 50.0, 0.45),
         (262.0, -36.0, 12.0, 38.0, 0.45),
     ),
-    power=2.35,
+    power=2.25,
 )
 
 
@@ -42,7 +42,8 @@ class Figure:
 
 BLENDS = {"trunk": 9.0, "seat": 22.0, "neck": 18.0, "girdle": 26.0}
 """How far the shapes of the trunk are blended with one another."""
-LIMBS = {"arm": (22.0, 7.0), "leg": (24.0, 8.0), "foot": (0.0, 3.0), "toes": (0.0, 0.8), "hand": (0.0, 6.0)}
+FINGERS = 0.9
+"""How far fingers are blended with one another: hardly, or they are webbed."""
 
 
 def folded(p: Array) -> Array:
@@ -61,8 +62,7 @@ def blend(solids: tuple[Solid, ...], p: Array) -> Array:
             trunk = smooth_min(trunk, field(p), BLENDS[group])
     arm = _joined(by_group["arm"], 9.0, p)
     hand = _joined(by_group["palm"], 6.0, p)
-    for field in by_group["finger"]:
-        hand = smooth_min(hand, field(p), 2.4)
+    hand = smooth_min(hand, _joined(by_group["finger"], FINGERS, p), 4.0)
     arm = smooth_min(arm, hand, 8.0)
     leg = _joined(by_group["leg"], 9.0, p)
     foot = _joined(by_group["foot"], 9.0, p)
@@ -101,8 +101,8 @@ def _trunk() -> Shapes:
         return smooth_max(body, -51.5 - p[:, 2], 60)
 
     yield "hip", "trunk", bounded
-    yield "hip", "seat", ellipsoid((-15, -35, -13), (35.5, 34, 37))
-    yield "chest", "girdle", tube((-13, -36, -1), (-26, -82, 3), (24, 21))
+    yield "hip", "seat", ellipsoid((-12, -35, -11), (33.5, 33, 35))
+    yield "chest", "girdle", tube((-10, -36, -2), (-25, -82, 2), (22.5, 20))
     yield "head", "neck", tube((-11, 0, -30), (-3, 0, 30), (33, 30, 32))
 
 
@@ -113,15 +113,24 @@ def _arm() -> Shapes:
 
 def _leg(hands: str) -> Shapes:
     yield "{side}_upper_leg", "leg", tube((0, 0, 0), (2, 0, -112), (35, 36.5, 33.4, 34, 27), (0, 0.3, 0.52, 0.62, 1))
-    yield "{side}_lower_leg", "leg", tube((0, 0, 0), (-1, 0, -141), (27, 27.5, 27.2, 22, 18.6, 19), (0, 0.2, 0.4, 0.68, 0.9, 1))
+    yield (
+        "{side}_lower_leg",
+        "leg",
+        tube((0, 0, 0), (-1, 0, -141), (27, 27.5, 27.2, 22, 18.6, 19), (0, 0.2, 0.4, 0.68, 0.9, 1)),
+    )
     yield "{side}_foot", "foot", ellipsoid((-13, 0, 0), (20.5, 17.5, 18))
     yield "{side}_foot", "foot", tube((-6, 1, 13), (26, 2, -3), (17, 13))
     yield "{side}_foot", "foot", tube((-8, 2, -2), (42, 9, -3.5), (14, 12, 10.4))
     yield "{side}_foot", "foot", tube((-8, -2, -3), (35, -10, -4.5), (13, 11, 9.2))
     yield "{side}_foot", "sole", lambda p: -13.4 - p[:, 2]
     big = "{side}_big_toe" if hands == "five_finger" else "{side}_toes"
-    yield big, "toe", _toe(big, hands, (44, 12.6, -4.5), (60.5, 13.2, -5.8), (7.6, 8.0, 7.4))
-    for y, start, end, radius in ((2.6, 44, 58.5, 5.4), (-4.8, 43, 56, 5.2), (-11.4, 41, 53, 5.0), (-17.2, 38, 49, 4.8)):
+    yield big, "toe", _toe(big, hands, (44, 13.4, -4.5), (60.5, 14.2, -5.8), (7.4, 7.7, 7.2))
+    for y, start, end, radius in (
+        (1.4, 44, 58.5, 5.1),
+        (-5.6, 43, 56, 5.0),
+        (-12.0, 41, 53, 4.8),
+        (-17.6, 38, 49, 4.6),
+    ):
         tip = (end, y * 1.03, -13.4 + radius + 0.6)
         yield "{side}_toes", "toe", _toe("{side}_toes", hands, (start, y, -6.2), tip, (radius * 0.94, radius))
 
@@ -153,7 +162,11 @@ def _five_finger() -> Shapes:
         ("lf", (18.5, 9.2, 5.8), (4.6, 4.2, 4.0)),
     ):
         first, middle, last = lengths
-        yield f"{{side}}_{name}knuckle", "finger", tube((0, 0, -3), (0, 0, first), (radii[0] * 1.08, radii[0], radii[1]))
+        yield (
+            f"{{side}}_{name}knuckle",
+            "finger",
+            tube((0, 0, -3), (0, 0, first), (radii[0] * 1.08, radii[0], radii[1])),
+        )
         yield f"{{side}}_{name}middle", "finger", tube((0, 0, 0), (0, 0, middle), (radii[1], radii[1] * 0.98))
         yield f"{{side}}_{name}distal", "finger", tube((0, 0, 0), (0, 0, last), (radii[2], radii[2] * 0.92))
     yield "{side}_thbase", "palm", tube((0, 0, 2), (0, 0, 15), (7.6, 6.0))

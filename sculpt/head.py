@@ -89,9 +89,9 @@ def _nose(head: Head):
 def _ear(head: Head) -> Field:
     ax, ay, az = head.half_axes
     tilt, out = np.radians(-14), np.radians(24)
-    turn = np.array(
-        ((np.cos(tilt), 0, np.sin(tilt)), (0, 1, 0), (-np.sin(tilt), 0, np.cos(tilt)))
-    ) @ np.array(((np.cos(out), -np.sin(out), 0), (np.sin(out), np.cos(out), 0), (0, 0, 1)))
+    turn = np.array(((np.cos(tilt), 0, np.sin(tilt)), (0, 1, 0), (-np.sin(tilt), 0, np.cos(tilt)))) @ np.array(
+        ((np.cos(out), -np.sin(out), 0), (np.sin(out), np.cos(out), 0), (0, 0, 1))
+    )
     middle = np.array((-0.06 * ax, -0.985 * ay - 3.0, -0.16 * az))
     outer = ellipsoid(middle, (9.6, 5.6, 14.5), turn)
     hollow = ellipsoid(middle + turn @ (1.0, -5.6, 1.0), (5.8, 4.2, 10.0), turn)
@@ -145,12 +145,27 @@ def newborn(head: Head, verts: Array) -> Array:
     found += tip * ((0.93 * ax, 0, -0.255 * az) - verts) * (0.35, -0.12, 0.18)
     for sign in (-1.0, 1.0):
         found += _lids_moved(head, verts, sign, 0.52, 0.70)
-    return found
+    return _flattened(head, found)
+
+
+FLAT_MM = 2.4
+"""How far a newborn's face is beyond the head's solid at most: it cannot lift it off the floor."""
+
+
+def _flattened(head: Head, verts: Array) -> Array:
+    """Return vertices of which those in front are at most a little beyond the solid."""
+    size = np.linalg.norm(verts / head.half_axes, axis=1)
+    slope = np.linalg.norm(verts / head.half_axes**2, axis=1)
+    beyond = size * (size - 1) / slope
+    front = np.clip(verts[:, 0] / (0.3 * head.half_axes[0]) - 0.2, 0, 1)
+    less = np.where(beyond > 0, beyond - FLAT_MM * np.tanh(beyond / FLAT_MM), 0) * front
+    normal = (verts / head.half_axes**2) / slope[:, None]
+    return verts - less[:, None] * normal
 
 
 def closing(head: Head, verts: Array, sign: float) -> Array:
     """Return how each vertex moves when an eye closes; *sign* is that of the eye's side along y."""
-    return _lids_moved(head, verts, sign, -0.62, 0.62)
+    return _lids_moved(head, verts, sign, -0.80, 0.66)
 
 
 def _lids_moved(head: Head, verts: Array, sign: float, upper: float, lower: float) -> Array:
@@ -166,7 +181,9 @@ def _lids_moved(head: Head, verts: Array, sign: float, upper: float, lower: floa
     turn = np.radians(elevation * (share - 1) * reach * fade)
     level = np.hypot(from_eye[:, 0], from_eye[:, 1])
     angle = np.arctan2(from_eye[:, 2], level)
-    moved = np.column_stack((from_eye[:, :2] * (far * np.cos(angle + turn) / np.maximum(level, 1e-9))[:, None], far * np.sin(angle + turn)))
+    moved = np.column_stack(
+        (from_eye[:, :2] * (far * np.cos(angle + turn) / np.maximum(level, 1e-9))[:, None], far * np.sin(angle + turn))
+    )
     return moved - from_eye
 
 

@@ -10,6 +10,7 @@ import clothes
 import figure
 import head as heads
 import meshing
+import resting
 import shading
 import weights
 from fields import Array, Field
@@ -19,10 +20,12 @@ from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.looks.skin.carrying import boxes
 from mimoc.looks.skin.heights import height_above, heights
-from mimoc.looks.skin.sculpture import FOLDER
+from mimoc.looks.skin.sculpture import FOLDER, assembled
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0
+SPREAD_DEG = 14.0
+"""How far the fingers are spread, so that they are not meshed as one."""
 ANGLES_DEG = {
     "shoulder_ad_ab": 50,
     "shoulder_horizontal": 25,
@@ -32,14 +35,22 @@ ANGLES_DEG = {
     "knee": -65,
     "fingers": -60,
     "foot1": -5,
-    "th_swivel": 45,
+    "th_swivel": 30,
     "th_adduction": -30,
-    "th_middle": 40,
-    "th_distal": 35,
-    **{f"{finger}_{joint}": angle for finger in ("ff", "mf", "rf", "lf") for joint, angle in (("knuckle", 35), ("middle", 40), ("distal", 30))},
-    "ff_side": 0,
+    "th_middle": 22,
+    "th_distal": 22,
+    **{
+        f"{finger}_{joint}": angle
+        for finger in ("ff", "mf", "rf", "lf")
+        for joint, angle in (("knuckle", 35), ("middle", 40), ("distal", 30))
+    },
+    "ff_side": SPREAD_DEG,
+    "rf_side": -SPREAD_DEG / 2,
+    "lf_side": -SPREAD_DEG,
 }
 """The pose that the skin is bound in: near the middle of the joints' ranges, with limbs clear of each other, [deg]."""
+TOES_DEG = {"big_toe": 28, "toes": -12}
+"""Where a big toe moves on its own, it is apart from the others."""
 LOW, HIGH = np.array((-80.0, -280.0, -260.0)), np.array((270.0, 280.0, 320.0))
 SEED = 16
 
@@ -60,18 +71,28 @@ def main() -> None:
 
 def _save(path: Path, arrays: Mapping[str, Array]) -> None:
     np.savez_compressed(path, **arrays)
-    print(path, f"{path.stat().st_size / 1000:.0f} kB", {name: len(each) for name, each in arrays.items() if name.endswith("verts_m")})
+    print(
+        path,
+        f"{path.stat().st_size / 1000:.0f} kB",
+        {name: len(each) for name, each in arrays.items() if name.endswith("verts_m")},
+    )
 
 
 def child(hands: str) -> BodyTree:
     """Return the body that is sculpted on: an average child."""
-    return builder(InfantSpec.model_validate({"mimoc": 1, "name": "child", "age_months": AGE_MONTHS, "body": {"hands": hands}})).tree
+    return builder(
+        InfantSpec.model_validate({"mimoc": 1, "name": "child", "age_months": AGE_MONTHS, "body": {"hands": hands}})
+    ).tree
 
 
 def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     """Return the arrays of the skin for a kind of hands."""
     tree = child(hands)
-    wanted = {f"robot:{side}_{joint}": np.radians(angle) for side in ("left", "right") for joint, angle in ANGLES_DEG.items()}
+    wanted = {
+        f"robot:{side}_{joint}": np.radians(angle) for side in ("left", "right") for joint, angle in ANGLES_DEG.items()
+    }
+    apart = {f"robot:{side}_{toe}": np.radians(angle) for side in ("left", "right") for toe, angle in TOES_DEG.items()}
+    wanted |= apart if hands == "five_finger" else {}
     angles = {joint: angle for joint, angle in wanted.items() if joint in tree.joints}
     placed = frames(tree, angles)
     sculpted = figure.build(placed, hands)
@@ -84,11 +105,20 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     sewn = {cloth.name: cloth for cloth in (clothes.shirt(sculpted, placed), clothes.trousers(sculpted, placed))}
     for name, cloth in sewn.items():
         verts, faces = _cloth(cloth, sculpted.field(), cell_mm, rng)
-        layers[name] = (verts, faces, weights.carried_over(skin[0], weights.eased(held, parts, name), verts))
+        layers[name] = (verts, faces, weights.carried_over(skin[0], weights.eased(held, parts, name), verts, faces))
     layers["body"] = _uncovered(*layers["body"], parts, sewn)
-    for name, (verts, faces, own) in layers.items():
-        colours = shading.texcoords(name, verts, faces, sculpted, hands)
-        found |= {f"{name}/{key}": array for key, array in _layer(tree, angles, verts, faces, own, colours).items()}
+    head = sculpt_head()
+    colours = {name: shading.texcoords(name, layer[0], layer[1], sculpted, hands) for name, layer in layers.items()}
+    for _ in range(resting.ROUNDS):
+        for name, (verts, faces, own) in layers.items():
+            arrays = _layer(tree, angles, verts, faces, own, colours[name])
+            found |= {f"{name}/{key}": array for key, array in arrays.items()}
+        moves = resting.pressed(assembled(found, head), hands)
+        print(
+            "pressed flat by",
+            {name: f"{1000 * np.linalg.norm(move, axis=1).max():.2f} mm" for name, move in moves.items()},
+        )
+        layers = {name: (layer[0] + 1000 * moves[name], *layer[1:]) for name, layer in layers.items()}
     return found
 
 
@@ -110,7 +140,9 @@ def _sizes(sculpted: figure.Figure, points: Array) -> Array:
     limbs = {"upper_arm": LIMB_SIZE, "lower_arm": LIMB_SIZE, "upper_leg": 8.5, "lower_leg": 8.0}
     trunk = dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), TRUNK_SIZE)
     table = {**SIZES, **limbs, **trunk}
-    names = {name: table.get(name.removeprefix("left_").removeprefix("right_"), FINGER_SIZE) for name in np.unique(owners)}
+    names = {
+        name: table.get(name.removeprefix("left_").removeprefix("right_"), FINGER_SIZE) for name in np.unique(owners)
+    }
     return np.array([names[name] for name in owners])
 
 
@@ -166,7 +198,9 @@ def _common(tree: BodyTree, parts: list[str], angles: Mapping[str, float], place
 NEAR = 4
 
 
-def _layer(tree: BodyTree, angles: Mapping[str, float], verts: Array, faces: np.ndarray, own: Array, colours: Array) -> dict[str, Array]:
+def _layer(
+    tree: BodyTree, angles: Mapping[str, float], verts: Array, faces: np.ndarray, own: Array, colours: Array
+) -> dict[str, Array]:
     """Return the arrays of one layer."""
     verts_m = verts / 1000
     order = np.argsort(-own, axis=1)[:, : weights.BONES]
@@ -177,7 +211,14 @@ def _layer(tree: BodyTree, angles: Mapping[str, float], verts: Array, faces: np.
         local = (verts_m - posed.centres[index]) @ posed.rotations[index]
         far[:, index] = height_above(posed.geoms[index], local)[0]
     near = np.argsort(far, axis=1)[:, :NEAR]
-    fine = np.array([("hand" in name or "finger" in name or name.split("_")[-1][:2] in ("ff", "mf", "rf", "lf", "th")) or "toe" in name or "foot" in name for name in tree.geoms])
+    fine = np.array(
+        [
+            ("hand" in name or "finger" in name or name.split("_")[-1][:2] in ("ff", "mf", "rf", "lf", "th"))
+            or "toe" in name
+            or "foot" in name
+            for name in tree.geoms
+        ]
+    )
     blend_m = np.where(fine[near[:, 0]], 0.0015, 0.006)
     offsets_m, _ = heights(posed, list(tree.geoms), near, blend_m, verts_m)
     return {

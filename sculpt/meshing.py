@@ -98,7 +98,9 @@ def remesh(
     for _ in range(rounds):
         total = np.bincount(owner, density, minlength=len(centres))
         alive = total > 0
-        sums = np.column_stack([np.bincount(owner, density * verts[:, axis], minlength=len(centres)) for axis in range(3)])
+        sums = np.column_stack(
+            [np.bincount(owner, density * verts[:, axis], minlength=len(centres)) for axis in range(3)]
+        )
         means = sums / np.maximum(total, 1e-12)[:, None]
         off = np.linalg.norm(verts - means[owner], axis=1)
         order = np.lexsort((off, owner))
@@ -165,7 +167,9 @@ def relax(field: Field, verts: Array, faces: np.ndarray, rounds: int = 4, share:
     both = np.vstack((edges, edges[:, ::-1]))
     count = np.bincount(both[:, 0], minlength=len(verts))
     for _ in range(rounds):
-        sums = np.column_stack([np.bincount(both[:, 0], verts[both[:, 1], axis], minlength=len(verts)) for axis in range(3)])
+        sums = np.column_stack(
+            [np.bincount(both[:, 0], verts[both[:, 1], axis], minlength=len(verts)) for axis in range(3)]
+        )
         verts = onto(field, verts + share * (sums / np.maximum(count, 1)[:, None] - verts), rounds=2)
     return verts
 
@@ -175,3 +179,16 @@ def defects(faces: np.ndarray) -> int:
     edges = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     _, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     return int((counts != 2).sum())
+
+
+def without_slivers(verts: Array, faces: np.ndarray, least: float) -> tuple[Array, np.ndarray]:
+    """Return a mesh in which vertices that are joined by an edge shorter than *least* are one."""
+    edges = edges_of(faces)
+    short = edges[np.linalg.norm(verts[edges[:, 0]] - verts[edges[:, 1]], axis=1) < least]
+    pairs = coo_matrix((np.ones(len(short)), short.T), shape=(len(verts),) * 2)
+    count, label = connected_components(pairs, directed=False)
+    members = np.bincount(label, minlength=count)
+    merged = np.column_stack([np.bincount(label, verts[:, axis], minlength=count) / members for axis in range(3)])
+    found = label[faces]
+    whole = (found[:, 0] != found[:, 1]) & (found[:, 1] != found[:, 2]) & (found[:, 2] != found[:, 0])
+    return only(merged, found[whole], np.ones(count, bool))

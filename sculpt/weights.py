@@ -13,7 +13,15 @@ from meshing import edges_of
 
 BONES = 4
 """Bodies that move a vertex, at most."""
-SPREAD = {"upper_arm": 12.0, "lower_arm": 8.5, "upper_leg": 15.0, "lower_leg": 10.0, "foot": 8.0, "toes": 2.6, "big_toe": 2.6}
+SPREAD = {
+    "upper_arm": 14.0,
+    "lower_arm": 8.5,
+    "upper_leg": 15.0,
+    "lower_leg": 10.0,
+    "foot": 8.0,
+    "toes": 2.6,
+    "big_toe": 2.6,
+}
 """How far the hold of a body fades out along the skin, [mm]; of a hand's parts below, of the trunk 16."""
 HANDS = {"hand": 4.0, "fingers": 3.6, "lfmetacarpal": 3.0, "thbase": 3.4}
 TRUNK, FINGER = 16.0, 2.1
@@ -85,12 +93,24 @@ def quantized(values: Array) -> Array:
     return found
 
 
-def carried_over(verts: Array, own: Array, other: Array) -> Array:
-    """Return the weights of a layer on the skin, from the skin's vertices and weights: of the four nearest ones."""
+CLOTH = 9.0
+"""How much farther the hold of a body fades out along cloth, [mm]."""
+
+
+def carried_over(verts: Array, own: Array, other: Array, faces: np.ndarray) -> Array:
+    """Return the weights of a layer on the skin, from those of the four nearest vertices of the skin.
+
+    Args:
+        verts: Of the skin.
+        own: Weights of the skin.
+        other: Vertices of the layer.
+        faces: Of the layer.
+    """
     far, near = cKDTree(verts).query(other, k=4)
     share = 1 / np.maximum(far, 0.3) ** 2
     share /= share.sum(axis=1, keepdims=True)
-    return quantized(np.einsum("nk,nkb->nb", share, own[near]))
+    start = np.einsum("nk,nkb->nb", share, own[near])
+    return quantized(_diffused(other, faces, start, np.full(len(other), CLOTH)))
 
 
 HANGING = 0.45

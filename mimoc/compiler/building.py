@@ -190,9 +190,12 @@ class Builder:
         }
 
 
-def builder(
-    spec: InfantSpec, target: str | None = None, younger: Builder | None = None, skin: bool = True
-) -> Builder:
+def sees_skin(spec: InfantSpec) -> bool:
+    """Return whether an infant's eyes see skins: one of many has a skin only then, if its spec does not say."""
+    return spec.senses.vision is not None and spec.senses.vision.body == "skin"
+
+
+def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None = None, skin: bool = True) -> Builder:
     """Return a builder of a spec; the infant, which does not depend on the seed, is built at once.
 
     Args:

@@ -70,9 +70,7 @@ def compose(
     )
 
 
-def _parts(
-    tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool
-) -> dict[str, Node]:
+def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
     """Return all parts by name, each with its child parts."""
     sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
     for placed in senses.values():

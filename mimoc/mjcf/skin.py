@@ -36,6 +36,11 @@ class SkinLayer:
     """How much each body moves each vertex, shape (n, bones); each row sums to 1 and has at most four above 0."""
 
     @property
+    def quats(self) -> FloatArray:
+        """Quaternions of these bodies in the pose, shape (bones, 4)."""
+        return np.array([quaternion_from_matrix(turn) for turn in self.turns])
+
+    @property
     def file(self) -> str:
         """Path of its file inside a bundle."""
         return f"assets/{self.name}.skn"
@@ -69,12 +74,12 @@ def encode_skn(layer: SkinLayer) -> bytes:
         single(texcoords).tobytes(),
         layer.faces.astype("<i4").tobytes(),
     ]
-    for index, name in enumerate(layer.bones):
+    for index, (name, quat) in enumerate(zip(layer.bones, layer.quats, strict=True)):
         (moved,) = np.nonzero(layer.weights[:, index])
         parts += [
             name.encode().ljust(NAME_BYTES, b"\0"),
             single(layer.origins_m[index]).tobytes(),
-            single(np.array(quaternion_from_matrix(layer.turns[index]))).tobytes(),
+            single(quat).tobytes(),
             np.array(len(moved), "<i4").tobytes(),
             moved.astype("<i4").tobytes(),
             single(layer.weights[moved, index]).tobytes(),

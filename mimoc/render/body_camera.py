@@ -21,7 +21,7 @@ from mimoc.render.camera import (
     unobstructed_view,
 )
 from mimoc.render.markers import Markers, add_markers
-from mimoc.render.renderer import Picture, Renderer
+from mimoc.render.renderer import Picture, Renderer, Shown
 from mimoc.render.visual_settings import Setting, visual_settings
 
 STILL, MOVING = 3, 2
@@ -47,6 +47,7 @@ class BodyCamera:
         fovy_deg: float = FOVY_DEG,
         supersample: int = MOVING,
         margin: float = MARGIN,
+        shown: Shown = "skin",
     ):
         """Open an OpenGL context for pictures of this size.
 
@@ -59,6 +60,7 @@ class BodyCamera:
             fovy_deg: Vertical field of view, where there is space for it.
             supersample: How many times larger pictures are drawn and then averaged down, if that is not too large.
             margin: How much wider the field of view is than what it has to show.
+            shown: What is drawn of infants.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
@@ -69,7 +71,8 @@ class BodyCamera:
         self.aspect = width_px / height_px
         """Width of the pictures over their height."""
         larger = self._supersample * width_px, self._supersample * height_px
-        self._renderer = Renderer(model, *larger, partial(_multisampling, 0 if self._supersample > 1 else SAMPLES))
+        settings = partial(_multisampling, 0 if self._supersample > 1 else SAMPLES)
+        self._renderer = Renderer(model, *larger, settings, shown)
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model of the same parts from now on.

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import closing
 from itertools import accumulate
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,7 +13,7 @@ from mimoc.bundle.model import load_posed
 from mimoc.render.body_camera import STILL, BodyCamera
 from mimoc.render.camera import FROM_THE_FRONT, FROM_THE_SIDE, view_of_body
 from mimoc.render.markers import Markers, join_markers
-from mimoc.render.renderer import Picture
+from mimoc.render.renderer import Picture, Shown
 from mimoc.units import cm_to_m
 
 ROW_FOVY_DEG = 10.0
@@ -24,7 +25,12 @@ BESIDE_M = 1.0
 
 
 def portrait(
-    bundle: Bundle, pose: str | None = None, width: int = 640, height: int = 480, markers: Markers | None = None
+    bundle: Bundle,
+    pose: str | None = None,
+    width: int = 640,
+    height: int = 480,
+    markers: Markers | None = None,
+    shown: Shown = "skin",
 ) -> Picture:
     """Return a picture of an infant in a pose, shape (height, width, 3).
 
@@ -34,6 +40,7 @@ def portrait(
         width: In pixels.
         height: In pixels.
         markers: What is drawn on top of it, such as the points of its skin.
+        shown: Whether it is drawn with its skin, or its solids.
 
     Raises:
         UnknownNameError: If the bundle has no such pose.
@@ -42,13 +49,17 @@ def portrait(
     model, data = load_posed(bundle, pose)
     root = bundle.manifest.root_body
     view = view_of_body(FROM_THE_SIDE, data, root)
-    with closing(BodyCamera(model, [root], width, height, view, supersample=STILL)) as camera:
+    with closing(BodyCamera(model, [root], width, height, view, supersample=STILL, shown=shown)) as camera:
         camera.turn(data)
         return camera.render(data, markers)
 
 
 def lineup(
-    bundles: Sequence[Bundle], width: int = 640, height: int = 480, markers: Sequence[Markers] | None = None
+    bundles: Sequence[Bundle],
+    width: int = 640,
+    height: int = 480,
+    markers: Sequence[Markers] | None = None,
+    shown: Shown = "skin",
 ) -> Picture:
     """Return a picture of several infants that stand in a row, to scale, shape (height, width, 3).
 
@@ -57,6 +68,7 @@ def lineup(
         width: In pixels.
         height: In pixels.
         markers: What is drawn on top of each, where it would be if the infant were alone.
+        shown: Whether they are drawn with their skins, or their solids.
 
     Raises:
         RenderingError: If there is no OpenGL here.
@@ -65,12 +77,12 @@ def lineup(
     model, roots = _in_a_row(bundles, places_m)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    shown = None
+    drawn = None
     if markers is not None:
-        shown = join_markers(each.moved(np.array((0.0, y_m, 0.0))) for each, y_m in zip(markers, places_m, strict=True))
-    size_px, fovy_deg = (width, height), ROW_FOVY_DEG
-    with closing(BodyCamera(model, roots, *size_px, FROM_THE_FRONT, fovy_deg=fovy_deg, supersample=STILL)) as camera:
-        return camera.render(data, shown)
+        drawn = join_markers(each.moved(np.array((0.0, y_m, 0.0))) for each, y_m in zip(markers, places_m, strict=True))
+    options: Any = {"fovy_deg": ROW_FOVY_DEG, "supersample": STILL, "shown": shown}
+    with closing(BodyCamera(model, roots, width, height, FROM_THE_FRONT, **options)) as camera:
+        return camera.render(data, drawn)
 
 
 def _places_m(bundles: Sequence[Bundle]) -> list[float]:

@@ -28,11 +28,12 @@ def skin_of(tree: BodyTree) -> Skin:
 
     Only those of removed limbs are left out.
     """
-    return Skin((*LAYERS, HEAD), lambda: _layers(tree))
+    return Skin((*LAYERS, HEAD), lambda: layers_of(tree, sculpture(tree.hands)))
 
 
-def _layers(tree: BodyTree) -> tuple[SkinLayer, ...]:
-    carried = _Carrying(sculpture(tree.hands), tree)
+def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
+    """Return the layers of a body's skin, carried from a sculpture."""
+    carried = _Carrying(sculpted, tree)
     return (*(carried.layer(name, layer) for name, layer in carried.sculpted.layers.items()), carried.head())
 
 

@@ -5,7 +5,19 @@ import functools
 import numpy as np
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.drawing import SKIN, Colour, blob, blush, brow, encode_palette_png, encode_png, hair, mouth, over, within
+from mimoc.looks.drawing import (
+    SKIN,
+    Colour,
+    blob,
+    blush,
+    brow,
+    encode_palette_png,
+    encode_png,
+    hair,
+    mouth,
+    over,
+    within,
+)
 from mimoc.looks.expressions import FACES
 from mimoc.looks.skin.unwrapping import wrapped
 
@@ -43,7 +55,9 @@ def paint_face(expression: str) -> bytes:
 def paint_skin() -> bytes:
     """Return a PNG of the colours of skin: rosier to the right, deeper in a crease to the bottom."""
     rosy, deep = _shades()
-    return encode_png(over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4))
+    return encode_png(
+        over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
+    )
 
 
 @functools.cache
@@ -85,5 +99,3 @@ def _bare_head() -> FloatArray:
     image = over(image, LASH, 0.75 * front * np.clip(0.15 + 1.2 * up, 0, 1) * within(np.abs(lashes) - 0.07, 0.14))
     image.flags.writeable = False
     return image
-
-

@@ -91,7 +91,7 @@ class Sculpture:
 def sculpture(hands: str) -> Sculpture:
     """Return the skin for a kind of hands: `mitten` or `five_finger`."""
     with np.load(FOLDER / f"{hands}.npz") as archive, np.load(FOLDER / "head.npz") as head:
-        return _sculpture({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})
+        return assembled({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})
 
 
 def sculpture_files(hands: str) -> dict[str, bytes]:
@@ -99,7 +99,8 @@ def sculpture_files(hands: str) -> dict[str, bytes]:
     return {f"skin/{path.name}": path.read_bytes() for path in (FOLDER / f"{hands}.npz", FOLDER / "head.npz")}
 
 
-def _sculpture(found: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
+def assembled(found: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
+    """Return a sculpture from its arrays, by their names in the files."""
     parts = tuple(map(str, found["parts"]))
     return Sculpture(
         parts=parts,
