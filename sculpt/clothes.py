@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-
-from fields import Array, Field, smooth_max
+from fields import Array, Field
 from figure import Figure, folded
 from meshing import gradient, without_slivers
+
 from mimoc.body.kinematics import Frame
 
 SLEEVE, LEG = 0.64, 0.72

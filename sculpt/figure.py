@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from fields import Array, Field, Solid, column, ellipsoid, moved, rounded_box, smooth_max, smooth_min, tube
 
-from fields import Array, Field, Solid, ball, column, ellipsoid, moved, rounded_box, smooth_max, smooth_min, tube
 from mimoc.body.kinematics import Frame
 
 TRUNK = column(

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 import clothes
 import meshing
+import numpy as np
 from fields import Array, Field, ball, ellipsoid, smooth_max, smooth_min, tube
+
 from mimoc.looks.skin.unwrapping import unwrapped, wrapped
 
 
@@ -38,7 +38,7 @@ def field(head: Head) -> Field:
     ]
     ear = _ear(head)
     nose = _nose(head)
-    socket = ellipsoid(head.eye + (18.0, 2.0, 1.0), (13, 16, 11))
+    socket = ellipsoid(np.add(head.eye, (18.0, 2.0, 1.0)), (13, 16, 11))
 
     def whole(p: Array) -> Array:
         q = np.column_stack((p[:, 0], -np.abs(p[:, 1]), p[:, 2]))
@@ -109,7 +109,7 @@ def mesh(head: Head, rng: np.random.Generator) -> tuple[Array, np.ndarray]:
     """Return the mesh of a head with open lids."""
     whole = field(head)
     reach = head.half_axes + 16
-    dense = meshing.largest(*meshing.surface(whole, -reach, reach + (8, 0, 0), 0.9))
+    dense = meshing.largest(*meshing.surface(whole, -reach, np.add(reach, (8, 0, 0)), 0.9))
     verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, points), rng)
     verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
     return clothes.sewn(clothes.Cloth("lids", whole, opening(head)), verts, faces, 1.6)
@@ -120,13 +120,13 @@ def sizes(head: Head, points: Array) -> Array:
     n = points / head.half_axes
     eye = np.linalg.norm(np.column_stack((points[:, 0], -np.abs(points[:, 1]), points[:, 2])) - head.eye, axis=1)
     nose = np.linalg.norm(points - head.half_axes * (1, 0, -0.27), axis=1)
-    found = np.full(len(points), 8.5)
-    found = np.where((n[:, 0] > 0.45) & (n[:, 2] < 0.35) & (n[:, 2] > -0.8), 5.0, found)
-    found = np.where(nose < 13, 2.6, found)
+    found = np.full(len(points), 10.0)
+    found = np.where((n[:, 0] > 0.45) & (n[:, 2] < 0.35) & (n[:, 2] > -0.8), 6.0, found)
+    found = np.where(nose < 13, 3.0, found)
     ear = np.abs(points[:, 1]) > 0.95 * head.half_axes[1]
-    found = np.where(ear & (np.abs(n[:, 0]) < 0.35) & (np.abs(n[:, 2] + 0.15) < 0.35), 2.6, found)
-    found = np.where(eye < head.eye_radius * 1.7, 2.8, found)
-    return np.where(eye < head.eye_radius * 1.25, 1.8, found)
+    found = np.where(ear & (np.abs(n[:, 0]) < 0.35) & (np.abs(n[:, 2] + 0.15) < 0.35), 3.2, found)
+    found = np.where(eye < head.eye_radius * 1.7, 3.2, found)
+    return np.where(eye < head.eye_radius * 1.25, 2.1, found)
 
 
 def newborn(head: Head, verts: Array) -> Array:

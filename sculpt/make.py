@@ -4,16 +4,16 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-
 import clothes
 import figure
 import head as heads
 import meshing
+import numpy as np
 import resting
 import shading
 import weights
 from fields import Array, Field
+
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
@@ -127,17 +127,20 @@ def _skin(sculpted: figure.Figure, cell_mm: float, rng: np.random.Generator) -> 
     dense = meshing.largest(*meshing.surface(field, LOW, HIGH, cell_mm))
     verts, faces, _ = meshing.remesh(*dense, lambda points: _sizes(sculpted, points), rng)
     print("skin", len(dense[0]), "->", len(verts), "defects", meshing.defects(faces))
-    return meshing.relax(field, meshing.onto(field, verts), faces, rounds=3), faces
+    verts = meshing.relax(field, meshing.onto(field, verts), faces, rounds=3)
+    return meshing.without_slivers(verts, faces, SLIVER_MM)
 
 
-SIZES = {"hand": 3.2, "lfmetacarpal": 3.0, "thbase": 2.8, "foot": 3.9, "toes": 2.3, "big_toe": 2.6, "fingers": 2.2}
-TRUNK_SIZE, LIMB_SIZE, FINGER_SIZE = 9.0, 7.4, 2.1
+SIZES = {"hand": 3.9, "lfmetacarpal": 3.6, "thbase": 3.2, "foot": 5.0, "toes": 2.9, "big_toe": 3.2, "fingers": 2.7}
+SLIVER_MM = 0.9
+"""Shorter edges are drawn together."""
+TRUNK_SIZE, LIMB_SIZE, FINGER_SIZE = 11.0, 9.0, 2.5
 """Lengths of the skin's edges, [mm]."""
 
 
 def _sizes(sculpted: figure.Figure, points: Array) -> Array:
     owners = weights.owners(points, sculpted.solids)
-    limbs = {"upper_arm": LIMB_SIZE, "lower_arm": LIMB_SIZE, "upper_leg": 8.5, "lower_leg": 8.0}
+    limbs = {"upper_arm": LIMB_SIZE, "lower_arm": LIMB_SIZE, "upper_leg": 10.0, "lower_leg": 9.5}
     trunk = dict.fromkeys(("hip", "lower_body", "upper_body", "chest", "head"), TRUNK_SIZE)
     table = {**SIZES, **limbs, **trunk}
     names = {
@@ -150,7 +153,7 @@ def _cloth(cloth: clothes.Cloth, body: Field, cell_mm: float, rng: np.random.Gen
     dense = meshing.largest(*meshing.surface(cloth.layer, LOW, HIGH, 2 * cell_mm))
     near = cloth.cut(dense[0]) < 20
     dense = meshing.only(*dense, near)
-    verts, faces, _ = meshing.remesh(*dense, lambda points: np.where(cloth.cut(points) > -9, 6.5, 10.0), rng)
+    verts, faces, _ = meshing.remesh(*dense, lambda points: np.where(cloth.cut(points) > -9, 8.0, 12.5), rng)
     verts = meshing.relax(cloth.layer, meshing.onto(cloth.layer, verts), faces, rounds=2)
     verts, faces = clothes.sewn(cloth, verts, faces)
     verts, faces = meshing.largest(verts, faces)
@@ -158,7 +161,7 @@ def _cloth(cloth: clothes.Cloth, body: Field, cell_mm: float, rng: np.random.Gen
     return verts, faces
 
 
-COVERED_MM = 16.0
+COVERED_MM = 22.0
 """How far inside of a hem the skin ends."""
 
 

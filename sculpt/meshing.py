@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+from fields import Array, Field
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 from skimage.measure import marching_cubes
-
-from fields import Array, Field
 
 BLOCK = 8
 """Cells of an edge of the blocks that a volume is sampled in."""

@@ -1,8 +1,7 @@
-"""Where each vertex is in the texture of its layer: how rosy it is, how deep it lies in a crease, which stripe it is in."""
-
-import numpy as np
+"""Where each vertex is in the texture of its layer: how rosy it is, how deep in a crease, in which stripe."""
 
 import meshing
+import numpy as np
 from fields import Array
 from figure import Figure
 from weights import owners
@@ -39,10 +38,10 @@ def rosiness(figure: Figure, verts: Array) -> Array:
     fingers = np.array([any(word in name for word in ("finger", "toe", "distal", "middle")) for name in names])
     found = 0.35 * fingers
     for side in ("left", "right"):
-        for part, centre, radius, most in (
-            ("lower_leg", (14, 0, 6), 24, 0.7),
-            ("lower_arm", (-12, 0, -4), 22, 0.6),
-            ("foot", (-20, 0, -10), 18, 0.7),
+        for part, radius, most in (
+            ("lower_leg", 24, 0.7),
+            ("lower_arm", 22, 0.6),
+            ("foot", 18, 0.7),
         ):
             joint = figure.joints[f"{side}_{part}"]
             found = np.maximum(found, most * np.exp(-(((np.linalg.norm(verts - joint, axis=1) - 14) / radius) ** 2)))

@@ -1,15 +1,14 @@
 """Which bodies move each vertex, and how much."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import coo_matrix, diags, eye
-from scipy.sparse.linalg import splu
-from scipy.spatial import cKDTree
-
 from fields import Array, Solid
 from figure import folded
 from meshing import edges_of
+from scipy.sparse import coo_matrix, diags, eye
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
 
 BONES = 4
 """Bodies that move a vertex, at most."""
@@ -19,8 +18,8 @@ SPREAD = {
     "upper_leg": 15.0,
     "lower_leg": 10.0,
     "foot": 8.0,
-    "toes": 2.6,
-    "big_toe": 2.6,
+    "toes": 3.3,
+    "big_toe": 3.3,
 }
 """How far the hold of a body fades out along the skin, [mm]; of a hand's parts below, of the trunk 16."""
 HANDS = {"hand": 4.0, "fingers": 3.6, "lfmetacarpal": 3.0, "thbase": 3.4}
@@ -84,7 +83,7 @@ def quantized(values: Array) -> Array:
     """Return weights of at most four bodies for each vertex, as 255ths that sum to 1."""
     order = np.argsort(-values, axis=1)[:, :BONES]
     top = np.take_along_axis(values, order, axis=1)
-    top = np.where(top < 0.02, 0, top)
+    top = np.where(top < 0.05, 0, top)
     top /= top.sum(axis=1, keepdims=True)
     parts = np.floor(top * 255)
     parts[:, 0] += 255 - parts.sum(axis=1)
@@ -93,7 +92,7 @@ def quantized(values: Array) -> Array:
     return found
 
 
-CLOTH = 9.0
+CLOTH = 6.0
 """How much farther the hold of a body fades out along cloth, [mm]."""
 
 

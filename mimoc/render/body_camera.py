@@ -31,6 +31,10 @@ LARGEST_PX = 4096
 """Side of what is drawn: a picture that would be larger is drawn at its size, with MuJoCo's multisampling."""
 SAMPLES = 8
 """For each pixel, of MuJoCo's multisampling."""
+BACKDROP = (0.915, 0.94, 0.935, 1.0)
+"""What the floor fades into behind an infant that is in no room: the colour of the sky above it."""
+FADES_M = (0.7, 5.0)
+"""From how far behind the middle of the picture to where."""
 
 
 class BodyCamera:
@@ -127,7 +131,9 @@ class BodyCamera:
         camera.azimuth, camera.elevation = shot.view
         with visual_settings([(self._model.vis.global_, "fovy", shot.fovy_deg)]):
             self._renderer.compose(data, camera)
-        scene = self._renderer.scene
+        scene, context = self._renderer.scene, self._renderer.context
+        scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = len(self._walls(data).normals) <= 1
+        context.fogRGBA[:], (context.fogStart, context.fogEnd) = BACKDROP, (shot.depth_m + far for far in FADES_M)
         for light in scene.lights[: scene.nlight]:
             if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL and not light.headlight:
                 light.pos[:2] += shot.lookat_m[:2]  # The sun is everywhere; the shadows it draws are around a point.

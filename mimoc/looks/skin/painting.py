@@ -21,9 +21,9 @@ from mimoc.looks.drawing import (
 from mimoc.looks.expressions import FACES
 from mimoc.looks.skin.unwrapping import wrapped
 
-FACE_PX = 352
+FACE_PX = 272
 """Sides of the picture of a face."""
-COLOURS = 160
+COLOURS = 128
 """Of a face."""
 SHADES_PX = 32
 """Sides of the pictures of skin and cloth."""
