@@ -153,7 +153,7 @@ def _cloth(cloth: clothes.Cloth, body: Field, cell_mm: float, rng: np.random.Gen
     dense = meshing.largest(*meshing.surface(cloth.layer, LOW, HIGH, 2 * cell_mm))
     near = cloth.cut(dense[0]) < 20
     dense = meshing.only(*dense, near)
-    verts, faces, _ = meshing.remesh(*dense, lambda points: np.where(cloth.cut(points) > -9, 8.0, 12.5), rng)
+    verts, faces, _ = meshing.remesh(*dense, lambda points: np.where(cloth.cut(points) > -10, 5.8, 13.0), rng)
     verts = meshing.relax(cloth.layer, meshing.onto(cloth.layer, verts), faces, rounds=2)
     verts, faces = clothes.sewn(cloth, verts, faces)
     verts, faces = meshing.largest(verts, faces)

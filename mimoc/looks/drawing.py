@@ -223,9 +223,24 @@ def encode_png(image: npt.NDArray[Any]) -> bytes:
     return buffer.getvalue()
 
 
-def encode_palette_png(image: npt.NDArray[Any], colours: int = 64) -> bytes:
-    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), with a palette: a third of the size."""
-    few = Image.fromarray(np.rint(image).astype(np.uint8)).quantize(colours, Image.Quantize.MEDIANCUT)
+def encode_palette_png(
+    image: npt.NDArray[Any], colours: int = 64, fine: tuple[npt.NDArray[np.intp], ...] | None = None
+) -> bytes:
+    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), with a palette: a third of the size.
+
+    Args:
+        image: The image.
+        colours: Number of colours.
+        fine: Rows and columns of texels whose colours half of the palette is for.
+    """
+    whole = Image.fromarray(np.rint(image).astype(np.uint8))
+    few = whole.quantize(colours, Image.Quantize.MEDIANCUT)
+    if fine is not None:
+        part = Image.fromarray(np.rint(image[fine][None]).astype(np.uint8))
+        halves = [each.quantize(colours // 2, Image.Quantize.MEDIANCUT).getpalette() or [] for each in (whole, part)]
+        palette = Image.new("P", (1, 1))
+        palette.putpalette([value for half in halves for value in half[: 3 * (colours // 2)]])
+        few = whole.quantize(palette=palette, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
     few.save(buffer, "PNG", compress_level=6)
     return buffer.getvalue()

@@ -6,6 +6,7 @@ import numpy as np
 
 from mimoc.geometry.rotations import FloatArray
 from mimoc.looks.drawing import (
+    HAIR,
     SKIN,
     Colour,
     blob,
@@ -13,7 +14,6 @@ from mimoc.looks.drawing import (
     brow,
     encode_palette_png,
     encode_png,
-    hair,
     mouth,
     over,
     within,
@@ -21,9 +21,9 @@ from mimoc.looks.drawing import (
 from mimoc.looks.expressions import FACES
 from mimoc.looks.skin.unwrapping import wrapped
 
-FACE_PX = 272
+FACE_PX = 256
 """Sides of the picture of a face."""
-COLOURS = 128
+COLOURS = 112
 """Of a face."""
 SHADES_PX = 32
 """Sides of the pictures of skin and cloth."""
@@ -48,7 +48,8 @@ def paint_face(expression: str) -> bytes:
     front, across, height = x[part] > 0, BREADTH * y[part], z[part]
     drawn = brow(image[part], np.abs(across), height, front, face)
     image[part] = mouth(drawn, across, height, front, face)
-    return encode_palette_png(image, COLOURS)
+    lips = np.argwhere((x > 0) & (np.abs(y) < 0.34) & (np.abs(z + 0.5) < 0.16))
+    return encode_palette_png(image, COLOURS, tuple(lips.T))
 
 
 @functools.cache
@@ -85,6 +86,14 @@ def _directions() -> tuple[FloatArray, FloatArray, FloatArray]:
     return x, y, z
 
 
+def _thin_hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    """Draw even hair whose ends are strands: strands all over would double the size of the picture."""
+    whorl_x, whorl_z = -0.6, 0.8
+    angle = np.arccos(np.clip(whorl_x * x + whorl_z * z, -1, 1))
+    strands = np.sin(23 * np.arctan2(np.abs(y), whorl_z * x - whorl_x * z) + 3 * angle)
+    return over(image, HAIR, 0.58 * within(angle - (1.18 + 0.07 * strands), 0.45))
+
+
 @functools.cache
 def _bare_head() -> FloatArray:
     """Return what all expressions share: skin, hair, and the lids' rims; read-only."""
@@ -92,7 +101,7 @@ def _bare_head() -> FloatArray:
     front, across = x > 0, BREADTH * y
     image = blush(np.full((*x.shape, 3), SKIN, np.float64), across, z, front)
     image = over(image, DEEP, 0.30 * blob(np.abs(y) - 1.0, z + 0.16, 0.06, 0.12) * (np.abs(x) < 0.25))
-    image = hair(image, x, y, z)
+    image = _thin_hair(image, x, y, z)
     side, up = (np.abs(across) - EYE_Y) / 0.142, (z - EYE_Z) / 0.092
     image = over(image, RIM, 0.40 * front * blob(side, up, 1.3, 1.5))
     lashes = np.hypot(side, up) - 1.06
