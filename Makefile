@@ -18,7 +18,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test clusters coverage golden matrix bench container apptainer opengl clean
+.PHONY: help demo test clusters coverage golden skin matrix bench container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -61,6 +61,10 @@ coverage: $(TEST) opengl ## Run every test, list the modules that are least cove
 
 golden: $(TEST) ## Update the golden files; review the diff before committing it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
+
+skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image); see docs/looks.md.
+	$(BIN)/pip install 'scikit-image>=0.22'
+	$(BIN)/python sculpt/make.py
 
 matrix: ## Test several versions of MuJoCo and Python, each pair in its own environment in .matrix (7 GB, half an hour).
 	@$(PYTHON) .ci/matrix.py

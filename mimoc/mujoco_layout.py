@@ -13,6 +13,10 @@ WELD_ANCHOR, WELD_PLACE, WELD_TURN = slice(0, 3), slice(3, 6), slice(6, 10)
 body's quaternion in the world."""
 
 
+SOLIDS_GROUP = 3
+"""Group of an infant's solids where a skin is drawn over them: one that MuJoCo does not draw unless asked to."""
+
+
 class MuscleParameters(NamedTuple):
     """Gain and bias parameters of MuJoCo's muscles, which are the same numbers."""
 

@@ -43,6 +43,8 @@ class FaceEntry(Model):
     """The geom whose material is the expression."""
     materials: dict[str, str]
     """Material by expression."""
+    skin: str | None = None
+    """The skin of the head, if it has one, whose material is the expression then."""
 
 
 class ToyEntry(Model):

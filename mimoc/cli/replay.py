@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import RecordingPath
+from mimoc.cli.arguments import Body, RecordingPath, ShownBody
 from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import FAILED_CHECK
 from mimoc.errors import MimocError, counted
@@ -35,6 +35,7 @@ def replay(
     ] = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    body: ShownBody = Body.SKIN,
 ) -> None:
     """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
     from mimoc import recording as videos
@@ -49,7 +50,9 @@ def replay(
     found = read_recording(recording)
     _check_one_infant(found, infant, video)
     failed = steps = count = 0
-    filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size) if video and found else nullcontext()
+    filmed: Any = nullcontext()
+    if video and found:
+        filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size, body=body.value)
     chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
     with console.progress("replaying") as show, filmed as watch:
         watching: dict[str, Any] = {"watch": watch} if watch else {}

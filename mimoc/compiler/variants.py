@@ -32,8 +32,12 @@ class SpecVariants:
 
     has_other_scenes = True
 
-    def __init__(self, spec: InfantSpec):
+    def __init__(self, spec: InfantSpec, skin: bool = True):
         """Build the infant of the spec.
+
+        Args:
+            spec: The spec.
+            skin: Whether it has a skin, if the spec does not say.
 
         Raises:
             SpecError: If it cannot be built.
@@ -42,7 +46,7 @@ class SpecVariants:
         self._builders: dict[float, Builder] = {}
         self._made: dict[tuple[float, int], Callable[[], Variant]] = {}
         self._mould: Mould | None = None
-        self._own = builder(spec)
+        self._own = builder(spec, skin=skin)
         self._own_scene = self._own.furnished(spec.scene.seed)
 
     def __repr__(self) -> str:
@@ -51,7 +55,7 @@ class SpecVariants:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle only the spec: copies and other processes build the infant again."""
-        return SpecVariants, (self._spec,)
+        return SpecVariants, (self._spec, self._own.has_skin)
 
     @cached_property
     def own(self) -> Bundle:
@@ -91,11 +95,14 @@ class SpecVariants:
         return lambda: Variant(bundle, model())
 
     def _builder(self, age_months: float) -> Builder:
-        return _kept(self._builders, age_months, lambda: builder(quickly_aged(self._spec, age_months), None, self._own))
+        return _kept(self._builders, age_months, lambda: self._at(quickly_aged(self._spec, age_months), self._own))
 
     def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
         """Return the files of an infant, among them its spec."""
-        return builder(aged(self._spec, age_months))(scene_seed, check=False).files
+        return self._at(aged(self._spec, age_months))(scene_seed, check=False).files
+
+    def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
+        return builder(spec, None, younger, self._own.has_skin)
 
     def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> Callable[[], mujoco.MjModel]:
         """Return what gives out models of a bundle: in the scene of the spec, cast from the infant of another age."""
@@ -158,7 +165,8 @@ class BundleVariants:
 
     @cached_property
     def _of_spec(self) -> SpecVariants:
-        return SpecVariants(spec_of(self._bundle))
+        face = self._bundle.manifest.face
+        return SpecVariants(spec_of(self._bundle), skin=face is not None and face.skin is not None)
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:

@@ -18,9 +18,18 @@ def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -
     materials = face.materials if face else {}
     if face is None or expression not in materials:
         raise UnknownNameError("facial expression of this infant", expression, materials)
-    model.geom(face.geom).matid = model.material(materials[expression]).id
+    material = model.material(materials[expression]).id
+    if face.skin is None:
+        model.geom(face.geom).matid = material
+    else:
+        model.skin(face.skin).matid = material
 
 
 def expression_fields(manifest: Manifest, model: mujoco.MjModel) -> tuple[ModelField, ...]:
     """Return what the expression changes in the model."""
-    return (ModelField("geom_matid", np.array([model.geom(manifest.face.geom).id])),) if manifest.face else ()
+    face = manifest.face
+    if face is None:
+        return ()
+    if face.skin is None:
+        return (ModelField("geom_matid", np.array([model.geom(face.geom).id])),)
+    return (ModelField("skin_matid", np.array([model.skin(face.skin).id])),)
