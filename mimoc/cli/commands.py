@@ -19,6 +19,7 @@ from mimoc.cli import (
     see,
     train,
     validate,
+    view,
 )
 from mimoc.version import __version__
 
@@ -58,6 +59,7 @@ app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=explain.EXAMPLE)(explain.explain)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=see.EXAMPLE)(see.see)
+app.command(epilog=view.EXAMPLE)(view.view)
 app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
 app.command(epilog=replay.EXAMPLE)(replay.replay)
 app.command(epilog=export.EXAMPLE)(export.export)
