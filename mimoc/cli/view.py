@@ -1,12 +1,13 @@
 """`mimoc view`."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from mimoc.cli.infants import load_infant
-from mimoc.errors import OutputError
+from mimoc.errors import MimocError, OutputError
 
 EXAMPLE = "Example:  mimoc view configs/nine_months.yaml -o infant.html"
 
@@ -24,20 +25,54 @@ def view(
     ],
     file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="Page to write: .html.")],
     open_page: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    infant: Annotated[
+        int | None, typer.Option("--infant", min=0, help="Show this one of several recorded infants.")
+    ] = None,
+    episode: Annotated[
+        int | None,
+        typer.Option("--episode", min=0, help="Show the recorded episode of this number; default: the first."),
+    ] = None,
 ) -> None:
     """Write a page that shows the infant in 3D in any browser: one file, which needs no server and no network.
 
-    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints.
+    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints. The page
+    of a recording replays an episode, with what the infant felt and saw.
     """
     from mimoc.bundle.files import write_file
-    from mimoc.cli import console
-    from mimoc.viewer.page import page_of
 
     if file.suffix.lower() not in SUFFIXES:
         raise OutputError(f"{file}: no page is written to a file of this name; end it in {' or '.join(SUFFIXES)}")
-    infant = load_infant(shown)
-    with console.status("growing"):
-        page = page_of(infant)
+    is_recording = (shown / "recording.json").is_file()
+    if not is_recording and (infant, episode) != (None, None):
+        raise MimocError(f"{shown}: this is no recording; --infant and --episode choose from one")
+    page = _recorded(shown, infant, episode) if is_recording else _grown(shown)
     print(write_file(file, page.encode()))
     if open_page:
         typer.launch(str(file.resolve()))
+
+
+def _grown(path: Path) -> str:
+    """Return the page of an infant."""
+    from mimoc.cli import console
+    from mimoc.viewer.page import page_of
+
+    infant = load_infant(path)
+    with console.status("growing"):
+        return page_of(infant)
+
+
+def _recorded(path: Path, infant: int | None, episode: int | None) -> str:
+    """Return the page of an episode, and say if it did not come out again."""
+    from mimoc.cli import console
+    from mimoc.recording.reading import read_recording
+    from mimoc.viewer.replayed import page_of_recording
+
+    recording = read_recording(path)
+    with console.progress("replaying") as show:
+        page = page_of_recording(recording, infant, episode, show)
+    if page.difference:
+        print(
+            f"the page shows what is simulated now, which is not quite what was recorded: {page.difference}",
+            file=sys.stderr,
+        )
+    return page.text

@@ -55,7 +55,7 @@ def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Seq
     models = [variant.model for variant in variants]
     if not models[0].nskin:
         return None
-    own = own_parts(variants[0]).bodies.tolist()
+    own = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
         "layers": [_layer(packed, models, index, own) for index in range(models[0].nskin)],

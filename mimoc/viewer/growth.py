@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
 from mimoc.errors import MimocError
@@ -36,13 +37,12 @@ class Own:
     """Of the root: three numbers of its place, four of its orientation; then of each hinge."""
 
 
-def own_parts(variant: Variant) -> Own:
+def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
     """Return which parts of a model are the infant's.
 
     Raises:
         MimocError: If it has joints that are no hinges.
     """
-    model, manifest = variant.model, variant.bundle.manifest
     mine = in_subtrees(model, [model.body(manifest.root_body).id])
     root = model.joint(manifest.root_joint).id
     joints = np.flatnonzero(mine[model.jnt_bodyid] & (np.arange(model.njnt) != root))
@@ -69,7 +69,7 @@ def describe_growth(packed: Packed, variants: Sequence[Variant], ages_months: Se
     Raises:
         MimocError: If it has other parts at some age.
     """
-    parts = [own_parts(variant) for variant in variants]
+    parts = [own_parts(variant.model, variant.bundle.manifest) for variant in variants]
     models = [variant.model for variant in variants]
     counts = {tuple(len(getattr(own, name)) for name in Own.__slots__) for own in parts}
     if len(counts) > 1:
@@ -125,7 +125,7 @@ def describe_touch(packed: Packed, variants: Sequence[Variant], ages_months: Seq
     if variants[0].bundle.manifest.senses.touch is None:
         return None
     senses = [bind_sense("touch", variant.bundle, variant.model) for variant in variants]
-    own = own_parts(variants[0]).bodies.tolist()
+    own = own_parts(variants[0].model, variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
         "body": packed.put(np.array([own.index(body) for body in senses[0].receptors.bodies])),

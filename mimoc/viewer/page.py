@@ -62,7 +62,7 @@ def describe(packed: Packed, infant: Bundle) -> dict[str, Any]:
         "touch": describe_touch(packed, sparse, SKIN_AGES_MONTHS),
         "skins": describe_skins(packed, sparse, SKIN_AGES_MONTHS),
         **describe_materials(packed, model),
-        "surroundings": describe_surroundings(packed, model, data, own_parts(shown)),
+        "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
     }
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from mimoc.viewer.growth import Own
+from mimoc.viewer.growth import IntArray, Own
 from mimoc.viewer.packing import Packed
 
 MOST_VISIBLE_GROUP = 2
@@ -21,8 +21,7 @@ def describe_surroundings(packed: Packed, model: mujoco.MjModel, data: mujoco.Mj
         data: Its state, with what is derived from it.
         own: What is the infant's.
     """
-    shown = np.setdiff1d(np.flatnonzero(model.geom_group <= MOST_VISIBLE_GROUP), own.geoms)
-    bodies = np.unique(model.geom_bodyid[shown])
+    shown, bodies = _geoms(model, own), bodies_around(model, own)
     meshes = np.unique(model.geom_dataid[shown][model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
     rgba = np.where(model.geom_matid[shown, None] >= 0, 1.0, model.geom_rgba[shown])
     return {
@@ -48,6 +47,15 @@ def describe_surroundings(packed: Packed, model: mujoco.MjModel, data: mujoco.Mj
         },
         "meshes": [_mesh(packed, model, int(mesh)) for mesh in meshes],
     }
+
+
+def bodies_around(model: mujoco.MjModel, own: Own) -> IntArray:
+    """Return the bodies with geoms that are not the infant's, sorted."""
+    return np.unique(model.geom_bodyid[_geoms(model, own)])
+
+
+def _geoms(model: mujoco.MjModel, own: Own) -> IntArray:
+    return np.setdiff1d(np.flatnonzero(model.geom_group <= MOST_VISIBLE_GROUP), own.geoms)
 
 
 def _mesh(packed: Packed, model: mujoco.MjModel, index: int) -> dict[str, Any]:

@@ -56,6 +56,7 @@ export class App {
   }
 
   setPose(pose) {
+    if (this.mode === "recording") this.enter("pose");
     this.pose = pose;
     this.own.clear();
     this.#takePose();
@@ -63,6 +64,7 @@ export class App {
   }
 
   setJoint(joint, angle) {
+    if (this.mode !== "pose") return;
     this.own.set(joint, angle);
     this.#takePose();
   }
@@ -100,6 +102,7 @@ export class App {
 
   // Part of the body is held and pulled.
   pull(hold, chain) {
+    if (this.mode === "physics") this.physics.pull(hold);
     if (this.mode !== "pose" || !hold) return;
     const before = this.middle;
     this.middle = null; // The camera stays while someone drags.
@@ -138,6 +141,13 @@ export class App {
     this.eyes.show(wanted);
     const seen = this.page.getElementById("seen");
     seen.hidden = !wanted;
+    [...seen.children].forEach((place, eye) => {
+      const { video } = this.eyes.recorded.find(({ name }) => name === this.data.eyes.names[eye]) ?? {};
+      place.querySelector("video")?.remove();
+      place.hidden = eye >= this.data.eyes.names.length;
+      place.querySelector("figcaption").textContent = this.data.eyes.names[eye] === "eye_right" ? "Right eye" : "Left eye";
+      if (video) place.append(video);
+    });
     seen.style.setProperty("--picture", `${pictureSize(this.stage.canvas)}px`);
     this.stage.draw();
   }

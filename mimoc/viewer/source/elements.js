@@ -30,8 +30,8 @@ export function check(label, checked, changed) {
 }
 
 // Buttons of which one is pressed; returns the row and a function that presses one, or none.
-export function choice(label, names, chosen) {
-  const buttons = names.map((name) => element("button", { type: "button", textContent: sentence(name), "aria-pressed": "false" }));
+export function choice(label, names, chosen, words = {}) {
+  const buttons = names.map((name) => element("button", { type: "button", textContent: words[name] ?? sentence(name), "aria-pressed": "false" }));
   const press = (name) => buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(names[i] === name)));
   buttons.forEach((button, i) => button.addEventListener("click", () => chosen(names[i])));
   const row = element("div", { className: "row" }, ...buttons);

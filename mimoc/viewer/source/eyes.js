@@ -25,6 +25,7 @@ export class Eyes {
     const heads = new Set(Array.from(data.body.values).flatMap((body) => [body, parents[body]]));
     this.unseen = infant.solids.filter((solid) => heads.has(infant.bodies.indexOf(solid.parent)));
     this.unseenSkins = (infant.skin?.layers ?? []).filter(({ layer }) => layer.bones.values.every((body) => heads.has(body))).map(({ mesh }) => mesh);
+    this.recorded = []; // Videos to be shown instead of what they would see here.
     this.show(false);
   }
 
@@ -40,7 +41,7 @@ export class Eyes {
 
   // Draw both pictures into the lower left corner, the left eye on the left.
   draw({ renderer, scene, canvas, floor }) {
-    if (!this.shown) return;
+    if (!this.shown || this.recorded.length) return;
     const size = pictureSize(canvas);
     const hidden = [...this.frusta, ...[...this.unseen, ...this.unseenSkins].filter((each) => each.visible)];
     for (const each of hidden) each.visible = false;

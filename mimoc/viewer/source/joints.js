@@ -15,7 +15,7 @@ const ORDER = ["neck", "eyes", "trunk", "right_arm", "left_arm", "right_hand", "
 const DEGREE = 180 / Math.PI;
 
 export class JointSliders {
-  constructor(body, groups, changed) {
+  constructor(body, groups, { changed, opened }) {
     this.body = body;
     this.rows = [];
     const inOrder = Object.keys(groups).sort((one, other) => placeOf(one) - placeOf(other));
@@ -24,7 +24,7 @@ export class JointSliders {
       const rows = joints.map((joint) => this.#row(group, joint, changed));
       this.rows.push(...rows);
       const found = element("details", {}, element("summary", { textContent: sentence(group) }), ...rows.map(({ row }) => row));
-      found.addEventListener("toggle", () => this.show());
+      found.addEventListener("toggle", () => opened());
       return found;
     });
   }
@@ -38,13 +38,14 @@ export class JointSliders {
   }
 
   // Show the present angles and limits.
-  show() {
+  show(disabled) {
     for (const { joint, slider, output } of this.rows) {
       if (!slider.closest("details").open) continue;
       const [low, high] = this.body.limits(joint).map((angle) => Math.round(angle * DEGREE));
       const angle = Math.round(this.body.qpos[ROOT + joint] * DEGREE);
       [slider.min, slider.max, slider.value] = [low, high, angle];
       output.textContent = `${angle}°`.replace("-", "\u2212");
+      slider.disabled = disabled;
       slider.setAttribute("aria-valuetext", `${angle} degrees`);
     }
   }

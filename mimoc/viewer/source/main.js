@@ -3,13 +3,14 @@
 import { openApp } from "./app.js";
 import { readData } from "./data.js";
 import { sentence } from "./elements.js";
-import { ageSlider, fillPanel } from "./panel.js";
+import { addModes } from "./modes.js";
+import { fillPanel } from "./panel.js";
 
 async function main() {
   const app = await openApp(await readData(document), document);
   document.getElementById("name").textContent = sentence(app.data.name);
   fillPanel(app, document);
-  document.getElementById("times").append(ageSlider(app).row);
+  addModes(app, document);
   const hint = document.getElementById("hint");
   document.getElementById("canvas").addEventListener("pointerdown", () => (hint.style.opacity = 0), { once: true });
   app.stage.resize();

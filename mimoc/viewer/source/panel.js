@@ -59,8 +59,9 @@ function shown(app) {
 }
 
 function joints(app) {
-  const sliders = new JointSliders(app.body, app.data.groups, (joint, angle) => app.setJoint(joint, angle));
-  app.changed.push(() => sliders.show());
+  const show = () => sliders.show(app.mode !== "pose");
+  const sliders = new JointSliders(app.body, app.data.groups, { changed: (joint, angle) => app.setJoint(joint, angle), opened: show });
+  app.changed.push(show);
   const note = element("p", { className: "note", textContent: "Limits are those of the age shown." });
   const found = section("Joints", note, ...sliders.groups);
   found.id = "joints";
