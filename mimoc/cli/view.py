@@ -25,6 +25,9 @@ def view(
     ],
     file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="Page to write: .html.")],
     open_page: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    physics: Annotated[
+        bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
+    ] = False,
     infant: Annotated[
         int | None, typer.Option("--infant", min=0, help="Show this one of several recorded infants.")
     ] = None,
@@ -45,23 +48,23 @@ def view(
     is_recording = (shown / "recording.json").is_file()
     if not is_recording and (infant, episode) != (None, None):
         raise MimocError(f"{shown}: this is no recording; --infant and --episode choose from one")
-    page = _recorded(shown, infant, episode) if is_recording else _grown(shown)
+    page = _recorded(shown, physics, infant, episode) if is_recording else _grown(shown, physics)
     print(write_file(file, page.encode()))
     if open_page:
         typer.launch(str(file.resolve()))
 
 
-def _grown(path: Path) -> str:
+def _grown(path: Path, physics: bool) -> str:
     """Return the page of an infant."""
     from mimoc.cli import console
     from mimoc.viewer.page import page_of
 
     infant = load_infant(path)
     with console.status("growing"):
-        return page_of(infant)
+        return page_of(infant, physics)
 
 
-def _recorded(path: Path, infant: int | None, episode: int | None) -> str:
+def _recorded(path: Path, physics: bool, infant: int | None, episode: int | None) -> str:
     """Return the page of an episode, and say if it did not come out again."""
     from mimoc.cli import console
     from mimoc.recording.reading import read_recording
@@ -69,7 +72,7 @@ def _recorded(path: Path, infant: int | None, episode: int | None) -> str:
 
     recording = read_recording(path)
     with console.progress("replaying") as show:
-        page = page_of_recording(recording, infant, episode, show)
+        page = page_of_recording(recording, infant, episode, physics, show)
     if page.difference:
         print(
             f"the page shows what is simulated now, which is not quite what was recorded: {page.difference}",

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping
-from importlib import resources
 from typing import Any
 
 import mujoco
@@ -11,24 +10,28 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
-from mimoc.errors import MimocError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
 from mimoc.viewer.appearance import describe_materials, describe_skins
 from mimoc.viewer.growth import AGES_MONTHS, SKIN_AGES_MONTHS, describe_growth, describe_touch, own_parts, posed
 from mimoc.viewer.packing import Packed
+from mimoc.viewer.physics import AGES_MONTHS as PHYSICS_AGES_MONTHS
+from mimoc.viewer.physics import describe_physics, engine
+from mimoc.viewer.program import built, source
 from mimoc.viewer.standards import describe_standards
 from mimoc.viewer.surroundings import describe_surroundings
 
-FOLDER = resources.files("mimoc.viewer")
-PROGRAM, STYLE, FRAME, LICENCES = "built/viewer.js", "source/style.css", "source/page.html", "built/LICENCES.txt"
-"""Files beside this module that go into each page."""
+PROGRAM, LICENCES = "viewer.js", "LICENCES.txt"
 PLACE = re.compile(r"\{\{([a-z]+)\}\}")
 """Where something goes in the frame."""
 
 
-def page_of(infant: Bundle) -> str:
+def page_of(infant: Bundle, physics: bool = False) -> str:
     """Return the page of an infant: HTML that any browser opens from disk.
+
+    Args:
+        infant: The infant.
+        physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act.
 
     Raises:
         BundleError: If the bundle does not contain its spec.
@@ -36,10 +39,10 @@ def page_of(infant: Bundle) -> str:
         MimocError: If it has other parts at other ages.
     """
     packed = Packed()
-    return fill(packed, describe(packed, infant))
+    return fill(packed, describe(packed, infant, physics))
 
 
-def describe(packed: Packed, infant: Bundle) -> dict[str, Any]:
+def describe(packed: Packed, infant: Bundle, physics: bool = False) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
     at = _Ages(spec)
@@ -62,6 +65,7 @@ def describe(packed: Packed, infant: Bundle) -> dict[str, Any]:
         "touch": describe_touch(packed, sparse, SKIN_AGES_MONTHS),
         "skins": describe_skins(packed, sparse, SKIN_AGES_MONTHS),
         **describe_materials(packed, model),
+        "physics": describe_physics(packed, _models(at, manifest.child.age_months)) if physics else None,
         "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
     }
 
@@ -82,13 +86,23 @@ def fill(packed: Packed, data: Mapping[str, Any]) -> str:
         MimocError: If the program of the page has not been built.
     """
     parts = packed.encode(data)
+    licences = built(LICENCES).decode()
+    if data["physics"]:
+        parts |= engine()
+        licences += "\n\n" + source("mujoco_licences.txt")
     parts |= {
         "title": _escaped(str(data["name"])),
-        "style": _text(STYLE),
-        "licences": _escaped(_text(LICENCES)),
-        "program": _text(PROGRAM).replace("</script", "<\\/script"),
+        "style": source("style.css"),
+        "licences": _escaped(licences),
+        "program": built(PROGRAM).decode(),
     }
-    return PLACE.sub(lambda place: parts[place[1]], _text(FRAME))
+    parts = {name: part.replace("</script", "<\\/script") for name, part in parts.items()}
+    return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
+
+
+def _models(at: "_Ages", age_months: float) -> list[Variant]:
+    """Return the infants whose models a page has: that of its own age, too."""
+    return [at(age) for age in sorted({*PHYSICS_AGES_MONTHS, age_months})]
 
 
 class _Ages:
@@ -103,13 +117,6 @@ class _Ages:
         if age_months not in self._made:
             self._made[age_months] = self._variants(age_months, self._seed)
         return self._made[age_months]
-
-
-def _text(name: str) -> str:
-    try:
-        return (FOLDER / name).read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise MimocError(f"mimoc/viewer/{name} is missing; in a checkout, `make viewer` builds it") from None
 
 
 def _escaped(text: str) -> str:

@@ -39,7 +39,11 @@ class RecordedPage:
 
 
 def page_of_recording(
-    recording: ReadRecording, infant: int | None = None, number: int | None = None, progress: Progress = lambda *_: None
+    recording: ReadRecording,
+    infant: int | None = None,
+    number: int | None = None,
+    physics: bool = False,
+    progress: Progress = lambda *_: None,
 ) -> RecordedPage:
     """Return the page of an episode, which is simulated again for it.
 
@@ -47,6 +51,7 @@ def page_of_recording(
         recording: The recording.
         infant: Which of several infants; the first one if it is not said.
         number: Which of its episodes; the first one if it is not said.
+        physics: Whether the page contains MuJoCo, so that the recorded actions can be tried again.
         progress: Called with the number of control steps done and their total.
 
     Raises:
@@ -57,7 +62,7 @@ def page_of_recording(
     episode = chosen_episodes(recording, infant, number)[0]
     packed = Packed()
     bundle = recording.bundle(episode.infant)
-    data = describe(packed, bundle)
+    data = describe(packed, bundle, physics)
     film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
     (replayed,) = replay_recording(
         recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
@@ -134,6 +139,11 @@ class _Film:
         }
 
 
+def _sum_n(observed: Array) -> float:
+    """Return the sum of all forces of a row, [N], whatever was measured of each."""
+    return float(np.abs(observed).sum())
+
+
 def _felt(observed: Array, points: int) -> tuple[Array, Array]:
     """Return the skin points with any force, and its size, [N]."""
     forces_n = np.linalg.norm(observed.reshape(points, -1), axis=1)
@@ -146,7 +156,12 @@ def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[
     yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
     yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
     for reading in episode.described.readings:
-        if reading.kind == "dense":
+        if reading.name == "touch":
+            forces = episode.observation(reading.name)
+            yield _curve(
+                packed, "touch", ("sum of forces [N]",), np.stack([_sum_n(row) for row in forces[rows]])[:, None]
+            )
+        elif reading.kind == "dense":
             values = episode.observation(reading.name)[rows]
             yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))
 

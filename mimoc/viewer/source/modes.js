@@ -2,6 +2,7 @@
 
 import { choice } from "./elements.js";
 import { ageSlider } from "./panel.js";
+import { Physics } from "./physics.js";
 import { Recording } from "./recording.js";
 
 export function addModes(app, document) {
@@ -23,6 +24,10 @@ export function addModes(app, document) {
     },
     leave: () => ages.stop(),
   };
+  if (app.data.physics) {
+    app.physics = new Physics(app, app.data.physics, app.recording);
+    modes.physics = app.physics;
+  }
   const names = Object.keys(modes);
   const { row, press } = choice("What moves the infant", names, (name) => enter(name), LABELS);
   row.classList.add("modes");

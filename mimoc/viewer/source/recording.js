@@ -13,7 +13,7 @@ export class Recording {
     const forces = recording.felt ? Float32Array.from(recording.felt.forces_n.values).sort() : [];
     this.most = forces[Math.floor(STRONG * forces.length)] || 1;
     this.videos = this.#videos();
-    this.curves = [new Curve(this, "action"), new Curve(this, "proprioception")];
+    this.curves = [new Curve(this, "touch"), new Curve(this, "proprioception")];
     const last = this.seconds.at(-1);
     this.slider = timeline({
       label: "Time in seconds",
@@ -41,6 +41,13 @@ export class Recording {
       video.src = URL.createObjectURL(new Blob([values], { type: "video/mp4" }));
       return { name, video };
     });
+  }
+
+  // The command of an actuator in a control step; after the last one, that of the last.
+  action(actuator, control) {
+    const curve = this.recording.curves.find(({ name }) => name === "action");
+    const frame = Math.min(Math.floor((control + 1) / this.recording.stride), this.seconds.length - 1);
+    return valueOf(curve, actuator, frame);
   }
 
   // Show the frame at a time.
@@ -103,10 +110,7 @@ class Curve {
   }
 
   at(frame) {
-    const channel = Number(this.which.value);
-    const { low, high, levels } = this.curve;
-    const level = (levels.values[channel * levels.shape[1] + frame] + 32768) / 65535;
-    return low.values[channel] + level * (high.values[channel] - low.values[channel]);
+    return valueOf(this.curve, Number(this.which.value), frame);
   }
 
   #draw() {
@@ -132,6 +136,12 @@ class Curve {
     const unit = this.curve.layout[Number(this.which.value)].match(/\[(.*)\]$/)?.[1] ?? "";
     this.value.textContent = `${short(this.at(frame))} ${unit}`;
   }
+}
+
+// A number of a curve in a frame, from its level between the least and the largest.
+function valueOf({ low, high, levels }, channel, frame) {
+  const share = (levels.values[channel * levels.shape[1] + frame] + 32768) / 65535;
+  return low.values[channel] + share * (high.values[channel] - low.values[channel]);
 }
 
 function short(value) {

@@ -32,6 +32,12 @@ export class Surroundings {
       this.isEmpty = false;
     });
     this.isEmpty ??= true;
+    this.start = Float32Array.from(places.flatMap((place, i) => [...place.toArray(), turns[i].w, turns[i].x, turns[i].y, turns[i].z]));
+  }
+
+  // Put the bodies back to where they were.
+  restore() {
+    this.place(this.start);
   }
 
   // Put the bodies where they are now: places and orientations, one after another.
