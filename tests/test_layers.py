@@ -93,7 +93,7 @@ LAYERS = {
         "gymnasium",
     ),
     "viewer": layer(
-        "viewer viewer.*", f"{BUILDING} compiler {RUNNING} rollout policies recording mimoc", "mujoco PIL viser"
+        "viewer viewer.*", f"{BUILDING} compiler {RUNNING} rollout policies recording mimoc", "mujoco PIL trimesh viser"
     ),
     "cli": layer(
         "cli cli.* __main__",

@@ -1,4 +1,4 @@
-"""An infant at all ages, as arrays that a page interpolates between: its solids, joints, poses, eyes and skin points."""
+"""An infant at all ages, as arrays that a page interpolates: its solids, joints, poses, eyes and skin points."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from mimoc.viewer.packing import Packed
 IntArray = npt.NDArray[np.intp]
 
 AGES_MONTHS = (*(week / 4 for week in range(4)), *(half / 2 for half in range(2, 12)), *range(6, 19), 20.0, 22.0, 24.0)
-"""Ages of which a page has the numbers; close together where children grow fastest. Between them it takes straight lines:
+"""Ages of which a page has the numbers, close together where children grow fastest. It interpolates linearly between them:
 places and sizes of solids are then off by 0.2 mm at most, and joint limits by 0.06 degrees."""
 SKIN_AGES_MONTHS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 18.0, 24.0)
-"""Those for thousands of points: straight lines between these are off by 1 mm at most."""
+"""Those for thousands of points: linear interpolation is off by 1 mm at most."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -167,7 +167,7 @@ def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[
 
 
 def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
-    """Return numbers by time, each in whole steps between its least and its largest value; before the first action, 0."""
+    """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
     known = np.nan_to_num(values.astype(float))
     low, high = known.min(axis=0), known.max(axis=0)
     levels = np.rint((known - low) / np.where(high > low, high - low, 1) * LEVELS) - LEVELS // 2 - 1
