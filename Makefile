@@ -18,7 +18,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test clusters coverage golden skin matrix bench container apptainer opengl clean
+.PHONY: help demo test clusters coverage golden skin matrix bench pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -72,6 +72,18 @@ matrix: ## Test several versions of MuJoCo and Python, each pair in its own envi
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
 
+viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
+	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }
+	mkdir -p .viewer
+	cp mimoc/viewer/source/package.json mimoc/viewer/source/build.mjs .viewer
+	npm install --prefix .viewer --no-package-lock --no-audit --no-fund --loglevel error
+	node .viewer/build.mjs mimoc/viewer/source .viewer/node_modules
+
+pages: $(TEST) viewer ## Test the pages of `mimoc view` in Chromium (minutes; installs Playwright, and Chromium if there is none).
+	$(BIN)/pip install --editable '.[live,record,pages]'
+	command -v chromium >/dev/null || $(BIN)/playwright install chromium-headless-shell
+	$(BIN)/pytest tests/pages
+
 container: apptainer $(TEST) ## Build and test the container dist/mimoc.sif.
 	rm -f dist/mimoc-*.whl
 	$(BIN)/python -m build --wheel --no-isolation --outdir dist .
@@ -82,7 +94,7 @@ apptainer:
 		"(https://apptainer.org/docs/admin/main/installation.html), or give its path: make container APPTAINER=..."; exit 1; }
 
 clean: ## Remove everything that was built: .venv, .matrix, out, caches.
-	rm -rf $(VENV) .matrix out dist build .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .matrix .viewer out dist build .pytest_cache .ruff_cache .hypothesis
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(DEMO): pyproject.toml

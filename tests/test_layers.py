@@ -92,9 +92,12 @@ LAYERS = {
         f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts",
         "gymnasium",
     ),
+    "viewer": layer(
+        "viewer viewer.*", f"{BUILDING} compiler {RUNNING} rollout policies recording mimoc", "mujoco PIL trimesh viser"
+    ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc viewer",
         "typer rich",
     ),
 }

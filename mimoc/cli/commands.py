@@ -22,6 +22,7 @@ from mimoc.cli import (
     see,
     train,
     validate,
+    view,
 )
 from mimoc.version import __version__
 
@@ -62,6 +63,7 @@ app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=explain.EXAMPLE)(explain.explain)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=see.EXAMPLE)(see.see)
+app.command(epilog=view.EXAMPLE)(view.view)
 app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
 app.command(epilog=replay.EXAMPLE)(replay.replay)
 app.command(epilog=export.EXAMPLE)(export.export)
