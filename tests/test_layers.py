@@ -87,14 +87,19 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} rollout policies training",
         "mujoco pyarrow submitit ray",
     ),
+    "reporting": layer(
+        "reporting reporting.*",
+        f"{BUILDING} compiler {RUNNING} training cohorts",
+        "jinja2 mujoco PIL",
+    ),
     "mimoc": layer(
         "__init__ environments vector_environments recordings registration",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts",
+        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting mimoc",
         "typer rich",
     ),
 }

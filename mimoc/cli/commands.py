@@ -14,6 +14,7 @@ from mimoc.cli import (
     import_config,
     render,
     replay,
+    report,
     rooms,
     run,
     see,
@@ -56,6 +57,7 @@ app.command(epilog=experiment.EXAMPLE)(experiment.experiment)
 app.add_typer(cohort.app)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=explain.EXAMPLE)(explain.explain)
+app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=see.EXAMPLE)(see.see)
 app.command(epilog=rooms.EXAMPLE)(rooms.rooms)

@@ -82,16 +82,20 @@ class Store:
     def read(self, job: Job) -> Result | None:
         """Return the result of a job, None if it is not done."""
         try:
-            found = json.loads(self._place("results", job, ".json").read_bytes())
+            found = json.loads(self.result(job).read_bytes())
             return Result(**{name: found[name] for name in ("status", "measures", "versions", "error", "seconds")})
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError):
             return None  # Not one of ours, or lost with a file system: the job is done again.
 
+    def result(self, job: Job) -> Path:
+        """Return the path of the result of a job."""
+        return self._place("results", job, ".json")
+
     def is_done(self, job: Job) -> bool:
         """Return whether a job has a result."""
-        return self._place("results", job, ".json").exists()
+        return self.result(job).exists()
 
     def missing(self, jobs: Iterable[Job]) -> list[Job]:
         """Return the jobs without a result."""
@@ -105,7 +109,7 @@ class Store:
         """
         if not result.ok and (known := self.read(job)) and known.ok:
             return
-        place = self._place("results", job, ".json")
+        place = self.result(job)
         _make(place.parent)
         told = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
         found = {name: getattr(result, name) for name in Result.__slots__}
@@ -113,7 +117,7 @@ class Store:
 
     def forget(self, job: Job) -> None:
         """Remove the result of a job, so that it is done again."""
-        self._place("results", job, ".json").unlink(missing_ok=True)
+        self.result(job).unlink(missing_ok=True)
         self.log(job).unlink(missing_ok=True)
 
     def log(self, job: Job) -> Path:
