@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mimoc.reporting.drawing import Dot, Drawing, Label, Path, Point, area, drawing, label, line
+from mimoc.reporting.words import MINUS
 
 WIDTH, HEIGHT = 340.0, 220.0
 LEFT, RIGHT, TOP, BOTTOM = 42.0, 14.0, 26.0, 34.0
@@ -105,7 +106,9 @@ def ticks(low: float, high: float, most: int = MOST_TICKS) -> Ticks:
     step = _round_step((high - low) / most)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9))
-    return [(number * step, f"{number * step + 0.0:,.{decimals}f}") for number in range(first, last + 1)]
+    return [
+        (number * step, f"{number * step + 0.0:,.{decimals}f}".replace("-", MINUS)) for number in range(first, last + 1)
+    ]
 
 
 def _round_step(least: float) -> float:

@@ -77,7 +77,7 @@ def _curves(curve: Curve) -> Section:
     first, last = curve.rows[0], curve.rows[-1]
     rows = [
         (Cell(title), *(number(words.figure(float(getattr(row, column)))) for row in (first, last)))
-        for column, title in {"steps": "Control steps", "episodes": "Episodes since the one before", **PLOTS}.items()
+        for column, title in {"steps": "Steps trained", "episodes": "Episodes since the one before", **PLOTS}.items()
     ]
     tiles = Tiles(tuple(_tiles(curve)))
     return Section("curves", "Learning", (tiles, Drawings(drawn, CAPTION, "pair"), table(headings, rows)))

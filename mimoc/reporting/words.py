@@ -2,7 +2,7 @@
 
 import math
 
-THIN_SPACE = "\u202f"
+THIN_SPACE, MINUS, TIMES, NOTHING = "\u202f", "\u2212", "\u00d7", "\u2013"
 FEW, MANY = 3.0, 97.0
 """Percentiles between which WHO's charts draw the usual range."""
 LOW, HIGH = 15.0, 85.0
@@ -22,11 +22,11 @@ CHILDREN = {"male": "boys", "female": "girls", None: "children"}
 def figure(value: float, digits: int = 3) -> str:
     """Return a number with some significant digits, and never with an exponent that a reader need not see."""
     if not math.isfinite(value):
-        return "–"
+        return NOTHING
     if value == 0:
         return "0"
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value)) + 1e-12))
-    return f"{value:,.{min(decimals, 9)}f}".replace("-", "−") if abs(value) >= 1e-6 else f"{value:.{digits}g}"
+    return f"{value:,.{min(decimals, 9)}f}".replace("-", MINUS) if abs(value) >= 1e-6 else f"{value:.{digits}g}"
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
@@ -36,7 +36,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 
 def signed(value: float, decimals: int = 1) -> str:
     """Return a number with its sign."""
-    return f"{round(value, decimals) + 0.0:+.{decimals}f}".replace("-", "−")
+    return f"{round(value, decimals) + 0.0:+.{decimals}f}".replace("-", MINUS)
 
 
 def age(age_months: float) -> str:

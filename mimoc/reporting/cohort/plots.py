@@ -1,6 +1,7 @@
 """Plots of a cohort: each measure by each factor."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -97,7 +98,7 @@ def _values(pairs: Sequence[tuple[object, float]], level: object) -> list[float]
 def _at(places: Sequence[float]) -> Ticks:
     """Return ticks at the places themselves, if they are few, or at round numbers."""
     near = (places[-1] - places[0]) / 12
-    if len(places) <= 8 and all(after - before > near for before, after in zip(places, places[1:], strict=False)):
+    if len(places) <= 8 and all(after - before > near for before, after in pairwise(places)):
         return [(place, f"{place:.4g}") for place in places]
     return ticks(places[0], places[-1])
 

@@ -12,7 +12,7 @@ from mimoc.reporting import words
 from mimoc.reporting.drawing import Drawing, dot, label
 from mimoc.reporting.frame import Frame
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.page import Drawings, Section, Text, Tile, Tiles
+from mimoc.reporting.page import Drawings, Section, Tile, Tiles
 
 PERCENTILES = (3, 15, 50, 85, 97)
 """Curves of WHO's charts."""
@@ -38,9 +38,8 @@ def growth(child: ChildEntry, sources: Sources) -> Section:
         f"WHO Child Growth Standards (2006, 2007), {AMONG[child.sex]}. The line is the median; two of three children "
         "are in the inner band, and 94 of 100 in the outer one. The dot is this infant."
     )
-    return Section(
-        "size", "Size", (Tiles(tuple(_tiles(child, percentiles, sources))), Drawings(tuple(charts), caption, "pair"))
-    )
+    tiles = Tiles(tuple(_tiles(child, percentiles, sources)))
+    return Section("size", "Size", (tiles, Drawings(tuple(charts), caption, "pair")))
 
 
 def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources) -> Iterator[Tile]:

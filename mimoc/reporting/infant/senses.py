@@ -1,6 +1,6 @@
 """What an infant senses, how late, and with how much noise."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import mujoco
@@ -33,17 +33,18 @@ def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
     manifest = bundle.manifest
     entries = {name: entry for name, entry in manifest.senses if entry is not None}
     rows = [
-        (
+        [
             Cell(words.sentence(name)),
             Cell(_about(name, entry, bundle, model)),
             Cell(_observation(name, entry, bundle, model), "code"),
             _delay(name, bundle, sources),
             _noise(name, bundle, sources),
-        )
+        ]
         for name, entry in entries.items()
     ]
-    rows.append((Cell("Commands"), Cell(_commands(bundle)), Cell(f"action: {_action_size(bundle)} numbers", "code")))
-    rows[-1] += (_delay(MOTOR, bundle, sources), _motor_noise(bundle, sources))
+    action = Cell(f"action: {_action_size(bundle)} numbers", "code")
+    late, noisy = _delay(MOTOR, bundle, sources), _motor_noise(bundle, sources)
+    rows.append([Cell("Commands"), Cell(_commands(bundle)), action, late, noisy])
     about = Text(ABOUT.format(step=manifest.timestep_ms, control=manifest.step_ms))
     blocks: tuple[Block, ...] = (about, table(("", "what it gives", "observation", "delay", "noise"), rows))
     return Section("senses", "Senses and delays", blocks if entries else (Text(NONE), *blocks))
@@ -57,8 +58,8 @@ def _about(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
 
 
 def _about_proprioception(entry: Any, model: mujoco.MjModel) -> str:
-    more = [FELT.get(each, each) for each in entry.include]
-    return f"Feels its own posture: the angles of {words.listed([f'{len(entry.joints)} joints', *more])}."
+    felt = [f"the angles of {len(entry.joints)} joints", *(FELT.get(each, str(each)) for each in entry.include)]
+    return f"Feels its own posture: {words.listed(felt)}."
 
 
 def _about_balance(entry: Any, model: mujoco.MjModel) -> str:
@@ -80,7 +81,7 @@ def _about_touch(entry: Any, model: mujoco.MjModel) -> str:
 
 def _about_vision(entry: Any, model: mujoco.MjModel) -> str:
     fovy_deg = float(model.camera(entry.cameras[0]).fovy[0]) if entry.cameras else 0.0
-    seen = f"{entry.width_px} × {entry.height_px} pixels over {fovy_deg:g}° from top to bottom"
+    seen = f"{entry.width_px} {words.TIMES} {entry.height_px} pixels over {fovy_deg:g}° from top to bottom"
     sharp = "as sharp as its pixels are"
     if entry.acuity_cpd:
         sharp = (
@@ -103,14 +104,19 @@ ABOUT_SENSES: Mapping[str, Callable[[Any, mujoco.MjModel], str]] = {
 def _observation(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
     """Return name and shape of the observations of a sense."""
     if name == "vision":  # To be known without OpenGL as well.
-        return ", ".join(f"{camera}: {entry.height_px} × {entry.width_px} × 3" for camera in entry.cameras)
+        shape = entry.height_px, entry.width_px, 3
+        return ", ".join(f"{camera}: {_product(shape)}" for camera in entry.cameras)
     try:
         sense = bind_sense(name, bundle, model)
     except RenderingError:
         return ""
     shapes = {key: space.shape or () for key, space in sense.spaces.items()}
     sense.close()
-    return ", ".join(f"{key}: {' × '.join(map(str, shape))} numbers" for key, shape in shapes.items())
+    return ", ".join(f"{key}: {_product(shape)} numbers" for key, shape in shapes.items())
+
+
+def _product(shape: tuple[int, ...]) -> str:
+    return f" {words.TIMES} ".join(map(str, shape))
 
 
 def _delay(signal: str, bundle: Bundle, sources: Sources) -> Cell:

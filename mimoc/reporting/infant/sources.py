@@ -25,9 +25,10 @@ GROUPS = {
 }
 """Heading of each kind of numbers; those of others follow, by their names."""
 SIDE = re.compile(r"(left|right)_")
+TITLE = "Where the numbers come from"
 ABOUT = (
     "Every number that this page links to, and what that depends on, back to a row of a table or a line of the spec. "
-    "`mimoc explain` does the same for all other numbers of the bundle."
+    "mimoc explain does the same for all other numbers of the bundle."
 )
 
 
@@ -52,15 +53,13 @@ class Sources:
     def section(self) -> Section:
         """Return the section on the origin of all numbers that were referred to so far."""
         if self._reason:
-            return Section(
-                "sources", "Where the numbers come from", (Text(f"Not known here: {self._reason}.", "note"),)
-            )
+            return Section("sources", TITLE, (Text(f"Not known here: {self._reason}.", "note"),))
         groups: dict[str, list[str]] = {}
         for key in sorted(self._followed()):
             groups.setdefault(key.split(".")[0], []).append(key)
         order = [name for name in GROUPS if name in groups] + [name for name in groups if name not in GROUPS]
         blocks = [self._group(GROUPS.get(name, words.sentence(name)), groups[name]) for name in order]
-        return Section("sources", "Where the numbers come from", (Text(ABOUT.replace("`", "")), *blocks))
+        return Section("sources", TITLE, (Text(ABOUT), *blocks))
 
     def _followed(self) -> set[str]:
         """Return the numbers that were referred to, and all that they depend on."""

@@ -8,9 +8,9 @@ from mimoc.reporting.page import Cell, Section, Text, number, table
 from mimoc.runtime.check import CHECKED_S, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
 
 ABOUT = (
-    "From each pose, {seconds:g} s of random commands and {seconds:g} s of commands that drive all joints to and fro at "
-    "full strength. A simulation passes without warnings of MuJoCo, with at most {energy:g} J of kinetic energy per kg, "
-    "and with joints at most {beyond:g}° beyond their soft limits."
+    "From each pose, {seconds:g} s of random commands and {seconds:g} s of commands that drive all joints to and fro "
+    "at full strength. A simulation is stable if MuJoCo gives no warning, the kinetic energy stays below {energy:g} J "
+    "per kg, and joints go no more than {beyond:g}° beyond their soft limits."
 )
 SKIPPED = "Not checked for this page. mimoc check does it."
 
