@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mimoc.recording.reading import read_recording
     from mimoc.recording.recorder import Recorder
     from mimoc.recordings import replay_recording
+    from mimoc.reporting import report
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
@@ -60,6 +61,7 @@ _HOMES = {
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
     "replay_recording": "mimoc.recordings",
+    "report": "mimoc.reporting",
     "run_experiment": "mimoc.experiments",
     "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime",
@@ -100,6 +102,7 @@ __all__ = [
     "record",
     "register",
     "replay_recording",
+    "report",
     "run_experiment",
     "sb3_vec_env",
     "torque_limits",

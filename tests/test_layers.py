@@ -87,9 +87,14 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} rollout policies training",
         "mujoco pyarrow submitit ray",
     ),
+    "reporting": layer(
+        "reporting reporting.*",
+        f"{BUILDING} compiler {RUNNING} training cohorts",
+        "jinja2 mujoco PIL",
+    ),
     "mimoc": layer(
         "__init__ environments vector_environments recordings registration notebook",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts",
+        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting",
         "gymnasium",
     ),
     "viewer": layer(
@@ -97,7 +102,11 @@ LAYERS = {
     ),
     "cli": layer(
         "cli cli.* __main__",
+<<<<<<< HEAD
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc viewer",
+=======
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting mimoc",
+>>>>>>> report16
         "typer rich",
     ),
 }

@@ -16,6 +16,7 @@ from mimoc.cli import (
     new,
     render,
     replay,
+    report,
     rooms,
     run,
     schema,
@@ -61,6 +62,7 @@ app.command(epilog=experiment.EXAMPLE)(experiment.experiment)
 app.add_typer(cohort.app)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=explain.EXAMPLE)(explain.explain)
+app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=see.EXAMPLE)(see.see)
 app.command(epilog=view.EXAMPLE)(view.view)

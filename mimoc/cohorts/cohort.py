@@ -151,7 +151,7 @@ class Cohort:
             engine(todo, store, options, lambda done: report(ready + done, len(share)))
         for job in store.missing(todo):
             store.write(job, lost(job, f"the engine '{on}' has ended without a result"))
-        return _status(share, store)
+        return status_of(share, store)
 
     def retry(self, out: str | Path, on: str = "local", *, progress: Progress | None = None, **options: Any) -> Status:
         """Do all failed jobs again, and those that have no result yet; see `run`."""
@@ -171,7 +171,7 @@ class Cohort:
         """
         store = Store(Path(out).expanduser())
         store.check()
-        return _status(self.jobs(), store)
+        return status_of(self.jobs(), store)
 
     def rows(self, out: str | Path) -> list[dict[str, Cell]]:
         """Return the table, one row a job.
@@ -236,7 +236,8 @@ def _base(source: Source) -> Source:
     return found
 
 
-def _status(jobs: Iterable[Job], store: Store) -> Status:
+def status_of(jobs: Iterable[Job], store: Store) -> Status:
+    """Return how far some jobs are."""
     counts: dict[str, Counter[str]] = {}
     failures = []
     for job in jobs:

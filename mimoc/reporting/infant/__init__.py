@@ -1,0 +1,57 @@
+"""The page of an infant."""
+
+from collections.abc import Callable
+
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import load_model
+from mimoc.reporting import words
+from mimoc.reporting.infant.growth import growth
+from mimoc.reporting.infant.origin import origin
+from mimoc.reporting.infant.portrait import picture
+from mimoc.reporting.infant.proportions import proportions
+from mimoc.reporting.infant.senses import senses
+from mimoc.reporting.infant.sources import Sources
+from mimoc.reporting.infant.stability import stability, unchecked
+from mimoc.reporting.infant.strength import strength
+from mimoc.reporting.infant.who import described
+from mimoc.reporting.page import Page, Section
+from mimoc.version import __version__
+
+__all__ = ["infant_page", "infant_sections"]
+
+
+def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: bool) -> Page:
+    """Return the page of an infant.
+
+    Args:
+        bundle: The infant.
+        progress: Called with the number of poses checked and their total.
+        check: Whether to check that its simulation is stable.
+
+    Raises:
+        ModelError: If MuJoCo rejects its model.
+    """
+    sources = Sources(bundle)
+    sections = infant_sections(bundle, sources)
+    checked = stability(bundle, progress) if check else unchecked()
+    pictures, missing = picture(bundle)
+    return Page(
+        kind="An infant, compiled by mimoc",
+        title=words.sentence(words.name(bundle.manifest.name)),
+        lead=(*described(bundle), *([missing] if missing else [])),
+        sections=(*sections, checked, sources.section(), origin(bundle)),
+        made_by=f"Made by mimoc {__version__}.",
+        pictures=pictures,
+    )
+
+
+def infant_sections(bundle: Bundle, sources: Sources) -> tuple[Section, ...]:
+    """Return the sections on size, proportions, masses, strength and senses of an infant."""
+    model = load_model(bundle)
+    child = bundle.manifest.child
+    return (
+        growth(child, sources),
+        proportions(model, child.age_months, sources),
+        strength(bundle, model, sources),
+        senses(bundle, model, sources),
+    )
