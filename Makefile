@@ -12,13 +12,14 @@ BIN := $(VENV)/bin
 # Markers of what is installed in $(VENV): the packages for the demo, and those for tests and training.
 DEMO := $(VENV)/.demo
 TEST := $(VENV)/.test
+DOCS := $(VENV)/.docs
 INFANT := $(OUT)/nine_months
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test clusters coverage golden skin matrix bench pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix bench pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -46,6 +47,10 @@ test: $(TEST) opengl ## Lint, check types and run every test, and say how long e
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
 		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
+
+docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
+	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python -m sphinx -b html -W --keep-going -q docs out/docs
+	@echo "the documentation   out/docs/index.html"
 
 clusters: $(TEST) ## Test cohorts on a real SLURM and a real Ray cluster (minutes; needs Debian's slurm-wlm and munge).
 	@PATH="$$PATH:/usr/sbin:/sbin"; for each in munged slurmctld slurmd sbatch; do command -v $$each >/dev/null || \
@@ -110,6 +115,11 @@ $(TEST): $(DEMO)
 	@echo "of PyTorch needs about 1 GB and a few minutes; if none is available, a CUDA build needs about 6 GB and ten minutes."
 	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
 	$(BIN)/pip install --editable '.[report,toys,train,gpu,test,dev]'
+	@touch $@
+
+$(DOCS): $(DEMO)
+	@echo "Installing the packages for the documentation into $(VENV): Sphinx, furo, MyST and sphinx-gallery, about 100 MB."
+	$(BIN)/pip install --editable '.[report,docs]'
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.

@@ -13,7 +13,9 @@ import mimoc
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = {
-    name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in {"test", "pages", "dev"}
+    name: needs
+    for name, needs in PROJECT["optional-dependencies"].items()
+    if name not in {"test", "pages", "docs", "dev"}
 }
 MODULES = {"pyyaml": "yaml", "pillow": "PIL", "stable-baselines3": "stable_baselines3", "warp-lang": "warp"}
 """What a distribution is imported as, where that is not its name."""

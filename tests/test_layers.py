@@ -102,11 +102,8 @@ LAYERS = {
     ),
     "cli": layer(
         "cli cli.* __main__",
-<<<<<<< HEAD
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc viewer",
-=======
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting mimoc",
->>>>>>> report16
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting mimoc "
+        "viewer",
         "typer rich",
     ),
 }
