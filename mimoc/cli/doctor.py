@@ -25,6 +25,7 @@ EXTRAS: Mapping[str, str] = {
     "gpu": "many infants on a GPU",
     "slurm": "cohorts on SLURM",
     "ray": "cohorts on Ray",
+    "live": "a running infant in a browser",
 }
 """What each optional part of the installation is for."""
 ESSENTIAL = "MuJoCo"

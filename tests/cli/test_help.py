@@ -23,7 +23,7 @@ COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.
 
 def test_the_commands_are_in_this_order():
     drawing, running = (
-        ["explain", "render", "see", "view", "rooms"],
+        ["explain", "report", "render", "see", "view", "rooms"],
         ["build", "validate", "run", "train", "experiment", "check"],
     )
     assert list(COMMANDS) == ["new", *running, *drawing, "replay", "export", "import", "schema", "doctor"]
