@@ -101,7 +101,7 @@ def sewn(cloth: Cloth, verts: Array, faces: np.ndarray, hem_mm: float = 2.2) -> 
     verts[close] -= (away[close] / size[close] ** 2)[:, None] * slope[close]
     away[close] = 0.0
     verts, faces = without_slivers(*_clipped(verts, faces, away), least=SLIVER * float(np.median(typical)))
-    return _hemmed(cloth.layer, verts, faces, hem_mm)
+    return without_slivers(*_hemmed(cloth.layer, verts, faces, hem_mm), least=0.45 * hem_mm)
 
 
 def _clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.ndarray]:

@@ -19,7 +19,6 @@ from mimoc.schema.infant import InfantSpec
 AGES_MONTHS = (0.0, 4.0, 9.0, 24.0)
 ALLOWED_M = 0.0006
 """How far the skin may be below the floor."""
-ROUNDS = 4
 
 
 @cache

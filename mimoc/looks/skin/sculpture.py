@@ -94,11 +94,6 @@ def sculpture(hands: str) -> Sculpture:
         return assembled({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})
 
 
-def sculpture_files(hands: str) -> dict[str, bytes]:
-    """Return the files that a skin is made from, by their names in a lock."""
-    return {f"skin/{path.name}": path.read_bytes() for path in (FOLDER / f"{hands}.npz", FOLDER / "head.npz")}
-
-
 def assembled(found: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
     """Return a sculpture from its arrays, by their names in the files."""
     parts = tuple(map(str, found["parts"]))
