@@ -18,7 +18,7 @@ BONES = 4
 
 
 def describe_materials(packed: Packed, model: mujoco.MjModel) -> dict[str, Any]:
-    """Return the materials of a model and their pictures, each as a PNG; those of a cube are six, one below the other."""
+    """Return the materials of a model and their pictures as PNGs; those of a cube are six, one below the other."""
     textures = model.mat_texid[:, mujoco.mjtTextureRole.mjTEXROLE_RGB]
     used = sorted({int(texture) for texture in textures if texture >= 0})
     return {

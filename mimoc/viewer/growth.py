@@ -18,8 +18,8 @@ from mimoc.viewer.packing import Packed
 IntArray = npt.NDArray[np.intp]
 
 AGES_MONTHS = (*(week / 4 for week in range(4)), *(half / 2 for half in range(2, 12)), *range(6, 19), 20.0, 22.0, 24.0)
-"""Ages of which a page has the numbers, close together where children grow fastest. It interpolates linearly between them:
-places and sizes of solids are then off by 0.2 mm at most, and joint limits by 0.06 degrees."""
+"""Ages of which a page has the numbers, close together where children grow fastest. Between them it interpolates
+linearly: places and sizes of solids are then off by 0.2 mm at most, and joint limits by 0.06 degrees."""
 SKIN_AGES_MONTHS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 18.0, 24.0)
 """Those for thousands of points: linear interpolation is off by 1 mm at most."""
 
