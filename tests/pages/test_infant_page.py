@@ -68,7 +68,7 @@ def test_the_slider_grows_it_and_the_facts_and_curves_follow(shown):
 
 
 def test_a_hand_that_is_dragged_follows_within_the_limits_of_its_joints(shown):
-    shown.evaluate("mimoc.setPose('sitting')")
+    shown.evaluate("mimoc.setPose('sitting'); mimoc.stage.render()")
     found = shown.evaluate(
         """() => {
             const hand = mimoc.body.names.indexOf("left_hand");

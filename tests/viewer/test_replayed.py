@@ -73,7 +73,7 @@ def test_curves_are_all_numbers_to_a_share_of_their_range(known, recorded):
         curve = curves[name]
         assert tuple(curve["layout"]) == episode.layout(name)
         spans = curve["high"] - curve["low"]
-        found = curve["low"] + (curve["levels"].T + 32768) / 65535 * spans
+        found = curve["low"] + (curve["levels"].T + 32768.0) / 65535 * spans
         assert (np.abs(found[1:] - expected) <= 1e-4 * spans + 1e-6).all()
 
 

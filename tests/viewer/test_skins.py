@@ -26,7 +26,7 @@ def with_skin(bundle: mimoc.Bundle) -> Variant:
 
 
 def test_vertices_go_where_mujoco_moves_them(bundle_at):
-    """By the formula of the page: each bone takes the vertex along from where it was bound."""
+    """By the formula of the page, to half a millimetre, as weights are bytes."""
     variant = with_skin(bundle_at(9))
     model, data = variant.model, mujoco.MjData(variant.model)
     packed = Packed()
@@ -53,7 +53,7 @@ def test_vertices_go_where_mujoco_moves_them(bundle_at):
                     array("bind_quat")[0, bone],
                     array("verts")[0, vertex] * FINE_M,
                 )
-    assert np.abs(found - np.asarray(scene.skinvert).reshape(-1, 3)[-5:]).max() < 1e-4
+    assert np.abs(found - np.asarray(scene.skinvert).reshape(-1, 3)[-5:]).max() < 5e-4  # Weights are bytes.
     assert np.ptp(found, axis=0).max() > 0.05
 
 
