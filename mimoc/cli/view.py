@@ -47,8 +47,8 @@ def view(
 ) -> None:
     """Write a page that shows the infant in 3D in any browser: one file, which needs no server and no network.
 
-    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints. The
-    page of a recording replays an episode, with what the infant felt and saw.
+    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints.
+    The page of a recording replays an episode, with what the infant felt and saw.
     """
     is_recording = (shown / "recording.json").is_file()
     if not is_recording and (infant, episode) != (None, None):
@@ -59,9 +59,7 @@ def view(
         _serve(load_infant(shown), policy, port, open_page)
         return
     if file is None:
-        raise MimocError(
-            "say where the page is to be written, with -o FILE.html, or serve a running infant with --live"
-        )
+        raise MimocError("say where to write the page with -o FILE.html, or serve a running infant with --live")
     if file.suffix.lower() not in SUFFIXES:
         raise OutputError(f"{file}: no page is written to a file of this name; end it in {' or '.join(SUFFIXES)}")
     page = _recorded(shown, physics, infant, episode) if is_recording else _grown(shown, physics)

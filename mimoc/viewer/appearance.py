@@ -18,7 +18,7 @@ BONES = 4
 
 
 def describe_materials(packed: Packed, model: mujoco.MjModel) -> dict[str, Any]:
-    """Return the materials of a model and their pictures, each as a PNG; those of a cube are six, one below the other."""
+    """Return the materials of a model and their pictures as PNGs; those of a cube are six, one below the other."""
     textures = model.mat_texid[:, mujoco.mjtTextureRole.mjTEXROLE_RGB]
     used = sorted({int(texture) for texture in textures if texture >= 0})
     return {
@@ -76,7 +76,7 @@ def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: li
         "texcoords": None if texcoords is None else packed.put(texcoords),
         "bones": packed.put(np.array([own.index(body) for body in model.skin_bonebodyid[bones]])),
         "moved_by": packed.put(moved_by.astype(np.uint8)),
-        "weights": packed.put(np.rint(255 * weights).astype(np.uint8)),
+        "weights": packed.put(weights),
         "verts": packed.put_places(np.stack([each.skin_vert[verts] for each in models])),
         "bind_pos": packed.put(np.stack([each.skin_bonebindpos[bones] for each in models])),
         "bind_quat": packed.put(np.stack([each.skin_bonebindquat[bones] for each in models])),
@@ -89,7 +89,10 @@ def _rows(model: mujoco.MjModel, kind: str, index: int) -> slice:
 
 
 def _strongest(model: mujoco.MjModel, bones: slice, count: int) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-    """Return the bones that move each vertex most, as numbers within the skin, and their weights, shapes (n, 4)."""
+    """Return the bones that move each vertex most, as numbers within the skin, and their weights, shapes (n, 4).
+
+    Weights are bytes whose sum is 255 for each vertex: where it is not, a vertex is pulled towards the origin.
+    """
     weights = np.zeros((count, bones.stop - bones.start))
     for bone in range(bones.start, bones.stop):
         first = model.skin_bonevertadr[bone]
@@ -99,4 +102,6 @@ def _strongest(model: mujoco.MjModel, bones: slice, count: int) -> tuple[npt.NDA
     weights = np.pad(weights, ((0, 0), (0, width - weights.shape[1])))
     order = np.argsort(-weights, axis=1, kind="stable")[:, :BONES]
     chosen = np.take_along_axis(weights, order, 1)
-    return order, chosen / chosen.sum(axis=1, keepdims=True)
+    shares = np.rint(255 * chosen / chosen.sum(axis=1, keepdims=True)).astype(int)
+    shares[:, 0] += 255 - shares.sum(axis=1)
+    return order, shares.astype(np.uint8)

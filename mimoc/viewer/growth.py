@@ -18,8 +18,8 @@ from mimoc.viewer.packing import Packed
 IntArray = npt.NDArray[np.intp]
 
 AGES_MONTHS = (*(week / 4 for week in range(4)), *(half / 2 for half in range(2, 12)), *range(6, 19), 20.0, 22.0, 24.0)
-"""Ages of which a page has the numbers, close together where children grow fastest. It interpolates linearly between them:
-places and sizes of solids are then off by 0.2 mm at most, and joint limits by 0.06 degrees."""
+"""Ages of which a page has the numbers, close together where children grow fastest. Between them it interpolates
+linearly: places and sizes of solids are then off by 0.2 mm at most, and joint limits by 0.06 degrees."""
 SKIN_AGES_MONTHS = (0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 18.0, 24.0)
 """Those for thousands of points: linear interpolation is off by 1 mm at most."""
 
@@ -70,54 +70,71 @@ def describe_growth(packed: Packed, variants: Sequence[Variant], ages_months: Se
         MimocError: If it has other parts at some age.
     """
     parts = [own_parts(variant.model, variant.bundle.manifest) for variant in variants]
-    models = [variant.model for variant in variants]
     counts = {tuple(len(getattr(own, name)) for name in Own.__slots__) for own in parts}
     if len(counts) > 1:
         raise MimocError(f"'{variants[0].bundle.manifest.name}' has other parts at other ages; a page cannot show that")
-    model, own = models[0], parts[0]
-    number = {body: index for index, body in enumerate(own.bodies.tolist())}
-
-    def grown(name: str, kind: str) -> dict[str, Any]:
-        return packed.put(
-            np.stack([getattr(each, name)[getattr(mine, kind)] for each, mine in zip(models, parts, strict=True)])
-        )
-
+    models = [variant.model for variant in variants]
     return {
         "ages_months": list(ages_months),
+        **_skeleton(packed, models, parts),
+        **_flesh(packed, models, parts),
+        "poses": dict(_poses(packed, variants, parts)),
+    }
+
+
+def _skeleton(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+    """Return bodies and joints; numbers of bodies are those within the infant."""
+    model, own = models[0], parts[0]
+    number = {body: index for index, body in enumerate(own.bodies.tolist())}
+    return {
         "bodies": {
             "names": [model.body(body).name for body in own.bodies],
             "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in own.bodies])),
             "quat": packed.put(model.body_quat[own.bodies]),
-            "pos": grown("body_pos", "bodies"),
+            "pos": _by_age(packed, models, parts, "body_pos", "bodies"),
         },
         "joints": {
             "names": [model.joint(joint).name for joint in own.joints],
-            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[own.joints]])),
+            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[own.joints]], int)),
             "axis": packed.put(model.jnt_axis[own.joints]),
             "reference": packed.put(model.qpos0[own.qpos[7:]]),
-            "pos": grown("jnt_pos", "joints"),
-            "range": grown("jnt_range", "joints"),
+            "pos": _by_age(packed, models, parts, "jnt_pos", "joints"),
+            "range": _by_age(packed, models, parts, "jnt_range", "joints"),
         },
+    }
+
+
+def _flesh(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+    """Return geoms and eyes, with the numbers of their bodies within the infant."""
+    model, own = models[0], parts[0]
+    return {
         "geoms": {
             "names": [model.geom(geom).name for geom in own.geoms],
-            "body": packed.put(np.array([number[body] for body in model.geom_bodyid[own.geoms]])),
+            "body": packed.put(np.searchsorted(own.bodies, model.geom_bodyid[own.geoms])),
             "type": packed.put(model.geom_type[own.geoms]),
             "material": packed.put(model.geom_matid[own.geoms]),
             "group": packed.put(model.geom_group[own.geoms]),
             "solid": packed.put((model.geom_contype | model.geom_conaffinity)[own.geoms] != 0),
             "quat": packed.put(model.geom_quat[own.geoms]),
-            "pos": grown("geom_pos", "geoms"),
-            "size": grown("geom_size", "geoms"),
+            "pos": _by_age(packed, models, parts, "geom_pos", "geoms"),
+            "size": _by_age(packed, models, parts, "geom_size", "geoms"),
         },
         "eyes": {
             "names": [model.camera(camera).name for camera in own.cameras],
-            "body": packed.put(np.array([number[body] for body in model.cam_bodyid[own.cameras]], int)),
+            "body": packed.put(np.searchsorted(own.bodies, model.cam_bodyid[own.cameras])),
             "quat": packed.put(model.cam_quat[own.cameras]),
             "fovy_deg": packed.put(model.cam_fovy[own.cameras]),
-            "pos": grown("cam_pos", "cameras"),
+            "pos": _by_age(packed, models, parts, "cam_pos", "cameras"),
         },
-        "poses": dict(_poses(packed, variants, parts)),
     }
+
+
+def _by_age(
+    packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
+) -> dict[str, Any]:
+    """Return an array of a model at each age, of what is the infant's."""
+    found = [getattr(model, name)[getattr(own, kind)] for model, own in zip(models, parts, strict=True)]
+    return packed.put(np.stack(found))
 
 
 def describe_touch(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:

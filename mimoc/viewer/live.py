@@ -14,7 +14,7 @@ from mimoc.viewer.solids import mesh_of
 HOST = "localhost"
 """Others on the network see nothing."""
 PORT = 8080
-CAMERA_M = (1.2, 0.8, 0.7)
+CAMERA_M = (0.9, 0.6, 0.5)
 """From where browsers look at first, relative to the infant."""
 PAUSE_S = 0.02
 """How often a paused page looks whether it goes on."""
@@ -45,6 +45,7 @@ class LiveView:
         """
         self._env = env
         self._server: Any = _serve(port, env.manifest.name)
+        self._server.gui.configure_theme(show_share_button=False)  # It would ask a server elsewhere.
         self._bodies = self._add_bodies(env.model)
         self._pause = self._server.gui.add_checkbox("Pause", initial_value=False)
         self._told = self._server.gui.add_markdown("")

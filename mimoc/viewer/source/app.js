@@ -37,6 +37,7 @@ export class App {
     this.dragging = new Dragging(this.stage, this.infant, {
       trunk: data.trunk,
       allowed: () => this.mode !== "recording",
+      needsJoints: () => this.mode !== "physics", // There, anything can be pulled.
       moved: (hold, chain) => this.pull(hold, chain),
     });
     this.setAge(data.age_months);

@@ -9,8 +9,8 @@ const STEP = 0.6; // Of the angle that would bring a joint's part nearest, how m
 
 export class Dragging {
   // `moved` is called after each move.
-  constructor(stage, infant, { trunk, moved, held, allowed }) {
-    Object.assign(this, { stage, infant, body: infant.body, trunk, moved, held, allowed });
+  constructor(stage, infant, { trunk, moved, needsJoints, allowed }) {
+    Object.assign(this, { stage, infant, body: infant.body, trunk, moved, needsJoints, allowed });
     const { canvas } = stage;
     canvas.addEventListener("pointerdown", (event) => this.#take(event), { capture: true });
     canvas.addEventListener("pointermove", (event) => this.#move(event));
@@ -28,7 +28,7 @@ export class Dragging {
     if (!hit) return;
     const number = hit.group.userData.body;
     this.chain = chainOf(this.body, number, this.trunk);
-    if (!this.chain.length && !this.held) return;
+    if (!this.chain.length && this.needsJoints()) return;
     this.hold = { group: hit.group, number, local: toLocal(hit.group, hit.point), target: hit.point.clone() };
     const facing = this.stage.camera.getWorldDirection(new Vector3());
     this.plane = new Plane().setFromNormalAndCoplanarPoint(facing, hit.point);

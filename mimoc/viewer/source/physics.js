@@ -37,11 +37,15 @@ export class Physics {
 
   // Start from where the infant is, a little higher; MuJoCo is loaded when it is first needed.
   async enter() {
-    this.app.tell(this.mujoco ? "" : "Loading MuJoCo …");
-    this.mujoco ??= await loadEngine(document);
-    this.app.tell("");
-    this.entered = this.app.mode === "physics";
-    if (!this.entered) return;
+    try {
+      this.app.tell(this.mujoco ? "" : "Loading MuJoCo …");
+      this.mujoco ??= await loadEngine(document);
+      this.app.tell("");
+    } catch (error) {
+      this.app.tell(`MuJoCo cannot be loaded: ${error.message}`);
+      return;
+    }
+    if (this.app.mode !== "physics") return; // Left again meanwhile.
     this.from = this.app.body.qpos.slice();
     this.drop();
   }
