@@ -58,6 +58,13 @@ def test_the_programs_on_growing_work(here):
     assert session["schedule"](0) == 6
 
 
+def test_the_program_on_reports_works(here, capsys):
+    (program,) = blocks("docs/report.md", "python")
+    exec(program, {})
+    assert capsys.readouterr().out == "six_months.html\n"
+    assert (here / "six_months.html").stat().st_size < 1_000_000
+
+
 @pytest.mark.slow
 def test_the_programs_on_cohorts_work(here, capsys):
     """With a smaller cohort than the one that is printed."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.io import read_bundle
+from mimoc.bundle.model import load_model
 from mimoc.reporting import words
 from mimoc.reporting.drawing import Drawing, dot
 from mimoc.reporting.frame import Frame, around
@@ -51,7 +52,7 @@ def training_page(folder: Path) -> Page:
     run = read_training_run(folder)
     bundle = read_bundle(folder / BUNDLE)
     sources = Sources(bundle)
-    size, _, body, senses = infant_sections(bundle, sources)
+    size, body, senses = infant_sections(bundle, load_model(bundle), sources)
     pictures, missing = picture(bundle)
     return Page(
         kind="A training run of mimoc",

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -83,7 +84,8 @@ class Seen(HTMLParser):
 @pytest.fixture(scope="session")
 def see() -> Callable[[Path], Seen]:
     """Return what reads a page."""
-    return lambda page: Seen(page.read_text(encoding="utf-8"))
+    read = cache(Seen)
+    return lambda page: read(page.read_text(encoding="utf-8"))
 
 
 @pytest.fixture

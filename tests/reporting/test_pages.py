@@ -130,7 +130,7 @@ def test_the_page_of_a_cohort_tells_what_was_done_and_what_failed(cohort_page, s
     assert (failed[0], failed[4].startswith("logs/")) == ("run", True)
     assert [row for row in seen.rows if row[:1] == ["build"]] == [["build", "6", "0"]]
     assert "Length [cm] by age [months]" in " ".join(seen.attributes("aria-label"))
-    assert "The bodies" in seen.text
+    assert "1 of the 6 bodies that were built" in seen.text
 
 
 def test_with_its_file_the_missing_jobs_of_a_cohort_are_counted(cohort, study, tmp_path, see):

@@ -42,7 +42,7 @@ def test_an_axis_holds_its_values_and_a_few_round_ticks(values):
     assert len({text for _, text in marks}) == len(marks)
 
 
-@given(st.floats(0, 24), st.floats(0, 24))
+@given(st.integers(0, 24), st.integers(0, 24))
 def test_more_is_farther_right_and_up(one, other):
     frame = Frame((0.0, 24.0), (0.0, 24.0))
     (x, y), (other_x, other_y) = frame.at(one, one), frame.at(other, other)

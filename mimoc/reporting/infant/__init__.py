@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+import mujoco
+
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.reporting import words
@@ -31,27 +33,25 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
     Raises:
         ModelError: If MuJoCo rejects its model.
     """
-    sources = Sources(bundle)
-    sections = infant_sections(bundle, sources)
+    model, sources = load_model(bundle), Sources(bundle)
+    size, body, sensed = infant_sections(bundle, model, sources)
+    measured = proportions(model, bundle.manifest.child.age_months, sources)
     checked = stability(bundle, progress) if check else unchecked()
     pictures, missing = picture(bundle)
     return Page(
         kind="An infant, compiled by mimoc",
         title=words.sentence(words.name(bundle.manifest.name)),
         lead=(*described(bundle), *([missing] if missing else [])),
-        sections=(*sections, checked, sources.section(), origin(bundle)),
+        sections=(size, measured, body, sensed, checked, sources.section(), origin(bundle)),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
     )
 
 
-def infant_sections(bundle: Bundle, sources: Sources) -> tuple[Section, ...]:
-    """Return the sections on size, proportions, masses, strength and senses of an infant."""
-    model = load_model(bundle)
-    child = bundle.manifest.child
+def infant_sections(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> tuple[Section, Section, Section]:
+    """Return the sections on size, on masses and strength, and on the senses of an infant."""
     return (
-        growth(child, sources),
-        proportions(model, child.age_months, sources),
+        growth(bundle.manifest.child, sources),
         strength(bundle, model, sources),
         senses(bundle, model, sources),
     )

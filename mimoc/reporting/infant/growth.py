@@ -50,7 +50,7 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
         told = "WHO has no standard for this age"
         if indicator in percentiles:
             told = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
-        links = sources.links(f"child.{indicator}")
+        links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
         yield Tile(name, words.quantity(measures[indicator], unit), f"{words.sentence(told)}.", links)
 
 

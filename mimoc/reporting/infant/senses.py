@@ -23,7 +23,7 @@ FELT = {
     "limits": "how near each is to the end of its range",
     "actuation": "how hard each is driven",
 }
-MOVED = {"accelerometer": "its acceleration, gravity included", "gyro": "how fast it turns"}
+MOVED = {"accelerometer": "its acceleration (with gravity)", "gyro": "how fast it turns"}
 NONE = "This infant has no senses: its observation is a single zero."
 ABOUT = "Delays are whole physics steps of {step:g} ms; a control step takes {control:g} ms."
 

@@ -30,18 +30,18 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 WITH_ALL = ("hand", "foot")
 JOINTS: Mapping[str, str] = {
     "neck, nodding": "head_tilt",
-    "shoulder, arm up and down": "{side}_shoulder_ad_ab",
+    "shoulder, up and down": "{side}_shoulder_ad_ab",
     "elbow": "{side}_elbow",
     "trunk, bending": "hip_bend1",
     "wrist": "{side}_hand2",
-    "hip, leg to and fro": "{side}_hip1",
+    "hip, to and fro": "{side}_hip1",
     "knee": "{side}_knee",
     "ankle": "{side}_foot1",
 }
 """Joints that are told in the picture."""
-WIDTH, HEIGHT = 720.0, 500.0
+WIDTH, HEIGHT = 540.0, 500.0
 TOP, FEET = 40.0, 470.0
-LEFT_TEXT, RIGHT_TEXT = 205.0, 515.0
+LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0
 """Where the texts at either side end and begin."""
 APART = 34.0
 """Least distance of two texts."""
@@ -67,7 +67,7 @@ def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section
     masses = table(("part", "mass [g]", "share of the body [%]", ""), _mass_rows(model, sources))
     joints = list(_joint_rows(bundle, model, sources))
     headings = ("joint", "peak torque [N m]", "range [°]", "")
-    listed = Details(f"All {len(joints)} joints that muscles move", (table(headings, joints),))
+    listed = Details("All joints that muscles move", (table(headings, joints),))
     return Section("body", "Masses and strength", (figure, masses, listed))
 
 
@@ -171,7 +171,6 @@ def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iter
         sides = "" if len(joints) == 2 else next((s for s in ("left ", "right ") if f"{s[:-1]}_" in joints[0]), "")
         keys = [f"actuator.{actuator}.gear" for actuator in actuators.get(joints[0], ())]
         links = sources.links(*keys, f"joint.{joints[0]}.range")
-        sources.links(f"joint.{joints[0]}.range")
         yield Cell(words.sentence(sides + words.name(name))), number(torques), number(reach), Cell("", links=links)
 
 
