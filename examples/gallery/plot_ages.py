@@ -2,7 +2,8 @@
 Infants of several ages
 =======================
 
-One spec, four ages: each infant is built in memory and drawn by the camera that an environment renders with.
+One spec, four ages: each infant is built in memory. The camera of an environment comes as near as it can, so that all
+look equally large; `mimoc render` draws several to scale.
 """
 
 import matplotlib.pyplot as plt

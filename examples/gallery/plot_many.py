@@ -10,7 +10,7 @@ import numpy as np
 
 import mimoc
 
-AGES = (1, 3, 6, 12, 18, 24)
+AGES = (0, 3, 6, 12, 18, 24)
 
 spec = mimoc.InfantSpec(mimoc=1, name="sitter", age_months=0, senses={"vestibular": {}}, scene={"pose": "sitting"})
 envs = mimoc.make_vec([spec.with_(age_months=age) for age in AGES])

@@ -2,8 +2,8 @@
 A reward of your own
 ====================
 
-A task is a class with the method `judge`. This one rewards a prone newborn for a head that is high, and shows its terms
-while the infant moves at random.
+A task is a class with the method `judge`. This one rewards an infant for a head that is high, and for little
+effort. Its terms are shown while an infant of nine months moves at random, and so falls over.
 """
 
 import matplotlib.pyplot as plt
@@ -19,11 +19,11 @@ class HeadUp(mimoc.Task):
 
     def judge(self, data, action, effort):
         height_m = float(data.xpos[self.head, 2])
-        return mimoc.Verdict({"height": height_m, "effort": -0.01 * effort()}, success=height_m > 0.3)
+        return mimoc.Verdict({"height": height_m, "effort": -0.1 * effort()}, success=height_m > 0.3)
 
 
-spec = mimoc.InfantSpec(mimoc=1, name="newborn", age_months=0, senses={}, scene={"pose": "prone"})
-env = mimoc.make(spec, task=HeadUp(steps=200))
+spec = mimoc.InfantSpec(mimoc=1, name="sitting", age_months=9, senses={}, scene={"pose": "sitting"})
+env = mimoc.make(spec, task=HeadUp(steps=150))
 env.reset(seed=0)
 env.action_space.seed(0)
 terms, truncated = [], False

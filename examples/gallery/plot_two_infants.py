@@ -18,6 +18,7 @@ OPTIONS += ["disableflags"]
 
 spec = mimoc.InfantSpec(mimoc=1, name="twin", age_months=12, senses={})
 host = mujoco.MjSpec()
+host.visual.headlight.ambient = [0.5] * 3
 host.worldbody.add_light(pos=[0, 0, 3], diffuse=[0.7] * 3)
 host.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 1], rgba=[0.5, 0.6, 0.6, 1])
 with tempfile.TemporaryDirectory() as folder:

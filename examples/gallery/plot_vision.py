@@ -2,7 +2,7 @@
 What an eye sees at several ages
 ================================
 
-The same room seen with the acuity of 1, 3 and 12 months, and without blur. The field of view is narrow, so that the
+The same room seen with the acuity of 2, 4 and 12 months, and without blur. The field of view is narrow, so that the
 picture has enough pixels for the acuity of every age.
 """
 
@@ -18,7 +18,7 @@ spec = mimoc.InfantSpec(
     scene={"kind": "room", "pose": "sitting", "seed": 4, "toys": {"count": [6, 6]}},
 )
 figure, axes = plt.subplots(1, 4, figsize=(10, 3))
-for ax, acuity in zip(axes, (1, 3, 12, "off"), strict=True):
+for ax, acuity in zip(axes, (2, 4, 12, "off"), strict=True):
     env = mimoc.make(spec.with_(senses={"vision": {"acuity": acuity}}))
     observation, _ = env.reset(seed=0)
     ax.imshow(observation["eye_left"])
