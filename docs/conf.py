@@ -19,12 +19,12 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
+    "docstrings",
     "repository",
 ]
 exclude_patterns = ["_ext"]
-templates_path: list[str] = []
 language = "en"
-nitpicky = False
+default_role = "code"
 suppress_warnings = ["config.cache"]
 
 myst_enable_extensions = ["deflist", "colon_fence", "attrs_inline"]
@@ -41,7 +41,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
-    "within_subsection_order": "FileNameSortKey",
+    "within_subsection_order": "gallery_order.GalleryOrder",
     "download_all_examples": False,
     "show_signature": False,
     "show_memory": False,

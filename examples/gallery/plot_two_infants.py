@@ -1,0 +1,43 @@
+"""
+Two infants in one MuJoCo model
+===============================
+
+`infant.xml` of a bundle is an infant by itself. Attached twice with prefixes, it is a pair, in plain MuJoCo.
+"""
+
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import mujoco
+
+import mimoc
+
+OPTIONS = ["timestep", "integrator", "cone", "jacobian", "solver", "iterations", "ls_iterations", "tolerance"]
+OPTIONS += ["disableflags"]
+
+spec = mimoc.InfantSpec(mimoc=1, name="twin", age_months=12, senses={})
+host = mujoco.MjSpec()
+host.visual.headlight.ambient = [0.5] * 3
+host.worldbody.add_light(pos=[0, 0, 3], diffuse=[0.7] * 3)
+host.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 1], rgba=[0.5, 0.6, 0.6, 1])
+with tempfile.TemporaryDirectory() as folder:
+    mimoc.write_bundle(mimoc.build(spec), Path(folder) / "twin")
+    for prefix, y in (("anna_", -0.25), ("ben_", 0.25)):
+        infant = mujoco.MjSpec.from_file(str(Path(folder) / "twin" / "infant.xml"))
+        for option in OPTIONS:
+            setattr(host.option, option, getattr(infant.option, option))
+        host.nuser_actuator = infant.nuser_actuator
+        host.attach(infant, prefix=prefix, frame=host.worldbody.add_frame(pos=[0, y, 0]))
+    model = host.compile()
+
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+camera = mujoco.MjvCamera()
+camera.lookat, camera.distance, camera.azimuth, camera.elevation = (0, 0, 0.4), 1.6, 160, -12
+with mujoco.Renderer(model, 300, 400) as renderer:
+    renderer.update_scene(data, camera)
+    picture = renderer.render()
+plt.imshow(picture)
+plt.axis("off")
+plt.show()
