@@ -23,16 +23,15 @@ OwnTask = Annotated[
     typer.Option("--task", metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from."),
 ]
 
+Video = Annotated[Path | None, typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif.")]
+
 
 def replay(
     recording: RecordingPath,
     infant: Infant = None,
     episode: Number = None,
     task: OwnTask = None,
-    video: Annotated[
-        Path | None,
-        typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif."),
-    ] = None,
+    video: Video = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
     body: ShownBody = Body.SKIN,
