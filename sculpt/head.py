@@ -38,7 +38,7 @@ def field(head: Head) -> Field:
     ]
     ear = _ear(head)
     nose = _nose(head)
-    socket = ellipsoid(np.add(head.eye, (18.0, 2.0, 1.0)), (13, 16, 11))
+    socket = ellipsoid(np.add(head.eye, (19.5, -2.5, 0.5)), (13, 15, 12))
 
     def whole(p: Array) -> Array:
         q = np.column_stack((p[:, 0], -np.abs(p[:, 1]), p[:, 2]))
@@ -77,7 +77,7 @@ def _nose(head: Head):
     ax, _, az = head.half_axes
     tip = ball((0.985 * ax - 0.5, 0, -0.270 * az), 5.6)
     wing = ball((0.955 * ax - 1.0, -4.8, -0.290 * az), 3.9)
-    bridge = tube((0.90 * ax, 0, -0.04 * az), (0.970 * ax, 0, -0.23 * az), (4.6, 4.2))
+    bridge = tube((0.905 * ax, 0, -0.09 * az), (0.970 * ax, 0, -0.23 * az), (4.4, 4.2))
 
     def add(q: Array, d: Array) -> Array:
         nose = smooth_min(smooth_min(tip(q), wing(q), 3.0), bridge(q), 6.0)
