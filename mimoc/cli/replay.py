@@ -42,10 +42,7 @@ def replay(
     from mimoc.cli import console
     from mimoc.recording.reading import read_recording
 
-    if eyes and not video:
-        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
-    if video:
-        videos.check_video(video)
+    _check_video(video, eyes)
     found = read_recording(recording)
     _check_one_infant(found, infant, video)
     failed = steps = count = 0
@@ -66,6 +63,20 @@ def replay(
     print(f"ok: all numbers of {counted(count, 'episode')}, {counted(steps, 'control step')}, came out again")
     if video:
         print(video)
+
+
+def _check_video(video: Path | None, eyes: bool) -> None:
+    """Check that a video can be made, and that there is one to show eyes in.
+
+    Raises:
+        MimocError: If not.
+    """
+    from mimoc import recording
+
+    if eyes and not video:
+        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
+    if video:
+        recording.check_video(video)
 
 
 def _check_one_infant(found: "ReadRecording", infant: int | None, video: Path | None) -> None:

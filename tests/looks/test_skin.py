@@ -20,6 +20,8 @@ from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 HANDS = ("mitten", "five_finger")
 AGES_MONTHS = (0, 9, 24)
 FARTHEST_STRETCH = 4
+RIM = 1.12
+"""The rims of the lids are within so many radii of an eyeball."""
 BELOW_FLOOR_M = 0.002
 """How far skin may be below the floor that the solids rest on, or above it where it rests."""
 
@@ -122,7 +124,7 @@ def test_who_misses_an_eye_has_its_lids_closed():
         tree = child(9, **body)
         head, reference = skin_of(tree).layers[-1], sculpture("mitten").head
         place = reference.eye_m * (1, -1, 1)
-        rim = np.linalg.norm(reference.verts_m - place, axis=1) < 1.0 * reference.eye_radius_m
+        rim = np.linalg.norm(reference.verts_m - place, axis=1) < RIM * reference.eye_radius_m
         middle = rim & (np.abs(reference.verts_m[:, 1] - place[1]) < 0.003)
         return float(np.ptp(head.verts_m[middle][:, 2]))
 
@@ -131,7 +133,7 @@ def test_who_misses_an_eye_has_its_lids_closed():
 
 def test_newborns_have_narrower_lids_than_older_infants():
     reference = sculpture("mitten").head
-    near = np.linalg.norm(reference.verts_m - reference.eye_m, axis=1) < 1.0 * reference.eye_radius_m
+    near = np.linalg.norm(reference.verts_m - reference.eye_m, axis=1) < RIM * reference.eye_radius_m
     assert np.ptp(reference.newborn_m[near][:, 2]) < 0.8 * np.ptp(reference.verts_m[near][:, 2])
     assert [newborn_share(age) for age in (0, 3, 6, 24)] == pytest.approx([1, 0.5, 0, 0])
 
