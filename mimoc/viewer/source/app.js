@@ -98,7 +98,7 @@ export class App {
       this.stage.lightUp(middle, this.radius);
     }
     for (const each of this.changed) each();
-    this.stage.draw();
+    this.stage.drawMoved();
   }
 
   // Part of the body is held and pulled.
