@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
+from support.browser import wait_for
 
 import mimoc
 from mimoc.viewer.page import page_of
@@ -66,7 +67,7 @@ def open_page(browser) -> Iterator[Callable[..., Page]]:
         page.on("console", lambda message: message.type == "error" and complaints.append(message.text))
         page.on("request", lambda request: request.url.startswith("http") and complaints.append(request.url))
         page.goto(path.as_uri())
-        page.wait_for_function("window.mimoc")
+        wait_for(page, "Boolean(window.mimoc)")
         opened.append(page)
         return page
 

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from PIL import Image
+from support.browser import wait_for
 
 from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants, spec_of
@@ -156,7 +157,7 @@ def test_it_falls_as_in_mujoco_here(shown, infant):
     """The page's MuJoCo is of another version, so the fall is the same only nearly."""
     shown.evaluate("mimoc.enter('pose'); mimoc.setPose('supine'); mimoc.setAge(9)")
     shown.evaluate("mimoc.enter('physics')")
-    shown.wait_for_function("mimoc.physics.data")
+    wait_for(shown, "mimoc.physics.data")
     shown.evaluate("mimoc.physics.stop(); mimoc.physics.drop(); mimoc.physics.stop()")
     start = shown.evaluate("Array.from(mimoc.physics.data.qpos)")
     shown.evaluate("mimoc.physics.advance(40)")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.browser import wait_for
 
 
 def seek(page, seconds: float) -> None:
@@ -41,9 +42,7 @@ def test_eyes_show_what_was_seen_then(replayed):
     replayed.get_by_label("What the eyes see").check()
     seek(replayed, 0.3)
     assert replayed.locator("#seen video:visible").count() == 2
-    replayed.wait_for_function(
-        "[...document.querySelectorAll('video')].every((each) => each.readyState >= 2 && !each.seeking)"
-    )
+    wait_for(replayed, "[...document.querySelectorAll('video')].every((each) => each.readyState >= 2 && !each.seeking)")
     assert replayed.locator("video").evaluate_all("(all) => all.map((each) => each.currentTime)") == pytest.approx(
         [0.305, 0.305]
     )

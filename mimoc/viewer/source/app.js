@@ -79,10 +79,10 @@ export class App {
   #takePose() {
     const { body } = this;
     body.move(body.poseOf(this.pose));
-    const height = body.lowest();
+    this.height = body.lowest();
     for (const [joint, angle] of this.own) body.qpos[ROOT + joint] = body.clipped(joint, angle);
     body.move();
-    body.qpos[2] += height - body.lowest();
+    body.qpos[2] += this.height - body.lowest();
     this.show();
   }
 
@@ -98,7 +98,7 @@ export class App {
       this.stage.lightUp(middle, this.radius);
     }
     for (const each of this.changed) each();
-    this.stage.draw();
+    this.stage.drawMoved();
   }
 
   // Part of the body is held and pulled.
@@ -109,7 +109,7 @@ export class App {
     this.middle = null; // The camera stays while someone drags.
     reachFor(this.body, chain, hold);
     for (const joint of chain) this.own.set(joint, this.body.qpos[ROOT + joint]);
-    const below = this.body.lowest();
+    const below = this.body.lowest() - Math.min(this.height, 0); // A pose may press into the floor a little.
     if (below < 0) this.body.qpos[2] -= below;
     this.show();
     this.middle = before && this.body.extent().middle;

@@ -18,7 +18,7 @@ export class Dragging {
   }
 
   #under(event) {
-    const [hit] = this.stage.under(event, this.infant.bodies);
+    const [hit] = this.stage.under(event, this.infant.solids);
     return hit && { point: hit.point, group: hit.object.parent.parent };
   }
 

@@ -44,10 +44,10 @@ function poses(app) {
 
 function shown(app) {
   const controls = [];
-  if (app.infant.skin) controls.push(check("Skin and clothes", app.infant.skinned, (on) => (app.infant.showSkin(on), app.stage.draw())));
+  if (app.infant.skin) controls.push(check("Skin and clothes", app.infant.skinned, (on) => (app.infant.showSkin(on), app.stage.drawMoved())));
   if (app.touch) controls.push(check("Touch points", false, (on) => app.showTouch(on)));
   if (app.data.eyes.names.length) controls.push(check("What the eyes see", false, (on) => app.showEyes(on)));
-  if (!app.surroundings.isEmpty) controls.push(check("Surroundings", true, (on) => ((app.surroundings.scene.visible = on), app.stage.draw())));
+  if (!app.surroundings.isEmpty) controls.push(check("Surroundings", true, (on) => ((app.surroundings.scene.visible = on), app.stage.drawMoved())));
   const names = Object.keys(app.infant.expressions);
   if (names.length) {
     const select = element("select", {}, ...names.map((name) => element("option", { value: name, textContent: sentence(name) })));

@@ -13,6 +13,7 @@ export class Stage {
     this.renderer.toneMapping = NoToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false; // Only when something has moved: half of a picture's time without a GPU.
     this.renderer.autoClear = false;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 60);
@@ -33,7 +34,7 @@ export class Stage {
   #light() {
     this.sun = new DirectionalLight(0xfff4e6, 1.9);
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.radius = 5;
     this.sun.shadow.normalBias = 0.006;
     const fill = new DirectionalLight(0xfff2e4, 0.75);
@@ -65,6 +66,7 @@ export class Stage {
     Object.assign(camera, { left: -1.6 * radius, right: 1.6 * radius, top: 1.6 * radius, bottom: -1.6 * radius, near: 0.3, far: 6 });
     camera.updateProjectionMatrix();
     this.floor.lines.material.uniforms.middle.value.set(middle.x, middle.y);
+    for (const each of [this.floor.lines, this.floor.shadow]) each.position.set(middle.x, middle.y, each.position.z);
   }
 
   resize() {
@@ -74,6 +76,12 @@ export class Stage {
     this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
     this.camera.updateProjectionMatrix();
     this.render();
+  }
+
+  // Draw a picture soon in which something has moved.
+  drawMoved() {
+    this.renderer.shadowMap.needsUpdate = true;
+    this.draw();
   }
 
   // Draw a picture soon; many calls make one picture.
@@ -121,15 +129,15 @@ export class Stage {
   }
 }
 
-// A floor that shows only shadows, and lines every 10 cm that fade away.
+// A floor around the infant that shows only shadows, and lines every 10 cm that fade away.
 function makeFloor() {
-  const shadow = new Mesh(new CircleGeometry(4, 64), new ShadowMaterial({ opacity: 0.2, color: 0x3a2a1a }));
+  const shadow = new Mesh(new CircleGeometry(1, 64), new ShadowMaterial({ opacity: 0.2, color: 0x3a2a1a }));
   shadow.receiveShadow = true;
   const material = new ShaderMaterial({
     transparent: true,
     depthWrite: false,
     uniforms: { middle: { value: new Vector2() } },
-    vertexShader: "varying vec2 at; void main() { at = position.xy; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
+    vertexShader: "varying vec2 at; void main() { at = (modelMatrix * vec4(position, 1.0)).xy; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
     fragmentShader: `varying vec2 at; uniform vec2 middle;
       void main() {
         vec2 cell = abs(fract(at * 10.0 + 0.5) - 0.5) / fwidth(at * 10.0);
@@ -137,7 +145,7 @@ function makeFloor() {
         gl_FragColor = vec4(0.35, 0.29, 0.22, 0.16 * line * smoothstep(0.85, 0.15, distance(at, middle)));
       }`,
   });
-  const lines = new Mesh(new CircleGeometry(4, 64), material);
+  const lines = new Mesh(new CircleGeometry(1, 64), material);
   lines.position.z = 0.0005;
   const ground = new Mesh(new CircleGeometry(30, 64), new MeshBasicMaterial({ color: 0xdfd2be }));
   ground.position.z = -0.0005;
