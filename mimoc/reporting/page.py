@@ -84,7 +84,7 @@ class Drawings:
     drawings: tuple[Drawing, ...]
     caption: str
     kind: str = "grid"
-    """Class of the style sheet: `grid`, or `wide` for a drawing that takes the whole width."""
+    """Class of the style sheet: `grid`, `pair` for larger ones, `wide` for one alone, `row` for small ones."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from mimoc.cohorts import Job
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, Label, Path, dot, drawing, label
+from mimoc.reporting.drawing import Drawing, dot, drawing, label
 from mimoc.reporting.frame import Frame, around
 from mimoc.reporting.page import Block, Cell, Details, Drawings, Section, Text, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
@@ -20,8 +20,10 @@ MOST_LISTED = 200
 NOT_OF_BODIES = ("actuation.", "delays.", "noise.", "senses.", "scene.", "control.", "task.")
 """How keys of the spec begin that leave the body as it is."""
 UNITS_PER_M = 240.0
-APART, BELOW, ABOVE = 34.0, 36.0, 12.0
-"""Room between the drawn infants, below them and above."""
+BELOW, ABOVE = 36.0, 12.0
+"""Room below the drawn infants and above."""
+LEAST_HALF = 34.0
+"""Half of the least width, so that there is room for the words below."""
 KINDS = {"female": "girl", "male": "boy"}
 PAIRS = (("length", "weight"), ("length", "head"))
 """What is drawn against each other."""
@@ -104,16 +106,17 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
         yield Text("No infants are drawn, because the cohort has no step that builds them (do: [build]).", "note")
         return
     bodies = list({_body(job): job for job in built[::-1]}.values())[::-1]
-    chosen = bodies[:: max(1, -(-len(bodies) // MOST_DRAWN))]
+    number_drawn = min(len(bodies), MOST_DRAWN)
+    chosen = [bodies[index * len(bodies) // number_drawn] for index in range(number_drawn)]
     drawn = [(bundle, silhouette(load_model(bundle))) for job in chosen for bundle in _bundle(job, store)]
     if not drawn:
         yield Text("No infants are drawn, because their bundles are no longer in the folder.", "note")
         return
     drawn.sort(key=lambda each: each[0].manifest.child.age_months)
     some = f"{len(drawn)} of the {len(bodies)} bodies" if len(drawn) < len(bodies) else "The bodies"
-    yield Drawings(
-        (_row(drawn),), f"{some} that were built, to scale, from the solids that the simulation uses.", "wide"
-    )
+    tallest_m = max(outline.height_m for _, outline in drawn)
+    row = tuple(_outline(bundle, outline, tallest_m) for bundle, outline in drawn)
+    yield Drawings(row, f"{some} that were built, to scale, from the solids that the simulation uses.", "row")
 
 
 def _body(job: Job) -> str:
@@ -129,19 +132,13 @@ def _bundle(job: Job, store: Store) -> Iterator[Bundle]:
         return
 
 
-def _row(drawn: Sequence[tuple[Bundle, Silhouette]]) -> Drawing:
-    """Return infants in a row, each with its age and its length."""
-    tallest = max(outline.height_m for _, outline in drawn)
-    ground = ABOVE + UNITS_PER_M * tallest
-    paths: list[Path] = []
-    labels: list[Label] = []
-    x = APART / 2
-    for bundle, outline in drawn:
-        half = max(UNITS_PER_M * outline.half_width_m, 22.0)
-        paths += outline.paths(UNITS_PER_M, (x + half, ground))
-        child = bundle.manifest.child
-        sex = {"male": "boy, ", "female": "girl, "}.get(child.sex or "", "")
-        labels.append(label((x + half, ground + 16), f"{sex}{child.age_months:.3g} mo", "small middle"))
-        labels.append(label((x + half, ground + 30), words.quantity(child.length_cm, "cm"), "small middle"))
-        x += 2 * half + APART
-    return drawing("infants of the cohort side by side, to scale", (x - APART / 2, ground + BELOW), paths, (), labels)
+def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
+    """Return an infant with its age and its length, on the same ground as the tallest one."""
+    half = max(UNITS_PER_M * outline.half_width_m, LEAST_HALF)
+    ground = ABOVE + UNITS_PER_M * tallest_m
+    child = bundle.manifest.child
+    sex = {"male": "boy, ", "female": "girl, "}.get(child.sex or "", "")
+    told = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
+    labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(told)]
+    paths = outline.paths(UNITS_PER_M, (half, ground))
+    return drawing(", ".join(told), (2 * half, ground + BELOW), paths, (), labels, kind="body")
