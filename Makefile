@@ -99,7 +99,7 @@ apptainer:
 		"(https://apptainer.org/docs/admin/main/installation.html), or give its path: make container APPTAINER=..."; exit 1; }
 
 clean: ## Remove everything that was built: .venv, .matrix, out, caches.
-	rm -rf $(VENV) .matrix .viewer out dist build .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .matrix .viewer out docs/gallery dist build .pytest_cache .ruff_cache .hypothesis
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(DEMO): pyproject.toml

@@ -60,6 +60,7 @@ INSTEAD = {
     # Many frames, and large ones.
     r"--steps 100 --video\b": "--steps 10 --size 64 --video",
     r"--size 200\b": "--size 40",
+    r"--seeds 0:12\b": "--seeds 0:3",
     r"\bsteps=100, eyes=True": "steps=10, eyes=True, height_px=64",
     # A window needs a screen.
     r"\bpython -m mujoco.viewer --mjcf=(\S+)": r"""python -c 'import mujoco; mujoco.MjModel.from_xml_path("\1")'""",
