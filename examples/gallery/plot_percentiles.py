@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 
 import mimoc
 
-AGES = range(0, 25, 4)
+AGES = range(0, 25, 6)
 
 figure, ax = plt.subplots()
 for percentile in (3, 50, 97):
