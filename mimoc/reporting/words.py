@@ -6,7 +6,7 @@ THIN_SPACE, MINUS, TIMES, NOTHING = "\u202f", "\u2212", "\u00d7", "\u2013"
 FEW, MANY = 3.0, 97.0
 """Percentiles between which WHO's charts draw the usual range."""
 LOW, HIGH = 15.0, 85.0
-"""Percentiles between which two of three children are."""
+"""Percentiles between which 7 of 10 children are, the inner band of those charts."""
 
 INDICATORS = {
     "length_cm": ("Length", "cm", "shorter", "short", "long"),

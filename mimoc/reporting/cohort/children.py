@@ -105,7 +105,8 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     if not built:
         yield Text("No infants are drawn, because the cohort has no step that builds them (do: [build]).", "note")
         return
-    bodies = list({_body(job): job for job in built[::-1]}.values())[::-1]
+    first = {_body(job): job for job in reversed(built)}
+    bodies = sorted((job for job in built if first[_body(job)] is job), key=_months)
     number_drawn = min(len(bodies), MOST_DRAWN)
     chosen = [bodies[index * len(bodies) // number_drawn] for index in range(number_drawn)]
     drawn = [(bundle, silhouette(load_model(bundle))) for job in chosen for bundle in _bundle(job, store)]
@@ -117,6 +118,12 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     tallest_m = max(outline.height_m for _, outline in drawn)
     row = tuple(_outline(bundle, outline, tallest_m) for bundle, outline in drawn)
     yield Drawings(row, f"{some} that were built, to scale, from the solids that the simulation uses.", "row")
+
+
+def _months(job: Job) -> float:
+    """Return the age of an infant, as far as it is a factor, so that infants of all ages are chosen."""
+    months = job.factors.get("age_months")
+    return float(months) if isinstance(months, (int, float)) else 0.0
 
 
 def _body(job: Job) -> str:

@@ -35,7 +35,7 @@ def growth(child: ChildEntry, sources: Sources) -> Section:
     percentiles = who_percentiles(child)
     charts = [_chart(indicator, child, percentiles) for indicator in load_tables().who]
     caption = (
-        f"WHO Child Growth Standards (2006, 2007), {AMONG[child.sex]}. The line is the median; two of three children "
+        f"WHO Child Growth Standards (2006, 2007), {AMONG[child.sex]}. The line is the median; 7 of 10 children "
         "are in the inner band, and 94 of 100 in the outer one. The dot is this infant."
     )
     tiles = Tiles(tuple(_tiles(child, percentiles, sources)))
