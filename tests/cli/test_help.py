@@ -60,6 +60,7 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
         "infant.html",
         "infant.schema.json",
         "kim.yaml",
+        "nine_months.html",
         "nine_months.png",
         "out",
         "recordings",
