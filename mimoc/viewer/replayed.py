@@ -153,8 +153,8 @@ def _felt(observed: Array, points: int) -> tuple[Array, Array]:
 
 def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
-    yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
     yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
+    yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
     for reading in episode.described.readings:
         if reading.name == "touch":
             forces = episode.observation(reading.name)

@@ -65,7 +65,7 @@ def test_touch_is_what_was_observed(known, recorded):
 def test_curves_are_all_numbers_to_a_share_of_their_range(known, recorded):
     episode = recorded[0][0]
     curves = {curve["name"]: curve for curve in known["curves"]}
-    assert list(curves) == ["reward", "action", "proprioception", "touch"]
+    assert list(curves) == ["action", "reward", "proprioception", "touch"]
     for name, expected in (
         ("action", episode.column("action")[1:]),
         ("proprioception", episode.observation("proprioception")[1:]),
