@@ -81,7 +81,7 @@ class _Carrying:
         used = np.unique(kept)
         number = np.zeros(len(verts_m), np.intp)
         number[used] = np.arange(len(used))
-        moving = weights[used].any(axis=0)
+        moving = weights[used].any(axis=0).tolist()
         names = tuple(bone for bone, moves in zip(bones, moving, strict=True) if moves)
         return SkinLayer(
             name,
