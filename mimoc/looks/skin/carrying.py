@@ -81,8 +81,8 @@ class _Carrying:
         used = np.unique(kept)
         number = np.zeros(len(verts_m), np.intp)
         number[used] = np.arange(len(used))
-        moving = weights[used].any(axis=0).tolist()
-        names = tuple(bone for bone, moves in zip(bones, moving, strict=True) if moves)
+        moving = np.flatnonzero(weights[used].sum(axis=0))
+        names = tuple(bones[index] for index in moving)
         return SkinLayer(
             name,
             verts_m[used],
