@@ -81,8 +81,8 @@ class _Carrying:
         used = np.unique(kept)
         number = np.zeros(len(verts_m), np.intp)
         number[used] = np.arange(len(used))
-        moving = weights[used].any(axis=0)
-        names = tuple(bone for bone, moves in zip(bones, moving, strict=True) if moves)
+        moving = weights[used].max(axis=0, initial=0.0) > 0
+        names = tuple(bones[index] for index in np.flatnonzero(moving))
         return SkinLayer(
             name,
             verts_m[used],
