@@ -45,7 +45,7 @@ def paint_face(expression: str) -> bytes:
     face, (x, y, z), image = FACES[expression], _directions(), _bare_head().copy()
     rows, columns = np.nonzero((x > 0.3) & (z < 0.5) & (np.abs(y) < 0.75))
     part = np.s_[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
-    front, across, height = x[part] > 0, BREADTH * y[part], z[part]
+    front, across, height = np.where(x[part] > 0, 1.0, 0.0), BREADTH * y[part], z[part]
     drawn = brow(image[part], np.abs(across), height, front, face)
     image[part] = mouth(drawn, across, height, front, face)
     lips = np.argwhere((x > 0) & (np.abs(y) < 0.34) & (np.abs(z + 0.5) < 0.16))
@@ -98,7 +98,7 @@ def _thin_hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -
 def _bare_head() -> FloatArray:
     """Return what all expressions share: skin, hair, and the lids' rims; read-only."""
     x, y, z = _directions()
-    front, across = x > 0, BREADTH * y
+    front, across = np.where(x > 0, 1.0, 0.0), BREADTH * y
     image = blush(np.full((*x.shape, 3), SKIN, np.float64), across, z, front)
     image = over(image, DEEP, 0.30 * blob(np.abs(y) - 1.0, z + 0.16, 0.06, 0.12) * (np.abs(x) < 0.25))
     image = _thin_hair(image, x, y, z)
