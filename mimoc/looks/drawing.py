@@ -12,7 +12,6 @@ from PIL import Image
 from mimoc.looks.expressions import FACES, Face
 
 FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 """Double precision, so that results that differ in the last digits between processors round to the same texels."""
 Colour = tuple[float, float, float]
 """Red, green and blue, 0 to 255."""
@@ -125,7 +124,7 @@ def _bare_head(breadth: float) -> FloatArray:
     return image
 
 
-def blush(image: FloatArray, y: FloatArray, z: FloatArray, front: BoolArray) -> FloatArray:
+def blush(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
     """Redden the cheeks and the tip of the nose."""
     image = over(image, BLUSH, 0.42 * front * blob(np.abs(y) - 0.53, z + 0.36, 0.17, 0.14))
     return over(image, BLUSH, 0.18 * front * blob(y, z + 0.27, 0.09, 0.08))
@@ -142,7 +141,7 @@ def hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> Floa
     return over(image, HAIR, (0.62 + 0.10 * strands) * within(angle - reach, 0.45))
 
 
-def _eye_opening(image: FloatArray, side: FloatArray, z: FloatArray, front: BoolArray) -> FloatArray:
+def _eye_opening(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
     """Draw the lids and the white around each eyeball; the eyeball itself is another geom."""
     across, up = (side - EYE_Y) / 0.145, (z - EYE_Z) / 0.118
     image = over(image, BLUSH, 0.30 * front * blob(side - EYE_Y, z - EYE_Z, 0.22, 0.19))
@@ -151,7 +150,7 @@ def _eye_opening(image: FloatArray, side: FloatArray, z: FloatArray, front: Bool
     return over(image, WHITE, front * within(np.hypot(across, up) - 0.98, 0.26))
 
 
-def brow(image: FloatArray, side: FloatArray, z: FloatArray, front: BoolArray, face: Face) -> FloatArray:
+def brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
     """Draw a short, soft brow over each eye; a positive tilt lowers its inner end."""
     across = (side - 0.37) / 0.17
     middle = face.brow_height + face.brow_tilt * across - 0.035 * across**2
@@ -160,7 +159,7 @@ def brow(image: FloatArray, side: FloatArray, z: FloatArray, front: BoolArray, f
     return over(image, HAIR, strength * (np.abs(across) < 1) * within(np.abs(z - middle) - thickness, 0.03))
 
 
-def mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: BoolArray, face: Face) -> FloatArray:
+def mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
     """Draw the lips, and the inside of the mouth if it is open."""
     across = y / face.mouth_width
     taper = np.sqrt(np.clip(1 - across**2, 0, 1))
