@@ -186,6 +186,11 @@ class Manifest(Model):
     keypoints: tuple[str, ...] = ()
     """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
 
+    @property
+    def has_skin(self) -> bool:
+        """Whether a skin is drawn over the infant's solids."""
+        return self.face is not None and self.face.skin is not None
+
     def __repr__(self) -> str:
         """Return name and age only: the whole manifest is long."""
         return f"Manifest({self.name!r}, {self.child.age_months:g} months)"

@@ -102,7 +102,8 @@ def entries_of(bundle: Bundle) -> Entries:
     """
     if PROVENANCE in bundle.files:
         return json.loads(bundle.files[PROVENANCE])
-    again = builder(read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE)))(bundle.manifest.seed, check=False)
+    spec = read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE))
+    again = builder(spec, skin=bundle.manifest.has_skin)(bundle.manifest.seed, check=False)
     if any(again.files[name] != bundle.files[name] for name in ("infant.xml", "scene.xml")):
         message = f"{bundle.path}: has no {PROVENANCE}, and this version of mimoc builds another infant from its spec"
         raise BundleError(f"{message}; build it again with 'mimoc build'")

@@ -165,8 +165,7 @@ class BundleVariants:
 
     @cached_property
     def _of_spec(self) -> SpecVariants:
-        face = self._bundle.manifest.face
-        return SpecVariants(spec_of(self._bundle), skin=face is not None and face.skin is not None)
+        return SpecVariants(spec_of(self._bundle), skin=self._bundle.manifest.has_skin)
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:
