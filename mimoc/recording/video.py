@@ -72,45 +72,17 @@ class Video(ABC):
         """Write everything that remains to be written."""
 
 
-class Mp4(Video):
-    """H.264 in an MP4 file, which browsers and presentations can play."""
+class _Encoded(Video):
+    """A video that FFmpeg encodes, in the container that a subclass opens, with one stream."""
 
-    def __init__(self, file: Path, rate_hz: Fraction, quality: Mapping[str, str] = QUALITY):
-        super().__init__(file, rate_hz)
-        self._av = require_av()
-        self._container = self._av.open(str(self._temporary), "w", format="mp4", options={"movflags": "+faststart"})
-        codec = next(name for name in CODECS if name in self._av.codecs_available)
-        self._stream = self._container.add_stream(codec, rate=rate_hz, options=quality if codec == CODECS[0] else {})
-        self._stream.pix_fmt = "yuv420p"
-
-    def _write(self, picture: Picture) -> None:
-        rows, columns = (side % 2 for side in picture.shape[:2])
-        even = np.pad(picture, ((0, rows), (0, columns), (0, 0)), mode="edge")  # Chroma is subsampled by two.
-        if not self.pictures:
-            self._stream.height, self._stream.width = even.shape[:2]
-        self._container.mux(self._stream.encode(self._av.VideoFrame.from_ndarray(even, "rgb24")))
-
-    def _finish(self) -> None:
-        self._container.mux(self._stream.encode())
-        self._container.close()
-
-    def discard(self) -> None:
-        """Remove the temporary file."""
-        self._container.close()
-        super().discard()
-
-
-class Lossless(Video):
-    """FFV1 in a Matroska file, from which every pixel comes back as it was."""
+    _container: Any
+    _stream: Any
 
     def __init__(self, file: Path, rate_hz: Fraction):
         super().__init__(file, rate_hz)
         self._av = require_av()
-        self._container = self._av.open(str(self._temporary), "w", format="matroska")
-        self._stream = self._container.add_stream("ffv1", rate=rate_hz, options=LOSSLESS)
-        self._stream.pix_fmt = "bgr0"
 
-    def _write(self, picture: Picture) -> None:
+    def _encode(self, picture: Picture) -> None:
         if not self.pictures:
             self._stream.height, self._stream.width = picture.shape[:2]
         self._container.mux(self._stream.encode(self._av.VideoFrame.from_ndarray(picture, "rgb24")))
@@ -123,6 +95,35 @@ class Lossless(Video):
         """Remove the temporary file."""
         self._container.close()
         super().discard()
+
+
+class Mp4(_Encoded):
+    """H.264 in an MP4 file, which browsers and presentations can play."""
+
+    def __init__(self, file: Path, rate_hz: Fraction, quality: Mapping[str, str] = QUALITY):
+        super().__init__(file, rate_hz)
+        self._container = self._av.open(str(self._temporary), "w", format="mp4", options={"movflags": "+faststart"})
+        codec = next(name for name in CODECS if name in self._av.codecs_available)
+        self._stream = self._container.add_stream(codec, rate=rate_hz, options=quality if codec == CODECS[0] else {})
+        self._stream.pix_fmt = "yuv420p"
+
+    def _write(self, picture: Picture) -> None:
+        rows, columns = (side % 2 for side in picture.shape[:2])
+        even = np.pad(picture, ((0, rows), (0, columns), (0, 0)), mode="edge")  # Chroma is subsampled by two.
+        self._encode(even)
+
+
+class Lossless(_Encoded):
+    """FFV1 in a Matroska file, from which every pixel comes back as it was."""
+
+    def __init__(self, file: Path, rate_hz: Fraction):
+        super().__init__(file, rate_hz)
+        self._container = self._av.open(str(self._temporary), "w", format="matroska")
+        self._stream = self._container.add_stream("ffv1", rate=rate_hz, options=LOSSLESS)
+        self._stream.pix_fmt = "bgr0"
+
+    def _write(self, picture: Picture) -> None:
+        self._encode(picture)
 
 
 class Gif(Video):
