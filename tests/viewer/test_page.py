@@ -1,5 +1,6 @@
 """What pages know of an infant is what mimoc builds, at every age; and they ask nothing of anybody else."""
 
+import hashlib
 import re
 from pathlib import Path
 
@@ -96,6 +97,14 @@ def test_a_page_without_physics_is_smaller_than_four_megabytes(page):
     """Of which the program is less than one."""
     assert len(page.encode()) < 4e6
     assert len(program.built("viewer.js")) < 1e6
+
+
+def test_the_program_of_pages_was_built_from_its_present_source():
+    """`make pages` builds it again and compares every byte."""
+    names = sorted(entry.name for entry in (program.FOLDER / "source").iterdir())
+    sources = [program.source(name) for name in names if name.endswith((".js", ".mjs", ".json"))]
+    digest = hashlib.sha256("".join(sources).encode()).hexdigest()
+    assert f"SHA-256 {digest} " in program.built("viewer.js")[:200].decode()
 
 
 def test_a_name_cannot_break_out_of_its_page(bundle_at):

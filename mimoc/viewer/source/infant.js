@@ -64,6 +64,7 @@ export class Infant {
   showSkin(wanted) {
     this.skinned = wanted && Boolean(this.skin);
     if (this.skin) this.skin.scene.visible = this.skinned;
+    this.skin?.follow();
     for (const solid of this.solids) {
       solid.visible = !this.skinned || solid.userData.group <= VISIBLE; // As in MuJoCo's own viewer.
     }
