@@ -1,6 +1,7 @@
 """How heavy pages of `mimoc view` are, how soon they show something, and how many pictures a second they draw.
 
-Needs `pip install 'mimoc[pages]'` and Chromium: Debian's or Playwright's. Without --gpu it draws without a graphics card.
+Needs `pip install 'mimoc[pages]'` and Chromium: the system's or Playwright's. It draws without a graphics card, but for
+--gpu.
 """
 
 import argparse
@@ -40,6 +41,18 @@ COUNT = """([step, seconds]) => new Promise((done) => {
 })"""
 
 
+DRAWN = """() => {
+    const gl = mimoc.stage.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+}"""
+"""Returns when all that was to be drawn is drawn."""
+
+
+def wait_for(page: Page, condition: str) -> None:
+    """Wait until a condition holds."""
+    page.evaluate(f"(async () => {{ while (!({condition})) await new Promise((next) => setTimeout(next, 5)); }})()")
+
+
 def weigh(page: str) -> str:
     """Return how large a page and its parts are."""
     parts = {name: len(text) for name, text in re.findall(r'id="(\w+)">(.*?)</script>', page, re.DOTALL)}
@@ -52,10 +65,8 @@ def opened(browser: Browser, path: Path, size: tuple[int, int]) -> tuple[Page, f
     page = browser.new_page(viewport={"width": size[0], "height": size[1]})
     start = time.perf_counter()
     page.goto(path.as_uri())
-    page.evaluate(
-        "(async () => { while (!window.mimoc?.stage.frames) await new Promise((next) => setTimeout(next, 5));"
-        " const gl = mimoc.stage.renderer.getContext(); gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); })()"
-    )
+    wait_for(page, "window.mimoc?.stage.frames")
+    page.evaluate(DRAWN)
     return page, time.perf_counter() - start
 
 
@@ -64,7 +75,7 @@ def rate(page: Page, motion: str, seconds: float) -> float:
     page.evaluate(f"mimoc.enter('{'physics' if motion == 'physics' else 'pose'}')")
     page.evaluate(f"mimoc.infant.showSkin({str('solids' not in motion).lower()})")
     if motion == "physics":
-        page.evaluate("(async () => { while (!mimoc.physics.data) await new Promise((next) => setTimeout(next, 20)); })()")
+        wait_for(page, "mimoc.physics.data")
     page.evaluate(COUNT, [MOTIONS[motion], seconds / 2])  # Until it has found its resolution.
     return page.evaluate(COUNT, [MOTIONS[motion], seconds])
 
@@ -92,7 +103,8 @@ def main() -> None:
         for size in SIZES:
             page, _ = opened(browser, path, size)
             for motion in MOTIONS:
-                print(f"{size[0]} x {size[1]}, {motion}: {rate(page, motion, arguments.seconds):.1f} pictures a second", flush=True)
+                found = rate(page, motion, arguments.seconds)
+                print(f"{size[0]} x {size[1]}, {motion}: {found:.1f} pictures a second", flush=True)
             page.close()
         browser.close()
 

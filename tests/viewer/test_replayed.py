@@ -7,8 +7,11 @@ from support.pages import read_page
 
 import mimoc
 from mimoc.errors import RecordingError
+from mimoc.recording.episode_writer import rate_hz
+from mimoc.recording.frames import VIDEO, decoded
 from mimoc.viewer import replayed
-from mimoc.viewer.replayed import page_of_recording
+from mimoc.viewer.packing import Packed
+from mimoc.viewer.replayed import describe_episode, page_of_recording
 
 STEPS = 30
 SENSES = {
@@ -85,9 +88,11 @@ def test_eyes_show_the_video_of_what_was_seen(known, recorded):
 
 def test_long_episodes_have_fewer_frames_of_the_same_duration(recorded, monkeypatch, known):
     monkeypatch.setattr(replayed, "FRAMES", 12)
-    short = read_page(page_of_recording(recorded[0]).text)["recording"]
+    packed = Packed()
+    data, _ = describe_episode(packed, recorded[0], recorded[0][0])
+    short = data["recording"]
     assert short["stride"] == 3
-    assert np.array_equal(short["qpos"], known["qpos"][::3])
+    assert np.array_equal(packed.arrays[short["qpos"]["array"]], known["qpos"][::3])
 
 
 def test_another_episode_can_be_chosen_and_one_that_is_not_there_is_refused(recorded):
@@ -104,4 +109,15 @@ def test_a_replay_that_differs_says_where(recorded, monkeypatch):
         step(model, data, nstep)
 
     monkeypatch.setattr(mujoco, "mj_step", differently)
-    assert page_of_recording(recorded[0]).difference.startswith("infant 0, episode 0, step ")
+    _, difference = describe_episode(Packed(), recorded[0], recorded[0][0])
+    assert difference.startswith("infant 0, episode 0, step ")
+
+
+def test_eyes_show_the_parts_of_an_interrupted_episode_as_one_video(recorded, tmp_path):
+    """As a kill leaves it, before anything joins its parts."""
+    (path,) = recorded[0][0].files.pictures("eye_left", VIDEO)
+    whole = list(decoded(path))
+    parts = [path, path]
+    joined = tmp_path / "joined.mp4"
+    joined.write_bytes(replayed._joined(parts, rate_hz(recorded[0][0].step_ms)))
+    assert np.array_equal(np.stack(list(decoded(joined))), np.stack(whole + whole))
