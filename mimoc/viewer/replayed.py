@@ -15,6 +15,7 @@ from mimoc.recording.frames import VIDEO, join_videos
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.packing import Packed
@@ -107,6 +108,7 @@ class _Film:
     """Rows of the episode that are frames."""
     qpos: list[Array] = field(default_factory=list)
     ages_months: list[float] = field(default_factory=list)
+    expressions: list[str | None] = field(default_factory=list)
     around: list[Array] = field(default_factory=list)
     felt: list[tuple[Array, Array]] = field(default_factory=list)
     """Skin points and the forces on them, as observed."""
@@ -126,6 +128,7 @@ class _Film:
         self.rows.append(self._row)
         self.qpos.append(env.data.qpos[own.qpos])
         self.ages_months.append(env.manifest.child.age_months)
+        self.expressions.append(expression_of(env.manifest, env.model))
         bodies = bodies_around(env.model, own)
         self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
         if "touch" in observation:
@@ -134,10 +137,17 @@ class _Film:
     def told(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
         around = np.stack(self.around) if len({each.shape for each in self.around}) == 1 else np.zeros((1, 0, 7))
+        expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
             "qpos": self.packed.put(np.stack(self.qpos)),
             "frame_ages_months": self.packed.put(np.array(self.ages_months)),
+            "expressions": {
+                "names": expressions,
+                "shown": self.packed.put(np.array([expressions.index(name) for name in self.expressions if name])),
+            }
+            if expressions
+            else None,
             "around": self.packed.put(around) if np.ptp(around, axis=0).any() else None,
             "felt": {
                 "ends": self.packed.put(ends.astype(np.uint32)),

@@ -15,6 +15,9 @@ def test_a_browser_sees_the_infant_move(browser, infant):
         for _ in range(20):
             env.step(env.action_space.sample())
             live.show()
+        bones = [(bone, body) for mesh, bodies in live._skins for bone, body in zip(mesh.bones, bodies, strict=True)]
+        assert all(tuple(bone.position) == tuple(env.data.xpos[body]) for bone, body in bones)
+        assert len({body for _, body in bones}) > 10
         after = [tuple(frame.position) for frame in live._bodies.values()]
         assert len(after) == len(before) > 20
         assert after != before

@@ -33,6 +33,7 @@ def recorded(tmp_path_factory) -> tuple[mimoc.recording.reading.ReadRecording, n
         for step in range(STEPS):
             if step == 10:
                 env.unwrapped.grow(to=10)
+                env.unwrapped.set_expression("surprised")
             env.step(env.action_space.sample())
             states.append(env.unwrapped.data.qpos.copy())
         env.reset(seed=4)
@@ -51,6 +52,11 @@ def test_it_moves_as_it_was_recorded_and_grows_when_it_grew(known, recorded):
     assert np.abs(known["qpos"] - recorded[1]).max() < 1e-6
     assert known["frame_ages_months"].tolist() == [9] * 11 + [10] * (STEPS - 10)
     assert known["seconds"][-1] == pytest.approx(recorded[0][0].time_s[-1])
+
+
+def test_its_face_changes_when_it_changed(known):
+    shown = [known["expressions"]["names"][index] for index in known["expressions"]["shown"]]
+    assert shown == ["neutral"] * 11 + ["surprised"] * (STEPS - 10)
 
 
 def test_touch_is_what_was_observed(known, recorded):
