@@ -53,7 +53,7 @@ def view(
     """
     from mimoc.viewer.viewing import checked_place, has_display
 
-    opens = has_display() and sys.stdout.isatty() if open_page is None else open_page
+    opens = has_display() and _in_a_terminal() if open_page is None else open_page
     is_recording = (shown / "recording.json").is_file()
     if not is_recording and (infant, episode) != (None, None):
         raise MimocError(f"{shown}: this is no recording; --infant and --episode choose from one")
@@ -67,6 +67,10 @@ def view(
     checked_place(file)
     page = _recorded(shown, physics, infant, episode) if is_recording else _grown(shown, physics)
     _write(file, page, opens)
+
+
+def _in_a_terminal() -> bool:
+    return sys.stdout.isatty()
 
 
 def _write(file: Path, page: str, open_page: bool) -> None:

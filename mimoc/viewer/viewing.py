@@ -19,7 +19,7 @@ from mimoc.errors import MimocError, OutputError
 from mimoc.recording.reading import ReadRecording, read_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.viewer.growth import AGES_MONTHS, own_parts
+from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import Packed
 from mimoc.viewer.page import describe, fill, page_of
 from mimoc.viewer.replayed import page_of_recording
@@ -155,7 +155,7 @@ def _page_of_env(env: InfantEnv, physics: bool) -> str:
     data: dict[str, Any] = describe(packed, env.bundle, physics)
     own = own_parts(env.model, env.manifest)
     lengths_cm = packed.arrays[data["standards"]["measures"]["length_cm"]["child"]["array"]]
-    posture = np.tile(env.data.qpos[own.qpos], (len(AGES_MONTHS), 1))
+    posture = np.tile(env.data.qpos[own.qpos], (len(lengths_cm), 1))
     posture[:, 2] *= lengths_cm / env.manifest.child.length_cm
     data["poses"][NOW] = packed.put(posture)
     around = describe_surroundings(packed, env.model, env.data, own)

@@ -1,9 +1,11 @@
 """Pages of recordings: what they show is what was recorded."""
 
+from collections.abc import Iterator
+
 import mujoco
 import numpy as np
 import pytest
-from support.pages import read_page
+from support.pages import few_ages, read_page
 
 import mimoc
 from mimoc.errors import RecordingError
@@ -19,6 +21,12 @@ SENSES = {
     "touch": {"density": 0.2},
     "vision": {"width_px": 16, "height_px": 16},
 }
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pages_of_few_ages() -> Iterator[None]:
+    with few_ages():
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -2,11 +2,12 @@
 
 import re
 import webbrowser
+from collections.abc import Iterator
 from html import unescape
 
 import numpy as np
 import pytest
-from support.pages import read_page
+from support.pages import few_ages, read_page
 
 import mimoc
 from mimoc.errors import MimocError, OutputError
@@ -14,6 +15,12 @@ from mimoc.viewer.growth import own_parts
 from mimoc.viewer.viewing import has_display
 
 SPEC = {"mimoc": 1, "name": "shown", "age_months": 9, "scene": {"pose": "supine"}, "body": {"skin": False}}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pages_of_few_ages() -> Iterator[None]:
+    with few_ages():
+        yield
 
 
 @pytest.fixture(scope="module")
