@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
     from mimoc.vector_environments import make_vec, sb3_vec_env
+    from mimoc.viewer.viewing import View, view
 
 _HOMES = {
     "Align": "mimoc.control",
@@ -47,6 +48,7 @@ _HOMES = {
     "Recorder": "mimoc.recording.recorder",
     "Task": "mimoc.tasks.task",
     "Verdict": "mimoc.tasks.task",
+    "View": "mimoc.viewer.viewing",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "export_recording": "mimoc.recording.export",
@@ -67,6 +69,7 @@ _HOMES = {
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
     "validate_milestones": "mimoc.milestones",
+    "view": "mimoc.viewer.viewing",
     "write_bundle": "mimoc.bundle.io",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
@@ -87,6 +90,7 @@ __all__ = [
     "Recorder",
     "Task",
     "Verdict",
+    "View",
     "__version__",
     "build",
     "evaluate",
@@ -108,6 +112,7 @@ __all__ = [
     "torque_limits",
     "train",
     "validate_milestones",
+    "view",
     "write_bundle",
 ]
 

@@ -92,18 +92,21 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} training cohorts",
         "jinja2 mujoco PIL",
     ),
-    "mimoc": layer(
-        "__init__ environments vector_environments recordings registration notebook",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting",
-        "gymnasium",
-    ),
+    "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),
     "viewer": layer(
-        "viewer viewer.*", f"{BUILDING} compiler {RUNNING} rollout policies recording mimoc", "mujoco PIL trimesh viser"
+        "viewer viewer.*",
+        f"{BUILDING} compiler {RUNNING} rollout policies recording opening",
+        "gymnasium mujoco PIL trimesh viser",
+    ),
+    "mimoc": layer(
+        "__init__ vector_environments registration notebook",
+        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening viewer",
+        "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting mimoc "
-        "viewer",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting "
+        "opening viewer mimoc",
         "typer rich",
     ),
 }

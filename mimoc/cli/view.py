@@ -1,21 +1,19 @@
 """`mimoc view`."""
 
 import sys
+import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mimoc.cli.infants import load_infant
-from mimoc.errors import MimocError, OutputError
+from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
 
 EXAMPLE = "Example:  mimoc view configs/nine_months.yaml -o infant.html"
-
-SUFFIXES = (".html", ".htm")
-"""What the name of a page ends in."""
 
 Shown = Annotated[
     Path,
@@ -33,7 +31,10 @@ Number = Annotated[
 def view(
     shown: Shown,
     file: Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Page to write: .html.")] = None,
-    open_page: Annotated[bool, typer.Option("--open", help="Open it in the browser.")] = False,
+    open_page: Annotated[
+        bool | None,
+        typer.Option("--open/--no-open", help="Open it in the browser; default: in a terminal with a display."),
+    ] = None,
     physics: Annotated[
         bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
     ] = False,
@@ -50,20 +51,26 @@ def view(
     On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints.
     The page of a recording replays an episode, with what the infant felt and saw.
     """
+    from mimoc.viewer.viewing import checked_place, has_display
+
+    opens = has_display() and _in_a_terminal() if open_page is None else open_page
     is_recording = (shown / "recording.json").is_file()
     if not is_recording and (infant, episode) != (None, None):
         raise MimocError(f"{shown}: this is no recording; --infant and --episode choose from one")
     if live:
         if is_recording:
             raise MimocError(f"{shown}: --live runs an infant; name a bundle or a spec instead of a recording")
-        _serve(load_infant(shown), policy, port, open_page)
+        _serve(load_infant(shown), policy, port, opens)
         return
     if file is None:
         raise MimocError("say where to write the page with -o FILE.html, or serve a running infant with --live")
-    if file.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"{file}: no page is written to a file of this name; end it in {' or '.join(SUFFIXES)}")
+    checked_place(file)
     page = _recorded(shown, physics, infant, episode) if is_recording else _grown(shown, physics)
-    _write(file, page, open_page)
+    _write(file, page, opens)
+
+
+def _in_a_terminal() -> bool:
+    return sys.stdout.isatty()
 
 
 def _write(file: Path, page: str, open_page: bool) -> None:
@@ -71,7 +78,7 @@ def _write(file: Path, page: str, open_page: bool) -> None:
 
     print(write_file(file, page.encode()))
     if open_page:
-        typer.launch(str(file.resolve()))
+        webbrowser.open(file.resolve().as_uri())
 
 
 def _grown(path: Path, physics: bool) -> str:
@@ -111,7 +118,7 @@ def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:
     with LiveView(run.env, port) as live:
         print(f"{live.address}   (Ctrl-C ends it)", flush=True)
         if open_page:
-            typer.launch(live.address)
+            webbrowser.open(live.address)
         while True:
             run.step()
             live.show()

@@ -25,6 +25,16 @@ def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -
         model.skin(face.skin).matid = material
 
 
+def expression_of(manifest: Manifest, model: mujoco.MjModel) -> str | None:
+    """Return the facial expression that an infant has now; None if it has no face."""
+    face = manifest.face
+    if face is None:
+        return None
+    head = model.geom(face.geom) if face.skin is None else model.skin(face.skin)
+    shown = model.mat(int(head.matid.item())).name
+    return next(name for name, material in face.materials.items() if material == shown)
+
+
 def expression_fields(manifest: Manifest, model: mujoco.MjModel) -> tuple[ModelField, ...]:
     """Return what the expression changes in the model."""
     face = manifest.face

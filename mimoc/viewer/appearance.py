@@ -12,6 +12,7 @@ from PIL import Image
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import Packed
+from mimoc.viewer.skins import rows_of, skin_of
 
 BONES = 4
 """Bodies that move a vertex, at most."""
@@ -65,10 +66,10 @@ def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Seq
 def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
-    verts, faces, bones = (_rows(model, kind, index) for kind in ("vert", "face", "bone"))
+    verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))
     first, _ = model.skin_texcoordadr[index], model.skin_vertnum[index]
     texcoords = model.skin_texcoord[first : first + model.skin_vertnum[index]] if first >= 0 else None
-    moved_by, weights = _strongest(model, bones, model.skin_vertnum[index])
+    moved_by, weights = _strongest(skin_of(model, index).weights)
     return {
         "name": model.skin(index).name,
         "material": int(model.skin_matid[index]),
@@ -83,21 +84,11 @@ def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: li
     }
 
 
-def _rows(model: mujoco.MjModel, kind: str, index: int) -> slice:
-    first = getattr(model, f"skin_{kind}adr")[index]
-    return slice(first, first + getattr(model, f"skin_{kind}num")[index])
-
-
-def _strongest(model: mujoco.MjModel, bones: slice, count: int) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
     """Return the bones that move each vertex most, as numbers within the skin, and their weights, shapes (n, 4).
 
     Weights are bytes whose sum is 255 for each vertex: where it is not, a vertex is pulled towards the origin.
     """
-    weights = np.zeros((count, bones.stop - bones.start))
-    for bone in range(bones.start, bones.stop):
-        first = model.skin_bonevertadr[bone]
-        rows = slice(first, first + model.skin_bonevertnum[bone])
-        weights[model.skin_bonevertid[rows], bone - bones.start] = model.skin_bonevertweight[rows]
     width = max(BONES, weights.shape[1])
     weights = np.pad(weights, ((0, 0), (0, width - weights.shape[1])))
     order = np.argsort(-weights, axis=1, kind="stable")[:, :BONES]

@@ -2,15 +2,20 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.recording.frames import VIDEO
+from mimoc.recording.episode_writer import rate_hz
+from mimoc.recording.frames import VIDEO, join_videos
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.packing import Packed
@@ -61,14 +66,21 @@ def page_of_recording(
     """
     episode = chosen_episodes(recording, infant, number)[0]
     packed = Packed()
-    bundle = recording.bundle(episode.infant)
-    data = describe(packed, bundle, physics)
+    data = describe(packed, recording.bundle(episode.infant), physics)
+    replayed, difference = describe_episode(packed, recording, episode, progress)
+    return RecordedPage(fill(packed, {**data, **replayed}), episode, difference)
+
+
+def describe_episode(
+    packed: Packed, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
+) -> tuple[dict[str, Any], str | None]:
+    """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
     film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
     (replayed,) = replay_recording(
         recording, infant=episode.infant, episode=episode.number, watch=film, progress=progress
     )
     kept = film.rows[: episode.steps + 1]
-    data |= {
+    data = {
         "surroundings": film.surroundings,
         "recording": {
             "episode": episode.number,
@@ -81,8 +93,7 @@ def page_of_recording(
             "stride": film.stride,
         },
     }
-    difference = str(replayed) if replayed.difference else None
-    return RecordedPage(fill(packed, data), episode, difference)
+    return data, str(replayed) if replayed.difference else None
 
 
 @dataclass(slots=True)
@@ -97,6 +108,7 @@ class _Film:
     """Rows of the episode that are frames."""
     qpos: list[Array] = field(default_factory=list)
     ages_months: list[float] = field(default_factory=list)
+    expressions: list[str | None] = field(default_factory=list)
     around: list[Array] = field(default_factory=list)
     felt: list[tuple[Array, Array]] = field(default_factory=list)
     """Skin points and the forces on them, as observed."""
@@ -116,6 +128,7 @@ class _Film:
         self.rows.append(self._row)
         self.qpos.append(env.data.qpos[own.qpos])
         self.ages_months.append(env.manifest.child.age_months)
+        self.expressions.append(expression_of(env.manifest, env.model))
         bodies = bodies_around(env.model, own)
         self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
         if "touch" in observation:
@@ -124,10 +137,17 @@ class _Film:
     def told(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
         around = np.stack(self.around) if len({each.shape for each in self.around}) == 1 else np.zeros((1, 0, 7))
+        expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
             "qpos": self.packed.put(np.stack(self.qpos)),
             "frame_ages_months": self.packed.put(np.array(self.ages_months)),
+            "expressions": {
+                "names": expressions,
+                "shown": self.packed.put(np.array([expressions.index(name) for name in self.expressions if name])),
+            }
+            if expressions
+            else None,
             "around": self.packed.put(around) if np.ptp(around, axis=0).any() else None,
             "felt": {
                 "ends": self.packed.put(ends.astype(np.uint32)),
@@ -181,8 +201,17 @@ def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) ->
 
 
 def _videos(packed: Packed, episode: Episode) -> Iterator[tuple[str, Any]]:
-    """Yield what the eyes saw as small videos; of an episode whose parts were never joined, nothing."""
+    """Yield what the eyes saw as small videos; the parts of an episode that was interrupted are joined."""
     for reading in episode.described.readings:
-        if reading.kind == "picture" and len(episode.files.stems) == 1:
-            (path,) = episode.files.pictures(reading.name, VIDEO)
-            yield reading.name, packed.put(np.frombuffer(path.read_bytes(), np.uint8))
+        if reading.kind == "picture":
+            video = _joined(episode.files.pictures(reading.name, VIDEO), rate_hz(episode.step_ms))
+            yield reading.name, packed.put(np.frombuffer(video, np.uint8))
+
+
+def _joined(parts: list[Path], rate: Fraction) -> bytes:
+    if len(parts) == 1:
+        return parts[0].read_bytes()
+    with TemporaryDirectory() as folder:
+        whole = Path(folder, "whole").with_suffix(VIDEO)
+        join_videos(whole, parts, rate)
+        return whole.read_bytes()

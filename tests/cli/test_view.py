@@ -1,13 +1,20 @@
 """The command that writes pages."""
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from support.pages import read_page
+from support.pages import few_ages, read_page
 
 import mimoc
 from mimoc.bundle.io import seal
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pages_of_few_ages() -> Iterator[None]:
+    with few_ages():
+        yield
 
 
 def test_it_writes_a_page_and_says_where(invoke, here, built):
@@ -17,9 +24,21 @@ def test_it_writes_a_page_and_says_where(invoke, here, built):
 
 def test_it_opens_the_browser_when_asked(invoke, here, built, monkeypatch):
     opened = []
-    monkeypatch.setattr("typer.launch", opened.append)
+    monkeypatch.setattr("webbrowser.open", opened.append)
     assert invoke("view", built, "-o", "infant.html", "--open").code == 0
-    assert opened == [str(here / "infant.html")]
+    assert opened == [(here / "infant.html").as_uri()]
+
+
+@pytest.mark.parametrize(("flags", "expected"), [([], 1), (["--no-open"], 0)])
+def test_in_a_terminal_with_a_display_it_opens_the_browser_unless_told_not_to(
+    flags, expected, invoke, here, built, monkeypatch
+):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("mimoc.cli.view._in_a_terminal", lambda: True)
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert invoke("view", built, "-o", "infant.html", *flags).code == 0
+    assert len(opened) == expected
 
 
 def test_the_page_of_a_recording_replays_it(invoke, here, built):

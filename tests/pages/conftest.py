@@ -48,7 +48,9 @@ def recorded(tmp_path_factory) -> Path:
     spec = mimoc.load_spec(CONFIGS / "all_senses.yaml").with_(senses={"touch": {"density": 0.3}})
     with mimoc.Recorder(mimoc.make(spec), folder / "senses") as env:
         env.reset(seed=1)
-        for _ in range(RECORDED_STEPS):
+        for step in range(RECORDED_STEPS):
+            if step == RECORDED_STEPS // 2:
+                env.unwrapped.set_expression("happy")
             env.step(env.action_space.sample())
     path = folder / "recording.html"
     path.write_text(page_of_recording(mimoc.read_recording(folder / "senses")).text, encoding="utf-8")

@@ -102,6 +102,7 @@ def test_sliders_of_joints_move_them(shown):
     group = shown.locator("#joints details", has_text="Left arm")
     group.locator("summary").click()
     elbow = group.locator("input[aria-label='Left arm: Elbow']")
+    wait_for(shown, "document.querySelector('[aria-label=\"Left arm: Elbow\"]').hasAttribute('aria-valuetext')")
     elbow.focus()
     before = elbow.input_value()
     for _ in range(5):

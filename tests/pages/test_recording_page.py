@@ -23,6 +23,15 @@ def test_the_timeline_shows_the_recorded_states(replayed):
         assert np.allclose(shown, kept)
 
 
+def test_its_face_changes_when_it_changed(replayed):
+    found = []
+    for seconds in (0.1, 0.5):
+        seek(replayed, seconds)
+        found.append(replayed.evaluate("mimoc.infant.expression"))
+        assert replayed.get_by_label("Expression").input_value() == found[-1]
+    assert found == ["neutral", "happy"]
+
+
 def test_touched_points_have_colours_of_their_own(replayed):
     seek(replayed, 0.6)
     touched = replayed.evaluate("Array.from(mimoc.touch.scene.geometry.attributes.load.array).filter(Boolean).length")

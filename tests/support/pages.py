@@ -5,8 +5,16 @@ import gzip
 import json
 import re
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
+
+FEW_AGES_MONTHS = (0.0, 9.0, 24.0)
+
+
+def few_ages() -> Any:
+    """Let pages have three ages only, in a `with` block, which takes a tenth of the time."""
+    return patch.multiple("mimoc.viewer.page", AGES_MONTHS=FEW_AGES_MONTHS, SKIN_AGES_MONTHS=FEW_AGES_MONTHS)
 
 
 def read_page(page: str) -> dict[str, Any]:

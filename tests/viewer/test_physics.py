@@ -11,7 +11,8 @@ from support.pages import read_page
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.viewer.page import page_of
+from mimoc.viewer.packing import Packed
+from mimoc.viewer.page import describe, fill
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -22,13 +23,16 @@ def bundle() -> mimoc.Bundle:
 
 
 @pytest.fixture(scope="module")
-def page(bundle) -> str:
-    return page_of(bundle, physics=True)
+def pages(bundle) -> tuple[str, str]:
+    """Return the page with physics, and the same without."""
+    packed = Packed()
+    data = describe(packed, bundle, physics=True)
+    return fill(packed, data), fill(packed, {**data, "physics": None})
 
 
 @pytest.fixture(scope="module")
-def physics(page) -> dict:
-    return read_page(page)["physics"]
+def physics(pages) -> dict:
+    return read_page(pages[0])["physics"]
 
 
 def bare(described: dict) -> mujoco.MjModel:
@@ -66,8 +70,8 @@ def test_what_is_commanded_is_what_an_action_commands(physics, bundle):
     assert own.body(physics["bodies"][0]).name == bundle.manifest.root_body
 
 
-def test_only_a_page_with_physics_contains_mujoco_and_its_licences(page, bundle):
-    plain = page_of(bundle)
+def test_only_a_page_with_physics_contains_mujoco_and_its_licences(pages):
+    page, plain = pages
     assert json.loads(re.findall(r'id="data">(.*?)</script>', plain, re.DOTALL)[0])["physics"] is None
     assert "Apache License" in page
     assert "Apache License" not in plain

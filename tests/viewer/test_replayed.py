@@ -1,14 +1,19 @@
 """Pages of recordings: what they show is what was recorded."""
 
+from collections.abc import Iterator
+
 import mujoco
 import numpy as np
 import pytest
-from support.pages import read_page
+from support.pages import few_ages, read_page
 
 import mimoc
 from mimoc.errors import RecordingError
+from mimoc.recording.episode_writer import rate_hz
+from mimoc.recording.frames import VIDEO, decoded
 from mimoc.viewer import replayed
-from mimoc.viewer.replayed import page_of_recording
+from mimoc.viewer.packing import Packed
+from mimoc.viewer.replayed import describe_episode, page_of_recording
 
 STEPS = 30
 SENSES = {
@@ -16,6 +21,12 @@ SENSES = {
     "touch": {"density": 0.2},
     "vision": {"width_px": 16, "height_px": 16},
 }
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pages_of_few_ages() -> Iterator[None]:
+    with few_ages():
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +41,7 @@ def recorded(tmp_path_factory) -> tuple[mimoc.recording.reading.ReadRecording, n
         for step in range(STEPS):
             if step == 10:
                 env.unwrapped.grow(to=10)
+                env.unwrapped.set_expression("surprised")
             env.step(env.action_space.sample())
             states.append(env.unwrapped.data.qpos.copy())
         env.reset(seed=4)
@@ -48,6 +60,11 @@ def test_it_moves_as_it_was_recorded_and_grows_when_it_grew(known, recorded):
     assert np.abs(known["qpos"] - recorded[1]).max() < 1e-6
     assert known["frame_ages_months"].tolist() == [9] * 11 + [10] * (STEPS - 10)
     assert known["seconds"][-1] == pytest.approx(recorded[0][0].time_s[-1])
+
+
+def test_its_face_changes_when_it_changed(known):
+    shown = [known["expressions"]["names"][index] for index in known["expressions"]["shown"]]
+    assert shown == ["neutral"] * 11 + ["surprised"] * (STEPS - 10)
 
 
 def test_touch_is_what_was_observed(known, recorded):
@@ -85,9 +102,11 @@ def test_eyes_show_the_video_of_what_was_seen(known, recorded):
 
 def test_long_episodes_have_fewer_frames_of_the_same_duration(recorded, monkeypatch, known):
     monkeypatch.setattr(replayed, "FRAMES", 12)
-    short = read_page(page_of_recording(recorded[0]).text)["recording"]
+    packed = Packed()
+    data, _ = describe_episode(packed, recorded[0], recorded[0][0])
+    short = data["recording"]
     assert short["stride"] == 3
-    assert np.array_equal(short["qpos"], known["qpos"][::3])
+    assert np.array_equal(packed.arrays[short["qpos"]["array"]], known["qpos"][::3])
 
 
 def test_another_episode_can_be_chosen_and_one_that_is_not_there_is_refused(recorded):
@@ -104,4 +123,15 @@ def test_a_replay_that_differs_says_where(recorded, monkeypatch):
         step(model, data, nstep)
 
     monkeypatch.setattr(mujoco, "mj_step", differently)
-    assert page_of_recording(recorded[0]).difference.startswith("infant 0, episode 0, step ")
+    _, difference = describe_episode(Packed(), recorded[0], recorded[0][0])
+    assert difference.startswith("infant 0, episode 0, step ")
+
+
+def test_eyes_show_the_parts_of_an_interrupted_episode_as_one_video(recorded, tmp_path):
+    """As a kill leaves it, before anything joins its parts."""
+    (path,) = recorded[0][0].files.pictures("eye_left", VIDEO)
+    whole = list(decoded(path))
+    parts = [path, path]
+    joined = tmp_path / "joined.mp4"
+    joined.write_bytes(replayed._joined(parts, rate_hz(recorded[0][0].step_ms)))
+    assert np.array_equal(np.stack(list(decoded(joined))), np.stack(whole + whole))

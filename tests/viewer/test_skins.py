@@ -1,5 +1,7 @@
 """A page moves skins as MuJoCo does."""
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 
@@ -9,6 +11,7 @@ from mimoc.bundle.variants import Variant
 from mimoc.viewer.appearance import describe_skins
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import FINE_M, Packed
+from mimoc.viewer.skins import coloured_faces, rows_of, skin_of
 
 SKIN = """<deformable><skin name="sleeve" vertex="{vertex}" face="0 1 2 1 3 2 2 3 4">
 <bone body="left_upper_arm" bindpos="0.1 0.2 0.3" bindquat="0.8 0.6 0 0" vertid="0 1 2 3" vertweight="1 0.5 0.7 0.2"/>
@@ -68,3 +71,18 @@ def test_an_infant_without_skins_has_none(bundle_at):
     bundle = bundle_at(9)
     model = load_model(bundle)
     assert model.nskin or describe_skins(Packed(), [Variant(bundle, model)], [9]) is None
+
+
+def test_without_textures_a_skin_has_every_face_once_in_colours_near_those_of_its_picture():
+    model = load_model(mimoc.build(Path(__file__).parents[2] / "configs" / "nine_months.yaml"))
+    for index in range(model.nskin):
+        parts = list(coloured_faces(model, index, 6))
+        assert 1 <= len(parts) <= 6
+        together = np.concatenate([faces for _, faces in parts])
+        theirs = model.skin_face[rows_of(model, "face", index)]
+        assert np.array_equal(np.unique(together, axis=0), np.unique(theirs, axis=0))
+        assert len(together) == len(theirs)
+        assert np.allclose(skin_of(model, index).weights.sum(axis=1), 1)
+    shirt = [model.skin(index).name for index in range(model.nskin)].index("shirt")
+    shades = np.array([colour for colour, _ in coloured_faces(model, shirt, 6)])
+    assert np.ptp(shades[:, 2]) > 40  # Yellow and white stripes.

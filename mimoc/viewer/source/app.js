@@ -27,6 +27,7 @@ export class App {
     this.eyes = new Eyes(data.eyes, this.infant);
     this.touch = data.touch && new TouchPoints(data.touch, this.body);
     this.surroundings = new Surroundings(data, this.materials);
+    if (!this.surroundings.isEmpty) this.stage.reach = 2.5;
     this.charts = new Charts(data);
     this.stage.scene.add(this.infant.scene, this.surroundings.scene, ...(this.touch ? [this.touch.scene] : []));
     this.stage.after.push(() => this.eyes.draw(this.stage));

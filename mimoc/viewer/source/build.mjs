@@ -1,7 +1,8 @@
 // Builds what pages contain (`make viewer`): node build.mjs SOURCE NODE_MODULES
 
 import { build } from "esbuild";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { createHash } from "node:crypto";
+import { mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { gzipSync } from "node:zlib";
 
@@ -17,7 +18,12 @@ const usual = {
   charset: "utf8",
   legalComments: "inline",
 };
-await build({ ...usual, entryPoints: [join(here, "main.js")], outfile: join(out, "viewer.js") });
+// What it is built from, so that a test without Node.js can tell whether it was built again after a change.
+const sources = readdirSync(here).filter((name) => /\.(m?js|json)$/.test(name)).sort();
+const hash = createHash("sha256");
+for (const name of sources) hash.update(readFileSync(join(here, name)));
+const banner = { js: `/* mimoc's viewer, built by make viewer from sources of SHA-256 ${hash.digest("hex")} */` };
+await build({ ...usual, banner, entryPoints: [join(here, "main.js")], outfile: join(out, "viewer.js") });
 await build({
   ...usual,
   entryPoints: [join(here, "engine.js")],

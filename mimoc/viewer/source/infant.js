@@ -64,6 +64,7 @@ export class Infant {
   showSkin(wanted) {
     this.skinned = wanted && Boolean(this.skin);
     if (this.skin) this.skin.scene.visible = this.skinned;
+    this.skin?.follow();
     for (const solid of this.solids) {
       solid.visible = !this.skinned || solid.userData.group <= VISIBLE; // As in MuJoCo's own viewer.
     }
@@ -72,7 +73,9 @@ export class Infant {
   setExpression(name) {
     this.expression = name;
     const material = this.materials[this.expressions[name]];
-    for (const part of this.face?.children ?? []) part.material = material;
+    for (const part of this.face?.children ?? []) {
+      if (this.faces.includes(part.material)) part.material = material; // With a skin, the pictures are made for it.
+    }
     this.skin?.setFace(material, this.faces);
   }
 }

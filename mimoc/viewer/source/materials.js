@@ -1,6 +1,8 @@
 // Materials and pictures, as MuJoCo maps them: those of a cube by the direction from the middle of a solid.
 
-import { CanvasTexture, CubeTexture, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace } from "three";
+import { CanvasTexture, CubeTexture, MeshLambertMaterial, MeshPhongMaterial, RepeatWrapping, SRGBColorSpace } from "three";
+
+const GLOSS = { specular: 0x555555, shininess: 60 };
 
 export async function readTextures(described) {
   return Promise.all(
@@ -33,7 +35,6 @@ function flatOf(image) {
   texture.flipY = false; // MuJoCo's pictures begin at the top as well.
   texture.wrapS = texture.wrapT = RepeatWrapping;
   texture.colorSpace = SRGBColorSpace;
-  texture.anisotropy = 4;
   return texture;
 }
 
@@ -41,8 +42,7 @@ function flatOf(image) {
 export function makeMaterials(described, textures) {
   return described.map(({ name, rgba, texture, repeat }) => {
     const picture = texture === null ? null : textures[texture];
-    const material = plainMaterial(rgba);
-    if (name.startsWith("eye")) material.roughness = 0.25;
+    const material = plainMaterial(rgba, name.startsWith("eye"));
     if (picture?.isCubeTexture) mapCube(material, picture);
     else if (picture) {
       material.map = picture.clone();
@@ -53,8 +53,9 @@ export function makeMaterials(described, textures) {
   });
 }
 
-export function plainMaterial([red, green, blue, opacity]) {
-  const material = new MeshStandardMaterial({ roughness: 0.78, transparent: opacity < 1, opacity });
+export function plainMaterial([red, green, blue, opacity], glossy = false) {
+  const looks = { transparent: opacity < 1, opacity };
+  const material = glossy ? new MeshPhongMaterial({ ...looks, ...GLOSS }) : new MeshLambertMaterial(looks);
   material.color.setRGB(red, green, blue, SRGBColorSpace);
   return material;
 }

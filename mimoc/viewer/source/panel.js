@@ -52,6 +52,7 @@ function shown(app) {
   if (names.length) {
     const select = element("select", {}, ...names.map((name) => element("option", { value: name, textContent: sentence(name) })));
     select.value = app.infant.expression;
+    app.changed.push(() => (select.value = app.infant.expression));
     select.addEventListener("change", () => app.setExpression(select.value));
     controls.push(element("label", { className: "check" }, "Expression", select));
   }

@@ -71,6 +71,10 @@ export class Recording {
       const size = recording.around.values.length / this.seconds.length;
       app.surroundings.place(recording.around.values.subarray(frame * size, (frame + 1) * size));
     }
+    if (recording.expressions) {
+      const name = recording.expressions.names[recording.expressions.shown.values[frame]];
+      if (name !== app.infant.expression) app.setExpression(name);
+    }
     if (recording.felt && app.touch) {
       const [first, end] = recording.felt.ends.values.subarray(frame, frame + 2);
       app.touch.setForces(recording.felt.points.values.subarray(first, end), recording.felt.forces_n.values.subarray(first, end), this.most);

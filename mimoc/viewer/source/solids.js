@@ -4,11 +4,11 @@ import { BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, Group, 
 import { BOX, CAPSULE, CYLINDER, ELLIPSOID, MESH, PLANE, SPHERE } from "./body.js";
 
 const upright = (geometry) => geometry.rotateX(Math.PI / 2); // From y up to z up.
-const BALL = upright(new SphereGeometry(1, 40, 28));
-const TOP = upright(new SphereGeometry(1, 40, 14, 0, 2 * Math.PI, 0, Math.PI / 2));
-const BOTTOM = upright(new SphereGeometry(1, 40, 14, 0, 2 * Math.PI, Math.PI / 2, Math.PI / 2));
-const TUBE = upright(new CylinderGeometry(1, 1, 2, 40, 1, true));
-const ROD = upright(new CylinderGeometry(1, 1, 2, 40, 1));
+const BALL = upright(new SphereGeometry(1, 32, 20));
+const TOP = upright(new SphereGeometry(1, 32, 10, 0, 2 * Math.PI, 0, Math.PI / 2));
+const BOTTOM = upright(new SphereGeometry(1, 32, 10, 0, 2 * Math.PI, Math.PI / 2, Math.PI / 2));
+const TUBE = upright(new CylinderGeometry(1, 1, 2, 32, 1, true));
+const ROD = upright(new CylinderGeometry(1, 1, 2, 32, 1));
 const BRICK = new BoxGeometry(2, 2, 2);
 const SHEET = new PlaneGeometry(2, 2);
 

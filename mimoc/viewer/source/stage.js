@@ -1,15 +1,20 @@
 // The scene with its light, floor and camera; it is drawn only when something has changed.
 
-import { AmbientLight, CircleGeometry, DirectionalLight, HemisphereLight, Mesh, MeshBasicMaterial, NoToneMapping, PCFShadowMap, PerspectiveCamera, Raycaster, Scene, ShaderMaterial, ShadowMaterial, Vector2, Vector3, WebGLRenderer } from "three";
+import { AmbientLight, BufferGeometry, CircleGeometry, DirectionalLight, Float32BufferAttribute, HemisphereLight, LineBasicMaterial, LineSegments, MathUtils, Mesh, MeshBasicMaterial, NoToneMapping, PCFShadowMap, PerspectiveCamera, Raycaster, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { drawsQuickly, Sharpness } from "./sharpness.js";
 
 const FIELD_OF_VIEW = 24; // Narrow, from far away, which leaves heads round.
 const LEFT = 0.05; // Radians that an arrow key turns the camera by.
+const REST = 200; // Milliseconds without motion, after which a sharp picture is drawn.
+const SUN = new Vector3(1.2, 0.9, 2.4); // Where it is, from the infant.
+const CELL = 0.1; // Metres between the lines on the floor.
 
 export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.sharpness = new Sharpness(drawsQuickly());
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.sharpness.quick, alpha: true });
     this.renderer.toneMapping = NoToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -29,6 +34,7 @@ export class Stage {
     canvas.addEventListener("keydown", (event) => this.#key(event));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.frames = 0;
+    this.reach = 1.25; // How far shadows are drawn, by the radius of the infant.
   }
 
   #light() {
@@ -62,16 +68,18 @@ export class Stage {
   lightUp(middle, radius) {
     const { camera } = this.sun.shadow;
     this.sun.target.position.copy(middle);
-    this.sun.position.copy(middle).add(new Vector3(1.2, 0.9, 2.4));
+    this.sun.position.copy(middle).add(SUN);
     Object.assign(camera, { left: -1.6 * radius, right: 1.6 * radius, top: 1.6 * radius, bottom: -1.6 * radius, near: 0.3, far: 6 });
     camera.updateProjectionMatrix();
-    this.floor.lines.material.uniforms.middle.value.set(middle.x, middle.y);
-    for (const each of [this.floor.lines, this.floor.shadow]) each.position.set(middle.x, middle.y, each.position.z);
+    const { lines, shadow } = this.floor;
+    shadow.position.copy(middle).addScaledVector(SUN, -middle.z / SUN.z);
+    shadow.scale.setScalar(this.reach * radius);
+    lines.position.set(CELL * Math.round(middle.x / CELL), CELL * Math.round(middle.y / CELL), lines.position.z);
   }
 
   resize() {
     const { clientWidth, clientHeight } = this.canvas.parentElement;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.sharpness.resting);
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
     this.camera.updateProjectionMatrix();
@@ -86,11 +94,22 @@ export class Stage {
 
   // Draw a picture soon; many calls make one picture.
   draw() {
-    this.waiting ??= requestAnimationFrame(() => {
+    if (this.waiting) return;
+    const asked = performance.now();
+    this.waiting = requestAnimationFrame(() => {
       this.waiting = null;
       this.controls.update();
-      this.render();
+      this.sharpness.tell(performance.now() - asked);
+      this.#renderAt(this.sharpness.moving);
+      clearTimeout(this.rest);
+      this.rest = setTimeout(() => this.waiting || this.#renderAt(this.sharpness.resting), REST);
     });
+  }
+
+  #renderAt(ratio) {
+    const isNew = ratio !== this.renderer.getPixelRatio();
+    if (isNew) this.renderer.setPixelRatio(ratio);
+    if (isNew || ratio === this.sharpness.moving) this.render();
   }
 
   render() {
@@ -110,22 +129,29 @@ export class Stage {
     return this.raycaster.intersectObjects(objects, true);
   }
 
-  #key(event) {
-    const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+  // Turn the camera around what it looks at, by angles across and up.
+  turn(across, up) {
     const away = this.camera.position.clone().sub(this.controls.target);
-    if (event.key in turns) {
-      const [across, up] = turns[event.key];
-      away.applyAxisAngle(this.camera.up, across * LEFT);
-      const flat = Math.hypot(away.x, away.y);
-      const height = Math.min(Math.max(Math.atan2(away.z, flat) - up * LEFT, -0.07), 1.5);
-      const [length, around] = [away.length(), Math.atan2(away.y, away.x)];
-      away.set(Math.cos(height) * Math.cos(around), Math.cos(height) * Math.sin(around), Math.sin(height)).multiplyScalar(length);
-    } else if (event.key === "+" || event.key === "=") away.multiplyScalar(0.92);
-    else if (event.key === "-") away.multiplyScalar(1.08);
-    else return;
-    event.preventDefault();
+    away.applyAxisAngle(this.camera.up, across);
+    const height = Math.min(Math.max(Math.asin(away.z / away.length()) - up, -0.07), 1.5);
+    const [length, around] = [away.length(), Math.atan2(away.y, away.x)];
+    away.set(Math.cos(height) * Math.cos(around), Math.cos(height) * Math.sin(around), Math.sin(height)).multiplyScalar(length);
     this.camera.position.copy(this.controls.target).add(away);
     this.draw();
+  }
+
+  #approach(share) {
+    this.camera.position.sub(this.controls.target).multiplyScalar(share).add(this.controls.target);
+    this.draw();
+  }
+
+  #key(event) {
+    const turns = { ArrowLeft: [-LEFT, 0], ArrowRight: [LEFT, 0], ArrowUp: [0, -LEFT], ArrowDown: [0, LEFT] };
+    const nearer = { "+": 0.92, "=": 0.92, "-": 1.08 };
+    if (event.key in turns) this.turn(...turns[event.key]);
+    else if (event.key in nearer) this.#approach(nearer[event.key]);
+    else return;
+    event.preventDefault();
   }
 }
 
@@ -133,22 +159,30 @@ export class Stage {
 function makeFloor() {
   const shadow = new Mesh(new CircleGeometry(1, 64), new ShadowMaterial({ opacity: 0.2, color: 0x3a2a1a }));
   shadow.receiveShadow = true;
-  const material = new ShaderMaterial({
-    transparent: true,
-    depthWrite: false,
-    uniforms: { middle: { value: new Vector2() } },
-    vertexShader: "varying vec2 at; void main() { at = (modelMatrix * vec4(position, 1.0)).xy; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
-    fragmentShader: `varying vec2 at; uniform vec2 middle;
-      void main() {
-        vec2 cell = abs(fract(at * 10.0 + 0.5) - 0.5) / fwidth(at * 10.0);
-        float line = 1.0 - min(min(cell.x, cell.y), 1.0);
-        gl_FragColor = vec4(0.35, 0.29, 0.22, 0.16 * line * smoothstep(0.85, 0.15, distance(at, middle)));
-      }`,
-  });
-  const lines = new Mesh(new CircleGeometry(1, 64), material);
+  const lines = makeLines();
   lines.position.z = 0.0005;
   const ground = new Mesh(new CircleGeometry(30, 64), new MeshBasicMaterial({ color: 0xdfd2be }));
   ground.position.z = -0.0005;
   ground.visible = false; // But in what the eyes see.
   return { shadow, lines, ground };
+}
+
+// Lines, as they cover far fewer pixels than a floor with a pattern.
+function makeLines() {
+  const [points, colours] = [[], []];
+  const put = (x, y) => {
+    points.push(x, y, 0);
+    colours.push(0.35, 0.29, 0.22, 0.16 * MathUtils.smoothstep(0.85 - Math.hypot(x, y), 0, 0.7));
+  };
+  for (let line = -8; line <= 8; line += 1) {
+    for (let part = -16; part < 16; part += 1) {
+      const [across, from, to] = [line * CELL, (part * CELL) / 2, ((part + 1) * CELL) / 2];
+      for (const along of [from, to]) put(across, along);
+      for (const along of [from, to]) put(along, across);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
+  geometry.setAttribute("color", new Float32BufferAttribute(colours, 4));
+  return new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
 }
