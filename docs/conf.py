@@ -1,10 +1,12 @@
 """How Sphinx builds the documentation: `make docs`."""
 
+import logging
 import os
 import sys
 from pathlib import Path
 
 os.environ.setdefault("MPLBACKEND", "agg")
+logging.getLogger("OpenGL").setLevel(logging.WARNING)
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 import mimoc
@@ -30,6 +32,7 @@ suppress_warnings = ["config.cache"]
 myst_enable_extensions = ["deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
 
+autodoc_mock_imports = ["stable_baselines3", "torch", "pyarrow", "av"]  # Of extras that reading docstrings does not need.
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"
