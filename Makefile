@@ -9,7 +9,7 @@ TESTS ?= tests
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
-SPHINX := $(BIN)/python -m sphinx -b html -W --keep-going -q docs
+SPHINX := $(BIN)/python -m sphinx -b html -E -W --keep-going -q docs
 # Markers of what is installed in $(VENV): the packages for the demo, and those for tests and training.
 DEMO := $(VENV)/.demo
 TEST := $(VENV)/.test

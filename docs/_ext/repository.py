@@ -27,6 +27,7 @@ MADE = {
     "spec_reference": lambda: spec_reference.reference("spec"),
     "cohort_reference": lambda: spec_reference.reference("cohort"),
     "cli_reference": cli_reference.reference,
+    "experiments/README": lambda: "```{toctree}\n:hidden:\n:glob:\n\n*/*\n```\n",
 }
 """Pages of the site that end with what a function returns."""
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#:\s]+)(#[^)\s]*)?\)")
