@@ -6,10 +6,11 @@ import sys
 from pathlib import Path
 
 os.environ.setdefault("MPLBACKEND", "agg")
-logging.getLogger("OpenGL").setLevel(logging.WARNING)
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 import mimoc
+
+logging.getLogger("OpenGL").setLevel(logging.WARNING)
 
 project = "mimoc"
 author = "The mimoc authors"
@@ -32,7 +33,9 @@ suppress_warnings = ["config.cache"]
 myst_enable_extensions = ["deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
 
-autodoc_mock_imports = ["stable_baselines3", "torch", "pyarrow", "av"]  # Of extras that reading docstrings does not need.
+# Libraries of extras, which docstrings do not need.
+# Libraries of extras, which docstrings do not need.
+autodoc_mock_imports = ["stable_baselines3", "torch", "pyarrow", "av"]
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"

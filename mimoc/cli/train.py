@@ -89,9 +89,10 @@ def train(
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
     others |= {"threads": threads, "processes": processes}
+    bundle = load_infant(infant)
     with console.progress("training") as show, resumable():
         done = training.train(
-            load_infant(infant),
+            bundle,
             out,
             algo=algo,
             steps=steps,

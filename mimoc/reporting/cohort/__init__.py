@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mimoc.cohorts import Cohort, Job
-from mimoc.cohorts.cohort import Status, status_of
+from mimoc.cohorts.cohort import Progress, Status, status_of
 from mimoc.cohorts.kept import kept_jobs
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import Rows, rows_of
@@ -32,12 +32,13 @@ CAPTION = (
 )
 
 
-def cohort_page(folder: Path, cohort: Cohort | None) -> Page:
+def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page:
     """Return the page of a cohort.
 
     Args:
         folder: The folder of the cohort.
         cohort: The cohort itself; without it, jobs that are not done yet are not known.
+        progress: Called with the number of results read and their total.
 
     Raises:
         MimocError: If the folder is not that of a cohort.
@@ -48,7 +49,7 @@ def cohort_page(folder: Path, cohort: Cohort | None) -> Page:
         jobs, damaged, shown = cohort.jobs(), (), cohort.spec.measure
     else:
         (jobs, damaged), shown = kept_jobs(store), ()
-    status, rows = status_of(jobs, store), rows_of(jobs, store, shown)
+    status, rows = status_of(jobs, store), rows_of(jobs, store, shown, progress)
     sections = [_jobs(status, damaged, is_whole=cohort is not None), children(jobs, store)]
     sections += [_results(jobs, rows), _versions(rows)]
     infants = len({str(sorted(job.factors.items(), key=str)) for job in jobs})
