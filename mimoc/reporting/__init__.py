@@ -66,7 +66,9 @@ def _check_place(place: Path) -> None:
 def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Cohort | None", progress: Progress) -> Page:
     folder = None if isinstance(source, (Bundle, InfantSpec)) else Path(os.path.expanduser(source))
     if cohort is not None and not (folder and (folder / COHORT).is_file()):
-        raise MimocError(f"{folder or repr(source)}: not the folder of a cohort; name the one given to 'mimoc cohort run'")
+        raise MimocError(
+            f"{folder or repr(source)}: not the folder of a cohort; name the one given to 'mimoc cohort run'"
+        )
     if folder is not None and (folder / COHORT).is_file():
         from mimoc.reporting.cohort import cohort_page
 

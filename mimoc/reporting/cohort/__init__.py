@@ -125,7 +125,9 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
         blocks.append(Text(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
     if left_out:
         names = words.listed([axis_of(name) for name in left_out])
-        blocks.append(Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note"))
+        blocks.append(
+            Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
+        )
     if constant:
         same = [f"{title_of(each)}: {words.figure(each.values[0])}" for each in constant]
         blocks.append(Text(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))
