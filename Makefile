@@ -9,6 +9,7 @@ TESTS ?= tests
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
+SPHINX := $(BIN)/python -m sphinx -b html -E -W --keep-going -q docs
 # Markers of what is installed in $(VENV): the packages for the demo, and those for tests and training.
 DEMO := $(VENV)/.demo
 TEST := $(VENV)/.test
@@ -41,15 +42,16 @@ demo: $(DEMO) opengl ## Build, validate, check, run and render an infant of nine
 	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(TEST) opengl ## Lint, check types and run every test, and say how long each part took.
+test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test; say how long each part took.
 	@$(BIN)/python .ci/parts.py \
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
+		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
 		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
 
 docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
-	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python -m sphinx -b html -W --keep-going -q docs out/docs
+	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
 	@echo "the documentation   out/docs/index.html"
 
 clusters: $(TEST) ## Test cohorts on a real SLURM and a real Ray cluster (minutes; needs Debian's slurm-wlm and munge).

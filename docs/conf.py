@@ -1,5 +1,6 @@
 """How Sphinx builds the documentation: `make docs`."""
 
+import logging
 import os
 import sys
 from pathlib import Path
@@ -8,6 +9,8 @@ os.environ.setdefault("MPLBACKEND", "agg")
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 import mimoc
+
+logging.getLogger("OpenGL").setLevel(logging.WARNING)
 
 project = "mimoc"
 author = "The mimoc authors"
@@ -30,6 +33,9 @@ suppress_warnings = ["config.cache"]
 myst_enable_extensions = ["deflist", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3
 
+# Libraries of extras, which docstrings do not need.
+# Libraries of extras, which docstrings do not need.
+autodoc_mock_imports = ["stable_baselines3", "torch", "pyarrow", "av"]
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"

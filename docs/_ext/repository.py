@@ -18,10 +18,16 @@ PAGES = {
     "plugin": "examples/plugin/README.md",
 }
 """Pages of the site that are files elsewhere in the repository."""
+ENTRANCES = {
+    CHECKOUT / "README.md": DOCS / "index.md",
+    CHECKOUT / "examples" / "gallery" / "README.rst": DOCS / "gallery" / "index.rst",
+}
+"""Pages of the site that stand in for a file of the repository."""
 MADE = {
     "spec_reference": lambda: spec_reference.reference("spec"),
     "cohort_reference": lambda: spec_reference.reference("cohort"),
     "cli_reference": cli_reference.reference,
+    "experiments/README": lambda: "```{toctree}\n:hidden:\n:glob:\n\n*/*\n```\n",
 }
 """Pages of the site that end with what a function returns."""
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#:\s]+)(#[^)\s]*)?\)")
@@ -49,10 +55,8 @@ def _read(app: Sphinx, page: str, source: list[str]) -> None:
 def _resolved(link: re.Match[str], folder: Path, here: Path) -> str:
     """Return a link of a file in `folder` as a page in `here` has it: a page, a file to download, or only its name."""
     text, target, anchor = link[1], (folder / link[2]).resolve(), link[3] or ""
-    elsewhere = {CHECKOUT / path: DOCS / f"{page}.md" for page, path in PAGES.items()}
+    elsewhere = {CHECKOUT / path: DOCS / f"{page}.md" for page, path in PAGES.items()} | ENTRANCES
     target = elsewhere.get(target, target)
-    if target == CHECKOUT / "README.md":
-        target = DOCS / "index.md"
     if target.is_dir():
         return text if text.startswith("`") else f"`{text}`" if "/" in text else f"{text} (`{target.name}/`)"
     return f"[{text}]({os.path.relpath(target, here)}{anchor})"

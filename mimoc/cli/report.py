@@ -38,5 +38,5 @@ def report(
 
         study = read_cohort(cohort)
     infant = load_spec(source) if source == STDIN else source
-    with console.progress("checking") as show:
+    with console.progress("writing the page") as show:
         print(write_report(infant, out, check=not no_check, cohort=study, progress=show))

@@ -87,8 +87,8 @@ def _grown(path: Path, physics: bool) -> str:
     from mimoc.viewer.page import page_of
 
     infant = load_infant(path)
-    with console.status("growing"):
-        return page_of(infant, physics)
+    with console.progress("growing") as show:
+        return page_of(infant, physics, show)
 
 
 def _recorded(path: Path, physics: bool, infant: int | None, episode: int | None) -> str:

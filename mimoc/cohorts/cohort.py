@@ -173,28 +173,31 @@ class Cohort:
         store.check()
         return status_of(self.jobs(), store)
 
-    def rows(self, out: str | Path) -> list[dict[str, Cell]]:
-        """Return the table, one row a job.
+    def rows(self, out: str | Path, *, progress: Progress = lambda done, total: None) -> list[dict[str, Cell]]:
+        """Return the table, one row a job; see `table`.
 
         Raises:
             MimocError: If the folder is not that of a cohort.
         """
         store = Store(Path(out).expanduser())
         store.check()
-        return rows_of(self.jobs(), store, self.spec.measure)
+        return rows_of(self.jobs(), store, self.spec.measure, progress)
 
-    def table(self, out: str | Path, *, parquet: bool = True) -> list[Path]:
+    def table(
+        self, out: str | Path, *, parquet: bool = True, progress: Progress = lambda done, total: None
+    ) -> list[Path]:
         """Write the table into the folder, as CSV and as Parquet; return the paths.
 
         Args:
             out: The folder of the cohort.
             parquet: Whether to write Parquet as well.
+            progress: Called with the number of results read and their total.
 
         Raises:
             MimocError: If the folder is not that of a cohort.
             MissingExtraError: If pyarrow is not installed; the CSV is there then.
         """
-        rows, folder = self.rows(out), Path(out).expanduser()
+        rows, folder = self.rows(out, progress=progress), Path(out).expanduser()
         written = [write_csv(rows, folder)]
         return [*written, write_parquet(rows, folder)] if parquet else written
 

@@ -1,6 +1,6 @@
 """Builders, which compile the bundles of a spec for any seed of its scene."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -124,6 +124,11 @@ class Builder:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle only the spec: copies and other processes build the infant again."""
         return builder, (self.spec, self.target, None, self.has_skin)
+
+    def watched(self, progress: Callable[[int, int], None]) -> "Builder":
+        """Return a copy that calls a function with the number of toys loaded and their total."""
+        assets = self.scene_assets
+        return replace(self, scene_assets=replace(assets, toybox=replace(assets.toybox, progress=progress)))
 
     def __call__(self, seed: int, *, check: bool = True) -> Bundle:
         """Return the bundle of a seed.

@@ -39,7 +39,7 @@ def report(
         path: The page, which ends in .html; an existing one is replaced.
         check: Whether to check that the simulation of an infant is stable, which takes a second or so.
         cohort: The cohort in the folder, so that jobs which are not done yet are counted as well.
-        progress: Called with the number of poses checked and their total.
+        progress: Called with how much is done, and how much there is to do.
 
     Raises:
         OutputError: If the page cannot be written there.
@@ -66,28 +66,30 @@ def _check_place(place: Path) -> None:
 def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Cohort | None", progress: Progress) -> Page:
     folder = None if isinstance(source, (Bundle, InfantSpec)) else Path(os.path.expanduser(source))
     if cohort is not None and not (folder and (folder / COHORT).is_file()):
-        raise MimocError(f"{folder or source!r}: not the folder of a cohort; name the one given to 'mimoc cohort run'")
+        raise MimocError(
+            f"{folder or repr(source)}: not the folder of a cohort; name the one given to 'mimoc cohort run'"
+        )
     if folder is not None and (folder / COHORT).is_file():
         from mimoc.reporting.cohort import cohort_page
 
-        return cohort_page(folder, cohort)
+        return cohort_page(folder, cohort, progress)
     if folder is not None and (folder / RUN).is_file():
         from mimoc.reporting.training import training_page
 
         return training_page(folder)
     from mimoc.reporting.infant import infant_page
 
-    return infant_page(_infant(source), progress, check=check)
+    return infant_page(_infant(source, progress), progress, check=check)
 
 
-def _infant(source: "Bundle | InfantSpec | str | Path") -> Bundle:
+def _infant(source: "Bundle | InfantSpec | str | Path", progress: Progress) -> Bundle:
     if isinstance(source, Bundle):
         return source
     if isinstance(source, InfantSpec):
-        return build(source)
+        return build(source, progress=progress)
     place = Path(os.path.expanduser(source))
     if place.suffix.lower() in SPEC_SUFFIXES and not place.is_dir():
-        return build(load_spec(place))
+        return build(load_spec(place), progress=progress)
     kinds = "a folder written by 'mimoc build', 'mimoc train' or 'mimoc cohort run', or a spec that ends in .yaml"
     if not place.exists():
         raise MimocError(f"{place}: there is no such folder; name {kinds}")

@@ -1,7 +1,7 @@
 """Pages as text: what they know, the program that shows it, and its style, in one file."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import mujoco
@@ -21,17 +21,19 @@ from mimoc.viewer.program import built, source
 from mimoc.viewer.standards import describe_standards
 from mimoc.viewer.surroundings import describe_surroundings
 
+Progress = Callable[[int, int], None]
 PROGRAM, LICENCES = "viewer.js", "LICENCES.txt"
 PLACE = re.compile(r"\{\{([a-z]+)\}\}")
 """Where something goes in the frame."""
 
 
-def page_of(infant: Bundle, physics: bool = False) -> str:
+def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None) -> str:
     """Return the page of an infant: HTML that any browser opens from disk.
 
     Args:
         infant: The infant.
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act.
+        progress: Called with the number of ages that are built and their total.
 
     Raises:
         BundleError: If the bundle does not contain its spec.
@@ -40,14 +42,19 @@ def page_of(infant: Bundle, physics: bool = False) -> str:
     """
     built(PROGRAM)
     packed = Packed()
-    return fill(packed, describe(packed, infant, physics))
+    return fill(packed, describe(packed, infant, physics, progress))
 
 
-def describe(packed: Packed, infant: Bundle, physics: bool = False) -> dict[str, Any]:
+def describe(
+    packed: Packed, infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None
+) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
     at = _Ages(spec)
-    grown = [at(age, dressed=age in SKIN_AGES_MONTHS) for age in AGES_MONTHS]
+    grown = list[Variant]()
+    for age in AGES_MONTHS:
+        progress(len(grown), len(AGES_MONTHS))
+        grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
     sparse = [at(age) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
     shown = at(manifest.child.age_months)

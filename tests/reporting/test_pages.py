@@ -149,6 +149,12 @@ def test_what_is_in_the_folder_is_what_the_cohort_knows(cohort, study):
         assert all(rows[row["job"]][name] == value for name, value in row.items())
 
 
+def test_factors_that_are_left_out_are_named(cohort, tmp_path, see, monkeypatch):
+    monkeypatch.setattr("mimoc.reporting.cohort.MOST_FACTORS", 1)
+    text = see(mimoc.report(cohort, tmp_path / "page.html")).text
+    assert "Each measure is drawn by at most 1 factors; these are left out: sex" in text
+
+
 def test_a_damaged_result_is_told_of(cohort, tmp_path, see):
     shutil.copytree(cohort, tmp_path / "cohort")
     next((tmp_path / "cohort" / "results").glob("*/*.json")).write_text("{")
@@ -201,5 +207,5 @@ def test_the_command_prints_where_the_page_is(cohort, invoke, tmp_path):
 
 
 def test_only_a_cohort_has_a_file_of_a_cohort(run, study, tmp_path):
-    with pytest.raises(mimoc.MimocError, match="not the folder of a cohort"):
+    with pytest.raises(mimoc.MimocError, match=f"^{run}: not the folder of a cohort"):
         mimoc.report(run, tmp_path / "page.html", cohort=study)

@@ -4,13 +4,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mimoc.cohorts import Cohort, Job
-from mimoc.cohorts.cohort import Status, status_of
+from mimoc.cohorts.cohort import Progress, Status, status_of
 from mimoc.cohorts.kept import kept_jobs
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import Rows, rows_of
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children
-from mimoc.reporting.cohort.measures import OF_CHILDREN, factors_of, measures_of, title_of
+from mimoc.reporting.cohort.measures import OF_CHILDREN, axis_of, factors_of, measures_of, title_of
 from mimoc.reporting.cohort.plots import plot
 from mimoc.reporting.page import Block, Cell, Drawings, Page, Section, Text, number, table
 from mimoc.version import __version__
@@ -32,12 +32,13 @@ CAPTION = (
 )
 
 
-def cohort_page(folder: Path, cohort: Cohort | None) -> Page:
+def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page:
     """Return the page of a cohort.
 
     Args:
         folder: The folder of the cohort.
         cohort: The cohort itself; without it, jobs that are not done yet are not known.
+        progress: Called with the number of results read and their total.
 
     Raises:
         MimocError: If the folder is not that of a cohort.
@@ -48,7 +49,7 @@ def cohort_page(folder: Path, cohort: Cohort | None) -> Page:
         jobs, damaged, shown = cohort.jobs(), (), cohort.spec.measure
     else:
         (jobs, damaged), shown = kept_jobs(store), ()
-    status, rows = status_of(jobs, store), rows_of(jobs, store, shown)
+    status, rows = status_of(jobs, store), rows_of(jobs, store, shown, progress)
     sections = [_jobs(status, damaged, is_whole=cohort is not None), children(jobs, store)]
     sections += [_results(jobs, rows), _versions(rows)]
     infants = len({str(sorted(job.factors.items(), key=str)) for job in jobs})
@@ -106,12 +107,14 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
     done = [row for row in rows if row["status"] == "ok"]
     names = [*rows[0]] if rows else []
     factors = _by_interest([name for name in names[1:] if _is_factor(name, names)], jobs)
-    drawn, constant = [], []
+    drawn, constant, left_out = [], [], dict[str, None]()
     for measure in measures_of(done, _measure_names(names)):
         if measure.is_constant:
             constant.append(measure)
             continue
-        for factor in factors_of(measure.rows, factors)[:MOST_FACTORS]:
+        varied = factors_of(measure.rows, factors)
+        left_out |= dict.fromkeys(varied[MOST_FACTORS:])
+        for factor in varied[:MOST_FACTORS]:
             drawn += [found] if (found := plot(measure, factor, title_of(measure))) else []
     blocks: list[Block] = []
     if drawn:
@@ -120,6 +123,11 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
         blocks.append(Text("No measure differs between the jobs, or nothing varies that it could be drawn by.", "note"))
     if len(drawn) > MOST_PLOTS:
         blocks.append(Text(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
+    if left_out:
+        names = words.listed([axis_of(name) for name in left_out])
+        blocks.append(
+            Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
+        )
     if constant:
         same = [f"{title_of(each)}: {words.figure(each.values[0])}" for each in constant]
         blocks.append(Text(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))

@@ -27,17 +27,21 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
 
     Args:
         bundle: The infant.
-        progress: Called with the number of poses checked and their total.
+        progress: Called with how much is done, and how much there is to do.
         check: Whether to check that its simulation is stable.
 
     Raises:
         ModelError: If MuJoCo rejects its model.
     """
+    steps = (len(bundle.manifest.poses) if check else 0) + 2  # Poses to check, the other sections, and the portrait.
+    progress(0, steps)
     model, sources = load_model(bundle), Sources(bundle)
     size, body, sensed = infant_sections(bundle, model, sources)
     measured = proportions(model, bundle.manifest.child.age_months, sources)
-    checked = stability(bundle, progress) if check else unchecked()
+    progress(1, steps)
+    checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else unchecked()
     pictures, missing = picture(bundle)
+    progress(steps, steps)
     return Page(
         kind="An infant, compiled by mimoc",
         title=words.sentence(words.name(bundle.manifest.name)),

@@ -15,14 +15,12 @@ ABOUT = (
 SKIPPED = "Not checked for this page. mimoc check does it."
 
 
-def stability(bundle: Bundle, progress: Callable[[int, int], None]) -> Section:
-    """Return the section on the stability of an infant; *progress* is told how many poses of all are checked."""
+def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
+    """Return the section on the stability of an infant; *progress* is told how many poses are checked."""
     checks: list[PoseCheck] = []
-    poses = len(bundle.manifest.poses)
-    progress(0, poses)
     for check in check_stability(bundle):
         checks.append(check)
-        progress(len(checks), poses)
+        progress(len(checks))
     about = ABOUT.format(seconds=CHECKED_S, energy=MAX_ENERGY_J_PER_KG, beyond=MAX_BEYOND_DEG)
     headings = ("pose", "result", "warnings", "kinetic energy [J/kg]", "beyond joint limits [°]", "")
     return Section("stability", "Stability", (Text(about), table(headings, map(_row, checks))))
