@@ -225,7 +225,9 @@ def _layer(
     far = np.full((len(verts), len(posed.geoms)), np.inf)
     for index in usable:
         local = (verts_m - posed.centres[index]) @ posed.rotations[index]
-        far[:, index] = height_above(posed.geoms[index], local)[0]
+        geom = posed.geoms[index]
+        sizes = np.broadcast_to((*geom.size_m, *(0.0,) * (3 - len(geom.size_m))), local.shape)
+        far[:, index] = height_above(geom.type, sizes, local)[0]
     near = np.argsort(far, axis=1)[:, :NEAR]
     fine = np.array(
         [
