@@ -41,7 +41,7 @@ def test_shared_phrases_sources_and_places_are_written_once():
     }
     written = packed(entries)
     assert written["phrases"] == ["one factor", "x 2,", "by a law;", "the law says so", "geom[@name='*']/@mass"]
-    assert written["sources"] == [("spec.name",)]
+    assert written["sources"] == [("spec.age_months",)]
 
 
 def test_bundles_of_before_are_read():
