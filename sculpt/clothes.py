@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from fields import Array, Field
 from figure import Figure, folded
-from meshing import gradient, without_slivers
+from meshing import gradient, largest, without_slivers
 
 from mimoc.body.kinematics import Frame
 
 SLEEVE, LEG = 0.64, 0.72
 """Where sleeves and legs end, as shares of upper arm and thigh."""
-HEM, WAIST = 10.0, 40.0
+HEM, WAIST = 10.0, 21.0
 """Heights of the shirt's hem and of the trousers' top above the hip."""
 NECK = (2.0, 0.0, 268.0)
 """Middle of the neckline, a ball of radius `NECKLINE`, flatter from side to side."""
@@ -30,6 +30,10 @@ class Cloth:
     """Outside of the cloth."""
     cut: Callable[[Array], Array]
     """Positive where there is no cloth; about the distance to its edge."""
+    bare: Callable[[Array], Array]
+    """The same for the edges beside which one sees skin."""
+    hem_mm: float
+    """Breadth of the fold along the edge, which leads into the skin, so that nobody sees into the cloth."""
 
 
 def rise(x: Array, low: float, high: float) -> Array:
@@ -47,17 +51,18 @@ def shirt(figure: Figure, frames: Mapping[str, Frame]) -> Cloth:
         on_arm = rise(t, 0.05, 0.5) * rise(-far, -42, -34)
         sides = rise(np.abs(p[:, 1]), 25, 72)
         hem = rise(-p[:, 2], -100, -HEM)
-        loose = 1.5 + on_arm * (2.0 + 2.6 * rise(t, 0.3, SLEEVE)) + (1 - on_arm) * sides * (0.6 + 2.4 * hem)
+        loose = 1.5 + on_arm * (2.0 + 2.6 * rise(t, 0.3, SLEEVE)) + (1 - on_arm) * (sides * 0.6 + 1.8 * hem)
         return body(p) - loose
 
-    def cut(p: Array) -> Array:
+    def bare(p: Array) -> Array:
         t, far = arm(folded(p))
         sleeve = np.where((far < 44) & (t > 0.2), (t - SLEEVE) * 90, -99.0)
-        neck = NECKLINE - np.linalg.norm((p - NECK) * (1, 0.84, 1), axis=1)
-        below = HEM + 3 * np.cos(p[:, 1] / 80) - 3 - p[:, 2]
-        return np.maximum(np.maximum(sleeve, below), neck)
+        return np.maximum(sleeve, NECKLINE - np.linalg.norm((p - NECK) * (1, 0.84, 1), axis=1))
 
-    return Cloth("shirt", layer, cut)
+    def cut(p: Array) -> Array:
+        return np.maximum(bare(p), HEM + 3 * np.cos(p[:, 1] / 80) - 3 - p[:, 2])
+
+    return Cloth("shirt", layer, cut, bare, 7.0)
 
 
 def trousers(figure: Figure, frames: Mapping[str, Frame]) -> Cloth:
@@ -68,26 +73,30 @@ def trousers(figure: Figure, frames: Mapping[str, Frame]) -> Cloth:
         t, _ = leg(folded(p))
         on_leg = rise(t, 0.1, 0.5)
         sides = rise(np.abs(p[:, 1]), 20, 70)
-        below_shirt = rise(-p[:, 2], -12, 4)
-        loose = below_shirt * (0.9 + 2.2 * on_leg * rise(t, 0.2, LEG) + 0.6 * sides) + 0.4
+        below_shirt = rise(-p[:, 2], -8, 12)
+        loose = below_shirt * (2.1 + 2.2 * on_leg * rise(t, 0.2, LEG) + 0.6 * sides) - 0.8
         return body(p) - loose
 
-    def cut(p: Array) -> Array:
+    def bare(p: Array) -> Array:
         t, far = leg(folded(p))
-        end = np.where((t > 0.3) & (far < 60), (t - LEG) * 112, -99.0)
-        return np.maximum(p[:, 2] - WAIST, end)
+        return np.where((t > 0.3) & (far < 60), (t - LEG) * 112, -99.0)
 
-    return Cloth("trousers", layer, cut)
+    def cut(p: Array) -> Array:
+        return np.maximum(p[:, 2] - WAIST, bare(p))
+
+    return Cloth("trousers", layer, cut, bare, 6.0)
 
 
-def sewn(cloth: Cloth, verts: Array, faces: np.ndarray, hem_mm: float = 2.2) -> tuple[Array, np.ndarray]:
+def sewn(cloth: Cloth, verts: Array, faces: np.ndarray) -> tuple[Array, np.ndarray, np.ndarray]:
     """Return the part of a mesh that is cloth, cut along a smooth line, with a hem that is folded inwards.
 
     Args:
         cloth: The layer and its edges.
         verts: Of the whole layer.
         faces: Of the whole layer.
-        hem_mm: Breadth of the fold.
+
+    Returns:
+        Vertices, faces, and for each vertex the one that it moves with: itself, or of the hem's that at the edge.
     """
     away = cloth.cut(verts)
     slope = gradient(cloth.cut, verts, 0.2)
@@ -101,7 +110,7 @@ def sewn(cloth: Cloth, verts: Array, faces: np.ndarray, hem_mm: float = 2.2) -> 
     verts[close] -= (away[close] / size[close] ** 2)[:, None] * slope[close]
     away[close] = 0.0
     verts, faces = without_slivers(*_clipped(verts, faces, away), least=SLIVER * float(np.median(typical)))
-    return without_slivers(*_hemmed(cloth.layer, verts, faces, hem_mm), least=0.45 * hem_mm)
+    return _hemmed(cloth.layer, *largest(verts, faces), cloth.hem_mm)
 
 
 def _clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.ndarray]:
@@ -137,17 +146,20 @@ def _clipped(verts: Array, faces: np.ndarray, away: Array) -> tuple[Array, np.nd
     return all_points[used], number[faces]
 
 
-def _hemmed(layer: Field, verts: Array, faces: np.ndarray, hem_mm: float) -> tuple[Array, np.ndarray]:
-    """Return a mesh with a strip along its open edges that leads inwards."""
+def _hemmed(layer: Field, verts: Array, faces: np.ndarray, hem_mm: float) -> tuple[Array, np.ndarray, np.ndarray]:
+    """Return a mesh with a strip along its open edges that leads inwards; its edge is sharp: a rim of its own."""
     directed = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     pairs = {tuple(pair) for pair in directed}
     rim = [(a, b) for a, b in pairs if (b, a) not in pairs]
     ends = np.unique(np.array(rim))
     normal = gradient(layer, verts[ends])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    inner = {int(vertex): len(verts) + number for number, vertex in enumerate(ends)}
-    strip = [face for a, b in rim for face in ((b, a, inner[a]), (b, inner[a], inner[b]))]
-    return np.vstack((verts, verts[ends] - hem_mm * normal)), np.vstack((faces, np.array(strip)))
+    outer = {int(vertex): len(verts) + number for number, vertex in enumerate(ends)}
+    inner = {vertex: number + len(ends) for vertex, number in outer.items()}
+    quads = [(outer[a], outer[b], inner[a], inner[b]) for a, b in sorted(rim)]
+    strip = [face for a, b, below_a, below_b in quads for face in ((b, a, below_a), (b, below_a, below_b))]
+    twins = np.concatenate((np.arange(len(verts)), ends, ends))
+    return np.vstack((verts, verts[ends], verts[ends] - hem_mm * normal)), np.vstack((faces, np.array(strip))), twins
 
 
 def _along(frame: Frame, start: tuple[float, ...], end: tuple[float, ...]):

@@ -21,7 +21,7 @@ class Head:
     eye_radius: float
 
 
-UPPER, LOWER, CORNER = 41.0, -33.0, 62.0
+UPPER, LOWER, CORNER = 38.5, -33.0, 62.0
 """Lids at the middle of an open eye, and the corners of the eye, seen from the middle of the eyeball, [deg]."""
 LID = 1.10
 """Radius of the lids over that of the eyeball."""
@@ -112,7 +112,8 @@ def mesh(head: Head, rng: np.random.Generator) -> tuple[Array, np.ndarray]:
     dense = meshing.largest(*meshing.surface(whole, -reach, np.add(reach, (8, 0, 0)), 0.9))
     verts, faces, _ = meshing.remesh(*dense, lambda points: sizes(head, points), rng)
     verts = meshing.relax(whole, meshing.onto(whole, verts), faces, 2, 0.4)
-    return clothes.sewn(clothes.Cloth("lids", whole, opening(head)), verts, faces, 1.6)
+    cut = opening(head)
+    return clothes.sewn(clothes.Cloth("lids", whole, cut, cut, 1.6), verts, faces)[:2]
 
 
 def sizes(head: Head, points: Array) -> Array:
@@ -130,7 +131,7 @@ def sizes(head: Head, points: Array) -> Array:
 
 
 def newborn(head: Head, verts: Array) -> Array:
-    """Return the vertices of a newborn's head: narrow lids, flat nose, full cheeks, small chin."""
+    """Return the vertices of a newborn's head: round eyes, flat nose, small chin."""
     ax, ay, az = head.half_axes
     found = verts.copy()
 
@@ -139,12 +140,12 @@ def newborn(head: Head, verts: Array) -> Array:
         return np.exp(-((far / radius) ** 2))[:, None]
 
     side = np.sign(verts[:, 1])[:, None] * (0, 1, 0)
-    found += near((0.70 * ax, -0.5 * ay, -0.50 * az), 26) * ((1.0, 0, 0) + 2.4 * side)
-    found += near((0.70 * ax, 0, -0.75 * az), 20) * (-4.0, 0, 2.0)
+    found += near((0.66 * ax, -0.55 * ay, -0.52 * az), 27) * ((1.6, 0, -1.5) + 5.0 * side)
+    found += near((0.72 * ax, 0, -0.78 * az), 22) * (-5.0, 0, 4.0)
     tip = near((1.0 * ax, 0, -0.26 * az), 11)
     found += tip * ((0.93 * ax, 0, -0.255 * az) - verts) * (0.35, -0.12, 0.18)
     for sign in (-1.0, 1.0):
-        found += _lids_moved(head, verts, sign, 0.52, 0.70)
+        found += _lids_moved(head, verts, sign, 0.86, 1.10)
     return _flattened(head, found)
 
 

@@ -13,7 +13,7 @@ import resting
 import shading
 import stretching
 import weights
-from fields import Array, Field
+from fields import Array
 
 from mimoc.body.head_surface import head_radius
 from mimoc.body.kinematics import frames, pose
@@ -106,12 +106,14 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
     skin = _skin(sculpted, cell_mm, rng)
     held = weights.weights(*skin, sculpted.solids, parts)
     found = _common(tree, parts, angles, placed)
-    layers = {"body": (*skin, held)}
+    layers, twins = {"body": (*skin, held)}, {}
     sewn = {cloth.name: cloth for cloth in (clothes.shirt(sculpted, placed), clothes.trousers(sculpted, placed))}
     for name, cloth in sewn.items():
-        verts, faces = _cloth(cloth, sculpted.field(), cell_mm, rng)
-        layers[name] = (verts, faces, weights.carried_over(skin[0], weights.eased(held, parts, name), verts, faces))
+        verts, faces, twins[name] = _cloth(cloth, cell_mm, rng)
+        below = weights.eased(held, parts, name, skin[0])
+        layers[name] = (verts, faces, weights.carried_over(skin[0], below, verts, faces, twins[name]))
     layers["body"] = _uncovered(*layers["body"], parts, sewn)
+    twins["body"] = np.arange(len(layers["body"][0]))
     head = sculpt_head()
     colours = {name: shading.texcoords(name, layer[0], layer[1], sculpted, hands) for name, layer in layers.items()}
     best, least = found, np.inf
@@ -129,7 +131,7 @@ def sculpt(hands: str, cell_mm: float) -> dict[str, Array]:
         if least < ENOUGH:
             break
         layers = {
-            name: (verts + 1000 * moves[name], faces, stretching.eased(own, faces, stretch[name]))
+            name: (verts + 1000 * moves[name], faces, stretching.eased(own, twins[name], faces, stretch[name]))
             for name, (verts, faces, own) in layers.items()
         }
     return best
@@ -144,10 +146,10 @@ def _skin(sculpted: figure.Figure, cell_mm: float, rng: np.random.Generator) -> 
     return meshing.without_slivers(verts, faces, SLIVER_MM)
 
 
-SIZES = {"hand": 3.9, "lfmetacarpal": 3.6, "thbase": 3.2, "foot": 5.0, "toes": 2.9, "big_toe": 3.2, "fingers": 2.7}
+SIZES = {"hand": 4.4, "lfmetacarpal": 4.0, "thbase": 3.6, "foot": 5.6, "toes": 3.3, "big_toe": 3.7, "fingers": 3.4}
 SLIVER_MM = 0.9
 """Shorter edges are drawn together."""
-TRUNK_SIZE, LIMB_SIZE, FINGER_SIZE = 11.0, 9.0, 2.5
+TRUNK_SIZE, LIMB_SIZE, FINGER_SIZE = 11.0, 9.0, 3.1
 """Lengths of the skin's edges, [mm]."""
 
 
@@ -162,16 +164,15 @@ def _sizes(sculpted: figure.Figure, points: Array) -> Array:
     return np.array([names[name] for name in owners])
 
 
-def _cloth(cloth: clothes.Cloth, body: Field, cell_mm: float, rng: np.random.Generator) -> tuple[Array, np.ndarray]:
+def _cloth(cloth: clothes.Cloth, cell_mm: float, rng: np.random.Generator) -> tuple[Array, np.ndarray, np.ndarray]:
     dense = meshing.largest(*meshing.surface(cloth.layer, LOW, HIGH, 2 * cell_mm))
     near = cloth.cut(dense[0]) < 20
     dense = meshing.only(*dense, near)
     verts, faces, _ = meshing.remesh(*dense, lambda points: np.where(cloth.cut(points) > -10, 5.8, 13.0), rng)
     verts = meshing.relax(cloth.layer, meshing.onto(cloth.layer, verts), faces, rounds=2)
-    verts, faces = clothes.sewn(cloth, verts, faces)
-    verts, faces = meshing.largest(verts, faces)
-    print(cloth.name, len(dense[0]), "->", len(verts))
-    return verts, faces
+    found = clothes.sewn(cloth, verts, faces)
+    print(cloth.name, len(dense[0]), "->", len(found[0]))
+    return found
 
 
 COVERED_MM = 22.0
@@ -186,7 +187,7 @@ def _uncovered(
     verts: Array, faces: np.ndarray, own: Array, parts: list[str], sewn: Mapping[str, clothes.Cloth]
 ) -> tuple[Array, np.ndarray, Array]:
     """Return the skin without what is deep under clothes or in the head."""
-    under = np.max([-cloth.cut(verts) for cloth in sewn.values()], axis=0)
+    under = np.min([-cloth.bare(verts) for cloth in sewn.values()], axis=0)
     trunk = np.isin(np.array(parts)[own.argmax(axis=1)], [part for part in parts if part.endswith(CLOTHED)])
     keep = ~(trunk & (under > COVERED_MM)) & (verts[:, 2] < 300)
     number = np.arange(len(verts))
@@ -225,7 +226,9 @@ def _layer(
     far = np.full((len(verts), len(posed.geoms)), np.inf)
     for index in usable:
         local = (verts_m - posed.centres[index]) @ posed.rotations[index]
-        far[:, index] = height_above(posed.geoms[index], local)[0]
+        geom = posed.geoms[index]
+        sizes = np.broadcast_to((*geom.size_m, *(0.0,) * (3 - len(geom.size_m))), local.shape)
+        far[:, index] = height_above(geom.type, sizes, local)[0]
     near = np.argsort(far, axis=1)[:, :NEAR]
     fine = np.array(
         [

@@ -35,7 +35,7 @@ def stretches(sculpted: Sculpture, hands: str) -> dict[str, Array]:
     return most
 
 
-def eased(own: Array, faces: np.ndarray, stretch: Array) -> Array:
+def eased(own: Array, twins: np.ndarray, faces: np.ndarray, stretch: Array) -> Array:
     """Return weights of which those at the ends of stretched edges are more alike."""
     found, edges = own.copy(), edges_of(faces)
     for a, b in edges[stretch > MOST]:
@@ -46,7 +46,7 @@ def eased(own: Array, faces: np.ndarray, stretch: Array) -> Array:
     np.add.at(total, both[:, 0], own[both[:, 1]])
     around = total / np.maximum(total.sum(axis=1, keepdims=True), 1e-9)
     found[ends] = (found[ends] + around[ends]) / 2
-    return quantized(found)
+    return quantized(found[twins])
 
 
 def _posed(layer: SkinLayer, placed) -> Array:

@@ -96,7 +96,7 @@ CLOTH = 6.0
 """How much farther the hold of a body fades out along cloth, [mm]."""
 
 
-def carried_over(verts: Array, own: Array, other: Array, faces: np.ndarray) -> Array:
+def carried_over(verts: Array, own: Array, other: Array, faces: np.ndarray, twins: np.ndarray) -> Array:
     """Return the weights of a layer on the skin, from those of the four nearest vertices of the skin.
 
     Args:
@@ -104,26 +104,29 @@ def carried_over(verts: Array, own: Array, other: Array, faces: np.ndarray) -> A
         own: Weights of the skin.
         other: Vertices of the layer.
         faces: Of the layer.
+        twins: The vertex of the layer that each one moves with.
     """
     far, near = cKDTree(verts).query(other, k=4)
     share = 1 / np.maximum(far, 0.3) ** 2
     share /= share.sum(axis=1, keepdims=True)
     start = np.einsum("nk,nkb->nb", share, own[near])
-    return quantized(_diffused(other, faces, start, np.full(len(other), CLOTH)))
+    return quantized(_diffused(other, faces, start, np.full(len(other), CLOTH))[twins])
 
 
 HANGING = 0.45
-"""Share of a thigh's hold that the hem of a shirt takes over; the rest is the hip's."""
+"""Share of a thigh's hold that the hem of a shirt takes over, and the trousers under it; the rest is the hip's."""
+UNDER_SHIRT = (-16.0, 6.0)
+"""Heights from where trousers begin to hang to where they do as the shirt does, [mm]."""
 
 
-def eased(held: Array, names: Sequence[str], cloth: str) -> Array:
-    """Return the weights that a piece of clothing takes over from the skin below."""
-    if cloth != "shirt":
-        return held
-    found = held.copy()
+def eased(held: Array, names: Sequence[str], cloth: str, verts: Array) -> Array:
+    """Return the weights that a piece of clothing takes over from the skin below, whose vertices are given."""
+    found, share = held.copy(), np.full(len(verts), HANGING)
+    if cloth == "trousers":
+        share = np.interp(verts[:, 2], UNDER_SHIRT, (1.0, HANGING))
     hip = list(names).index("hip")
     for side in ("left", "right"):
         thigh = list(names).index(f"{side}_upper_leg")
-        found[:, hip] += (1 - HANGING) * found[:, thigh]
-        found[:, thigh] *= HANGING
+        found[:, hip] += (1 - share) * found[:, thigh]
+        found[:, thigh] *= share
     return found

@@ -27,6 +27,7 @@ from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
 from mimoc.compiler.provenance.delays import trace_delays
 from mimoc.compiler.provenance.noise import trace_noise
+from mimoc.compiler.provenance.packing import packed
 from mimoc.compiler.provenance.plugins import trace_plugins
 from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
 from mimoc.compiler.provenance.task import trace_task
@@ -189,7 +190,7 @@ class Builder:
             **printing.render_world(furnished.scene),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
-            "provenance.json": render_json({**world_origins, **self.origins}),
+            "provenance.json": render_json(packed({**world_origins, **self.origins}), 2),
             "manifest.json": render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }

@@ -11,6 +11,7 @@ from typing import Any
 
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.building import builder
+from mimoc.compiler.provenance.packing import unpacked
 from mimoc.compiler.provenance.spec import SPEC_FILE
 from mimoc.errors import BundleError, MimocError
 from mimoc.schema.infant import read_spec
@@ -101,13 +102,13 @@ def entries_of(bundle: Bundle) -> Entries:
         BundleError: If that is not possible, because this version of mimoc builds another infant from its spec.
     """
     if PROVENANCE in bundle.files:
-        return json.loads(bundle.files[PROVENANCE])
+        return unpacked(json.loads(bundle.files[PROVENANCE]))
     spec = read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE))
     again = builder(spec, skin=bundle.manifest.has_skin)(bundle.manifest.seed, check=False)
     if any(again.files[name] != bundle.files[name] for name in ("infant.xml", "scene.xml")):
         message = f"{bundle.path}: has no {PROVENANCE}, and this version of mimoc builds another infant from its spec"
         raise BundleError(f"{message}; build it again with 'mimoc build'")
-    return json.loads(again.files[PROVENANCE])
+    return unpacked(json.loads(again.files[PROVENANCE]))
 
 
 def _explain(key: str, entries: Entries) -> Explanation:

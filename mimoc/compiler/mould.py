@@ -46,16 +46,19 @@ class Casting:
     """Its skin, which MuJoCo only copies."""
 
     def model(self) -> mujoco.MjModel:
-        """Return a model of one's own."""
+        """Return a model of one's own, with the skin of the mould."""
         model = copy.copy(self.mould)
         for name in self.arrays:
             getattr(model, name)[...] = getattr(self.numbers, name)
         for name in STATISTICS:
             setattr(model.stat, name, getattr(self.numbers.stat, name))
-        if self.skin:
-            _dress(model, self.skin)
         prepare(model)
         return model
+
+    def dress(self, model: mujoco.MjModel) -> None:
+        """Write the skin of the scene into one of these models."""
+        if self.skin:
+            _dress(model, self.skin)
 
 
 class Mould:

@@ -1,11 +1,8 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them."""
 
-import copy
 from collections.abc import Callable, Mapping
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, TypeVar
-
-import mujoco
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.later_files import LaterFiles
@@ -74,7 +71,9 @@ class SpecVariants:
             return Variant(self.own, load_model(self.own))
         self._mould = mould
         files = LaterFiles(self._own.arrays, lambda: self.own.files)
-        return Variant(Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model())
+        return Variant(
+            Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model(), casting.dress
+        )
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
@@ -91,8 +90,11 @@ class SpecVariants:
         furnished = built.furnished(scene_seed)
         files = LaterFiles(built.arrays, lambda: self._files(age_months, scene_seed))
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
-        model = self._model(bundle, scene_seed, furnished.scene)
-        return lambda: Variant(bundle, model())
+        is_own_scene = scene_seed == self._spec.scene.seed
+        casting = _cast(self._usable_mould(), furnished.scene) if is_own_scene else None
+        if casting is None:
+            return Variant(bundle, load_model(bundle)).again
+        return lambda: Variant(bundle, casting.model(), casting.dress)
 
     def _builder(self, age_months: float) -> Builder:
         return _kept(self._builders, age_months, lambda: self._at(quickly_aged(self._spec, age_months), self._own))
@@ -103,12 +105,6 @@ class SpecVariants:
 
     def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
         return builder(spec, None, younger, self._own.has_skin)
-
-    def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> Callable[[], mujoco.MjModel]:
-        """Return what gives out models of a bundle: in the scene of the spec, cast from the infant of another age."""
-        is_own_scene = scene_seed == self._spec.scene.seed
-        casting = _cast(self._usable_mould(), scene) if is_own_scene else None
-        return casting.model if casting else partial(copy.copy, load_model(bundle))
 
     def _usable_mould(self) -> Mould:
         """Return the mould of this infant, or of another one that it was cast from."""

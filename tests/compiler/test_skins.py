@@ -1,5 +1,8 @@
 """Who has a skin, and what it is at other ages."""
 
+import copy
+import pickle
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,11 +12,14 @@ from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder, sees_skin
 from mimoc.compiler.skins import skin_at
 from mimoc.compiler.variants import SpecVariants
+from mimoc.looks.skin import carrying
+from mimoc.looks.skin.carrying import layers_of
 from mimoc.mjcf.skin import single
 
 LAYERS = ["body", "shirt", "trousers", "head"]
 SPEC = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": {"proprioception": {}}}
 VISION = {"width_px": 16, "height_px": 16}
+SEES = {**VISION, "body": "skin"}
 
 
 def spec(**keys) -> mimoc.InfantSpec:
@@ -40,7 +46,7 @@ def test_infants_in_a_batch_have_one_only_if_asked(keys, expected):
 
 def test_one_of_many_that_sees_skins_has_one():
     assert not sees_skin(spec(senses={"vision": VISION}))
-    assert sees_skin(spec(senses={"vision": {**VISION, "body": "skin"}}))
+    assert sees_skin(spec(senses={"vision": SEES}))
 
 
 def test_code_written_for_mimo_is_given_solids():
@@ -69,8 +75,6 @@ def test_the_skin_of_a_growing_infant_grows():
 
 
 def test_copies_of_what_builds_an_infant_keep_whether_it_has_a_skin():
-    import pickle
-
     variants = pickle.loads(pickle.dumps(SpecVariants(spec(), skin=False)))
     assert skins(variants(8.0, 0).model) == []
     assert not pickle.loads(pickle.dumps(builder(spec(), skin=False))).has_skin
@@ -91,3 +95,31 @@ def test_an_expression_changes_the_material_of_the_head(built):
 def test_a_skin_of_a_bundle_is_that_of_its_spec(built):
     for ours, theirs in zip(skin_at(built()), skin_at(spec()), strict=True):
         assert np.array_equal(ours.verts_m, theirs.verts_m)
+
+
+@pytest.mark.parametrize(
+    ("keys", "options", "expected"),
+    [({}, {}, 0), ({"senses": {"vision": SEES}}, {}, 1), ({}, {"render_mode": "rgb_array"}, 1)],
+)
+def test_skin_is_carried_to_another_age_only_for_what_draws_it(keys, options, expected, monkeypatch):
+    carried = []
+    monkeypatch.setattr(carrying, "layers_of", lambda *args: carried.append(args) or layers_of(*args))
+    with mimoc.make(spec(**keys), **options) as env:
+        env.reset(seed=0)
+        carried.clear()
+        env.unwrapped.grow(to=10)
+        for _ in range(2):
+            env.step(env.action_space.sample())
+        assert len(carried) == expected
+        assert env.unwrapped.model.skin_vert.size
+        assert len(carried) == 1
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_copies_of_a_grown_infant_have_its_skin(again):
+    with mimoc.make(spec()) as env:
+        env.reset(seed=0)
+        env.unwrapped.grow(to=18)
+        twin = again(env.unwrapped)
+        assert np.array_equal(twin.model.skin_vert, env.unwrapped.model.skin_vert)
+        twin.close()

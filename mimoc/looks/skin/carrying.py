@@ -114,35 +114,37 @@ class _Carrying:
 
     def _moved(self, layer: SculptedLayer) -> tuple[FloatArray, FloatArray]:
         """Return each vertex where its bodies take it as they are stretched, and how large these are."""
-        sculpted, verts_m, sizes = self.sculpted, np.zeros_like(layer.verts_m), np.zeros(len(layer.verts_m))
-        for index, part in enumerate(sculpted.parts):
-            rows, columns = np.nonzero((layer.bones == index) & (layer.weights > 0))
-            if not len(rows):
-                continue
-            share = layer.weights[rows, columns]
-            local = (layer.verts_m[rows] - sculpted.origins_m[index]) @ sculpted.turns[index]
-            place, size = self._stretched(index, part, local)
-            np.add.at(verts_m, rows, share[:, None] * place)
-            np.add.at(sizes, rows, share * size)
-        return verts_m, sizes
+        turns, shifts, sizes = self._stretches
+        turn = np.einsum("nk,nkij->nij", layer.weights, turns[layer.bones])
+        shift = np.einsum("nk,nki->ni", layer.weights, shifts[layer.bones])
+        return np.einsum("nij,nj->ni", turn, layer.verts_m) + shift, (layer.weights * sizes[layer.bones]).sum(axis=1)
 
-    def _stretched(self, index: int, part: str, local_m: FloatArray) -> tuple[FloatArray, float]:
-        """Return places in a body of the sculpture on the child's, in the frame of the hip, and how large that is."""
+    @cached_property
+    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """How each body of the sculpture is stretched: x goes to matrix @ x + shift, and how large that is.
+
+        Shapes (bodies, 3, 3), (bodies, 3) and (bodies,).
+        """
+        every = [self._stretched(index, part) for index, part in enumerate(self.sculpted.parts)]
+        matrices, shifts, sizes = zip(*every, strict=True)
+        return np.array(matrices), np.array(shifts), np.array(sizes)
+
+    def _stretched(self, index: int, part: str) -> tuple[FloatArray, FloatArray, float]:
+        """Return what takes places in a body of the sculpture to the child's, in the frame of the hip, and its size."""
         sculpted, home = self.sculpted, self.tree.home(part)
-        if home not in self.placed:
+        if home not in self.placed:  # All of it goes to the joint above.
             parent = sculpted.parents[part]
-            above = sculpted.parts.index(parent)
-            joint = (sculpted.origins_m[index] - sculpted.origins_m[above]) @ sculpted.turns[above]
-            stump, size = self._stretched(above, parent, np.broadcast_to(joint, local_m.shape))
-            return stump, size
+            matrix, shift, size = self._stretched(sculpted.parts.index(parent), parent)
+            return np.zeros((3, 3)), matrix @ sculpted.origins_m[index] + shift, size
         low, high = self.boxes[home]
         stretch = (high - low) / (sculpted.high_m[index] - sculpted.low_m[index])
         if home != part:
             stretch = np.full(3, self.scale)
             low = sculpted.low_m[index] * self.scale
         origin, turn = self.placed[home]
-        place = low + (local_m - sculpted.low_m[index]) * stretch
-        return origin + place @ turn.T, float(np.cbrt(stretch.prod()))
+        matrix = turn * stretch @ sculpted.turns[index].T
+        shift = origin + turn @ (low - stretch * sculpted.low_m[index]) - matrix @ sculpted.origins_m[index]
+        return matrix, shift, float(np.cbrt(stretch.prod()))
 
     def _on_solids(self, layer: SculptedLayer, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
         """Return vertices at their sculpted heights above the child's solids."""

@@ -30,53 +30,54 @@ def heights(
         Heights, shape (n,), and slopes, shape (n, 3); those of a point near which nothing is left are 0.
     """
     number = {geom.name: index for index, geom in enumerate(posed.geoms)}
-    far = np.full(near.shape, np.inf)
-    away = np.zeros((*near.shape, 3))
-    flat = near.ravel()
-    order = np.argsort(flat, kind="stable")
-    bounds = np.searchsorted(flat[order], np.arange(len(solids) + 1))
-    for index, name in enumerate(solids):
-        here = order[bounds[index] : bounds[index + 1]]
-        if name in number and len(here):
-            rows, columns = np.divmod(here, near.shape[1])
-            geom, turn = posed.geoms[number[name]], posed.rotations[number[name]]
-            local = (points[rows] - posed.centres[number[name]]) @ turn
-            height, slope = height_above(geom, local)
-            far[rows, columns] = height
-            away[rows, columns] = slope @ turn.T
-    return _blended(far, away, blend_m)
+    owner = np.array([number.get(name, -1) for name in solids])[near.ravel()]
+    turns, sizes = np.array(posed.rotations)[owner], np.array([_three(geom) for geom in posed.geoms])[owner]
+    from_centres = np.repeat(points, near.shape[1], axis=0) - np.array(posed.centres)[owner]
+    local = np.einsum("ni,nij->nj", from_centres, turns)
+    far, away = np.full(len(owner), np.inf), np.zeros((len(owner), 3))
+    for kind in {geom.type for geom in posed.geoms}:
+        alike = np.array([*(geom.type == kind for geom in posed.geoms), False])  # The last one is of those left out.
+        here = np.flatnonzero(alike[owner])
+        far[here], away[here] = height_above(kind, sizes[here], local[here])
+    away = np.einsum("nij,nj->ni", turns, away)
+    return _blended(far.reshape(near.shape), away.reshape(*near.shape, 3), blend_m)
 
 
-def height_above(geom: Geom, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the heights of points above a solid and the directions away from it, shapes (n,) and (n, 3).
+def _three(geom: Geom) -> tuple[float, float, float]:
+    """Return the size of a solid as three numbers; those that its type does not have are 0."""
+    first, second, third, *_ = (*geom.size_m, 0.0, 0.0)
+    return first, second, third
+
+
+def height_above(kind: str, sizes: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the heights of points above solids of one type and the directions away from them, (n,) and (n, 3).
 
     Args:
-        geom: The solid.
-        points: Shape (n, 3), in its frame.
+        kind: The type of the geoms.
+        sizes: Those of the solid of each point, as MuJoCo has them, shape (n, 3).
+        points: Each in the frame of its solid, shape (n, 3).
     """
-    size = geom.size_m
-    if geom.type in ("sphere", "capsule"):
-        end = size[1] if geom.type == "capsule" else 0.0
+    if kind in ("sphere", "capsule"):
         axis = points.copy()
-        axis[:, 2] -= np.clip(points[:, 2], -end, end)
-        return _from(axis, size[0])
-    if geom.type == "ellipsoid":
-        half_axes = np.array(size)
-        inner = np.linalg.norm(points / half_axes, axis=1)
-        slope = points / half_axes**2
+        if kind == "capsule":
+            axis[:, 2] -= np.clip(points[:, 2], -sizes[:, 1], sizes[:, 1])
+        return _from(axis, sizes[:, 0])
+    if kind == "ellipsoid":
+        inner = np.linalg.norm(points / sizes, axis=1)
+        slope = points / sizes**2
         steep = np.maximum(np.linalg.norm(slope, axis=1), 1e-9)
         return inner * (inner - 1) / steep, slope / steep[:, None]
-    if geom.type == "cylinder":
+    if kind == "cylinder":
         around = np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-9)
-        excess = np.column_stack((around - size[0], np.abs(points[:, 2]) - size[1]))
+        excess = np.column_stack((around - sizes[:, 0], np.abs(points[:, 2]) - sizes[:, 1]))
         height, parts = _beyond(excess)
         across = parts[:, :1] * points[:, :2] / around[:, None]
         return height, np.column_stack((across, parts[:, 1] * np.sign(points[:, 2])))
-    height, parts = _beyond(np.abs(points) - size)
+    height, parts = _beyond(np.abs(points) - sizes)
     return height, parts * np.sign(points)
 
 
-def _from(vectors: FloatArray, radius_m: float) -> tuple[FloatArray, FloatArray]:
+def _from(vectors: FloatArray, radius_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     far = np.linalg.norm(vectors, axis=1)
     return far - radius_m, vectors / np.maximum(far, 1e-9)[:, None]
 
