@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import MimocError, MissingExtraError
+from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.env import InfantEnv
 from mimoc.viewer.skins import coloured_faces, skin_of, texture_of
 from mimoc.viewer.solids import mesh_of
@@ -22,8 +23,6 @@ PICTURE_S = 0.04
 """Simulated time between what browsers are sent; moving a skin takes some milliseconds."""
 PAUSE_S = 0.02
 """How often a paused page looks whether it goes on."""
-MOST_VISIBLE_GROUP = 3
-"""Geoms up to this group are shown, but with a skin not those of the last one, which are under it."""
 COLOURS = 6
 """Of the pictures on a skin: faces of each are a mesh of their own."""
 
@@ -108,7 +107,7 @@ class LiveView:
         scene = self._server.scene
         scene.set_up_direction("+z")
         frames: dict[int, Any] = {}
-        for geom in np.flatnonzero(model.geom_group <= MOST_VISIBLE_GROUP - bool(model.nskin)).tolist():
+        for geom in np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP).tolist():
             if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
                 scene.add_grid(f"/{model.geom(geom).name}", width=4, height=4, cell_size=0.1)
                 continue

@@ -5,11 +5,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.viewer.growth import IntArray, Own
 from mimoc.viewer.packing import Packed
-
-MOST_VISIBLE_GROUP = 2
-"""MuJoCo's viewer shows geoms up to this group."""
 
 
 def describe_surroundings(packed: Packed, model: mujoco.MjModel, data: mujoco.MjData, own: Own) -> dict[str, Any]:
@@ -55,7 +53,7 @@ def bodies_around(model: mujoco.MjModel, own: Own) -> IntArray:
 
 
 def _geoms(model: mujoco.MjModel, own: Own) -> IntArray:
-    return np.setdiff1d(np.flatnonzero(model.geom_group <= MOST_VISIBLE_GROUP), own.geoms)
+    return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), own.geoms)
 
 
 def _mesh(packed: Packed, model: mujoco.MjModel, index: int) -> dict[str, Any]:

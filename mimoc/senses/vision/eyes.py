@@ -23,8 +23,8 @@ the outline of a limb half as wide as the picture is then within a third of a pi
 STACKS_PER_SLICE = 2 / 3
 PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]
 """What eyes do without."""
-HIDDEN_GROUP = 5
-"""One of the groups of geoms that MuJoCo does not draw unless asked to."""
+HIDDEN_GROUP = 4
+"""A group of geoms that MuJoCo does not draw unless asked to, and eyes never ask for."""
 
 
 class Eyes:
