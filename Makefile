@@ -9,16 +9,18 @@ TESTS ?= tests
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
+SPHINX := $(BIN)/python -m sphinx -b html -E -W --keep-going -q docs
 # Markers of what is installed in $(VENV): the packages for the demo, and those for tests and training.
 DEMO := $(VENV)/.demo
 TEST := $(VENV)/.test
+DOCS := $(VENV)/.docs
 INFANT := $(OUT)/nine_months
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test clusters coverage golden matrix bench container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix bench pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -40,12 +42,17 @@ demo: $(DEMO) opengl ## Build, validate, check, run and render an infant of nine
 	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(TEST) opengl ## Lint, check types and run every test, and say how long each part took.
+test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test; say how long each part took.
 	@$(BIN)/python .ci/parts.py \
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
+		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
 		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
+
+docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
+	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
+	@echo "the documentation   out/docs/index.html"
 
 clusters: $(TEST) ## Test cohorts on a real SLURM and a real Ray cluster (minutes; needs Debian's slurm-wlm and munge).
 	@PATH="$$PATH:/usr/sbin:/sbin"; for each in munged slurmctld slurmd sbatch; do command -v $$each >/dev/null || \
@@ -62,11 +69,27 @@ coverage: $(TEST) opengl ## Run every test, list the modules that are least cove
 golden: $(TEST) ## Update the golden files; review the diff before committing it.
 	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
 
+skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image); see docs/looks.md.
+	$(BIN)/pip install 'scikit-image>=0.22'
+	$(BIN)/python sculpt/make.py
+
 matrix: ## Test several versions of MuJoCo and Python, each pair in its own environment in .matrix (7 GB, half an hour).
 	@$(PYTHON) .ci/matrix.py
 
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
+
+viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
+	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }
+	mkdir -p .viewer
+	cp mimoc/viewer/source/package.json mimoc/viewer/source/build.mjs .viewer
+	npm install --prefix .viewer --no-package-lock --no-audit --no-fund --loglevel error
+	node .viewer/build.mjs mimoc/viewer/source .viewer/node_modules
+
+pages: $(TEST) viewer ## Test the pages of `mimoc view` in Chromium (minutes; installs Playwright, and Chromium if there is none).
+	$(BIN)/pip install --editable '.[live,record,pages]'
+	command -v chromium >/dev/null || $(BIN)/playwright install chromium-headless-shell
+	$(BIN)/pytest tests/pages
 
 container: apptainer $(TEST) ## Build and test the container dist/mimoc.sif.
 	rm -f dist/mimoc-*.whl
@@ -78,7 +101,7 @@ apptainer:
 		"(https://apptainer.org/docs/admin/main/installation.html), or give its path: make container APPTAINER=..."; exit 1; }
 
 clean: ## Remove everything that was built: .venv, .matrix, out, caches.
-	rm -rf $(VENV) .matrix out dist build .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .matrix .viewer out docs/gallery dist build .pytest_cache .ruff_cache .hypothesis
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(DEMO): pyproject.toml
@@ -94,6 +117,11 @@ $(TEST): $(DEMO)
 	@echo "of PyTorch needs about 1 GB and a few minutes; if none is available, a CUDA build needs about 6 GB and ten minutes."
 	@$(torch_without_cuda) || echo "No CPU build of PyTorch is available now: installing the default build."
 	$(BIN)/pip install --editable '.[report,toys,train,gpu,test,dev]'
+	@touch $@
+
+$(DOCS): $(DEMO)
+	@echo "Installing the packages for the documentation into $(VENV): Sphinx, furo, MyST and sphinx-gallery, about 100 MB."
+	$(BIN)/pip install --editable '.[report,docs]'
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.

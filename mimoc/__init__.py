@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mimoc.recording.reading import read_recording
     from mimoc.recording.recorder import Recorder
     from mimoc.recordings import replay_recording
+    from mimoc.reporting import report
     from mimoc.runtime import InfantEnv, torque_limits
     from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
     from mimoc.vector_environments import make_vec, sb3_vec_env
+    from mimoc.viewer.viewing import View, view
 
 _HOMES = {
     "Align": "mimoc.control",
@@ -46,6 +48,7 @@ _HOMES = {
     "Recorder": "mimoc.recording.recorder",
     "Task": "mimoc.tasks.task",
     "Verdict": "mimoc.tasks.task",
+    "View": "mimoc.viewer.viewing",
     "build": "mimoc.compiler.pipeline",
     "evaluate": "mimoc.training",
     "export_recording": "mimoc.recording.export",
@@ -60,11 +63,13 @@ _HOMES = {
     "record": "mimoc.recording",
     "register": "mimoc.plugins",
     "replay_recording": "mimoc.recordings",
+    "report": "mimoc.reporting",
     "run_experiment": "mimoc.experiments",
     "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime",
     "train": "mimoc.training",
     "validate_milestones": "mimoc.milestones",
+    "view": "mimoc.viewer.viewing",
     "write_bundle": "mimoc.bundle.io",
 }
 """Where each public name lives: they are imported when first used, so that each command loads only what it needs."""
@@ -85,6 +90,7 @@ __all__ = [
     "Recorder",
     "Task",
     "Verdict",
+    "View",
     "__version__",
     "build",
     "evaluate",
@@ -100,11 +106,13 @@ __all__ = [
     "record",
     "register",
     "replay_recording",
+    "report",
     "run_experiment",
     "sb3_vec_env",
     "torque_limits",
     "train",
     "validate_milestones",
+    "view",
     "write_bundle",
 ]
 

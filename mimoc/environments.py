@@ -60,19 +60,22 @@ def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> I
     return InfantEnv(**parts, **options)
 
 
-def prepared(source: Bundle | InfantSpec | str | Path, like: Variants | None = None) -> dict[str, Any]:
+def prepared(
+    source: Bundle | InfantSpec | str | Path, like: Variants | None = None, alone: bool = True
+) -> dict[str, Any]:
     """Return what the environments of an infant are made of; see `make`.
 
     Args:
         source: The infant.
         like: The variants of another one, after whose model this one's is made, if it is of a spec too: it is faster.
+        alone: Whether it is not one of many, which have skins only if they see them, unless their specs ask for one.
     """
     if isinstance(source, InfantSpec):
-        return _compiled(source, like)
+        return _compiled(source, like, alone)
     if isinstance(source, (str, Path)) and Path(source).suffix.lower() in (".yaml", ".yml"):
         from mimoc.compiler import loading
 
-        return _compiled(loading.load_spec(source), like)
+        return _compiled(loading.load_spec(source), like, alone)
     return _opened(source if isinstance(source, Bundle) else read_bundle(source))
 
 
@@ -110,6 +113,7 @@ def prepared_task(
     age_months: float | None = None,
     hands: str | None = None,
     actuation: str | None = None,
+    alone: bool = True,
     **options: Any,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what the environments of a task are made of, and the options that are not the task's; see `make_task`."""
@@ -117,13 +121,13 @@ def prepared_task(
     own = _given(**{key: options.pop(key) for key in TASKS.find(kind).spec.model_fields if key in options})
     task, child = {"kind": kind, **own}, _given(age_months=age_months, hands=hands, actuation=actuation)
     if bundle is None:
-        return _compiled(_child(task, **child)), options
+        return _compiled(_child(task, **child), alone=alone), options
     if child:
         raise MimocError(f"the bundle determines the infant; leave out {' and '.join(child)}, or the bundle")
     found = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     if found.manifest.task.kind == kind and not own:
         return _opened(found), options
-    return _compiled(_for_task(found, task)), options
+    return _compiled(_for_task(found, task), alone=alone), options
 
 
 def _given(**choices: Any) -> dict[str, Any]:
@@ -137,11 +141,12 @@ def _opened(bundle: Bundle) -> dict[str, Any]:
     return {"bundle": bundle, "variants": LaterVariants(bundle)}
 
 
-def _compiled(spec: InfantSpec, like: Variants | None = None) -> dict[str, Any]:
+def _compiled(spec: InfantSpec, like: Variants | None = None, alone: bool = True) -> dict[str, Any]:
     """Return what an environment is made of: the bundle of a spec, and its variants of other ages and scenes."""
+    from mimoc.compiler.building import sees_skin
     from mimoc.compiler.variants import SpecVariants
 
-    variants = SpecVariants(spec)
+    variants = SpecVariants(spec, skin=alone or sees_skin(spec))
     own = variants.own_like(like) if isinstance(like, SpecVariants) else variants.own
     return {"bundle": own, "variants": variants}
 

@@ -13,6 +13,14 @@ WELD_ANCHOR, WELD_PLACE, WELD_TURN = slice(0, 3), slice(3, 6), slice(6, 10)
 body's quaternion in the world."""
 
 
+LAST_VISIBLE_GROUP = 2
+"""MuJoCo draws geoms up to this group unless asked otherwise."""
+
+SOLIDS_GROUP = 5
+"""Group of an infant's solids where a skin is drawn over them: one that MuJoCo does not draw unless asked to, and that
+has nothing else in it, unlike group 3 with the shapes that toys collide with."""
+
+
 class MuscleParameters(NamedTuple):
     """Gain and bias parameters of MuJoCo's muscles, which are the same numbers."""
 

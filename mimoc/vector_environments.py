@@ -81,8 +81,8 @@ def make_vec(
         raise MimocError(
             f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
         )
-    prepared = [environments.prepared(sources[0])]
-    prepared += [environments.prepared(each, prepared[0]["variants"]) for each in sources[1:]]
+    prepared = [environments.prepared(sources[0], alone=False)]
+    prepared += [environments.prepared(each, prepared[0]["variants"], False) for each in sources[1:]]
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
 
 
@@ -131,7 +131,7 @@ def make_vec_task(
     prepared, rest = [], options
     for index in range(min(num_envs, math.lcm(*map(len, lists.values())))):
         own = {name: values[index % len(values)] for name, values in lists.items()}
-        parts, rest = environments.prepared_task(kind, **{**options, **own})
+        parts, rest = environments.prepared_task(kind, **{**options, **own}, alone=False)
         prepared.append(parts)
     return _joined(prepared, num_envs, threads, device, render_mode, autoreset_mode, rest)
 

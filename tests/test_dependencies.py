@@ -12,7 +12,9 @@ import mimoc
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-EXTRAS = {name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in {"test", "dev"}}
+TOOLS = {"test", "pages", "docs", "dev"}
+"""What mimoc itself does not import."""
+EXTRAS = {name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in TOOLS}
 MODULES = {"pyyaml": "yaml", "pillow": "PIL", "stable-baselines3": "stable_baselines3", "warp-lang": "warp"}
 """What a distribution is imported as, where that is not its name."""
 BROUGHT_ALONG = {"torch": "stable-baselines3", "pydantic_core": "pydantic", "glfw": "mujoco"}

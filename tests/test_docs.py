@@ -4,6 +4,7 @@ import re
 import shlex
 from pathlib import Path
 
+import gymnasium
 import pytest
 
 import mimoc
@@ -58,6 +59,13 @@ def test_the_programs_on_growing_work(here):
     assert session["schedule"](0) == 6
 
 
+def test_the_program_on_reports_works(here, capsys):
+    (program,) = blocks("docs/report.md", "python")
+    exec(program, {})
+    assert capsys.readouterr().out == "six_months.html\n"
+    assert (here / "six_months.html").stat().st_size < 1_000_000
+
+
 @pytest.mark.slow
 def test_the_programs_on_cohorts_work(here, capsys):
     """With a smaller cohort than the one that is printed."""
@@ -95,3 +103,9 @@ def test_every_module_that_contributing_names_exists():
     named = re.findall(r"`(mimoc/[a-z0-9_/]+(?:\.py|/))`", (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
     assert len(named) > 20
     assert [name for name in named if not (CHECKOUT / name).exists()] == []
+
+
+def test_every_environment_that_a_page_names_is_registered():
+    pages = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
+    named = {name for page in pages for name in re.findall(r"\bmimoc/\w+-v\d+", page.read_text(encoding="utf-8"))}
+    assert {"mimoc/Infant-v0", "mimoc/Reach-v0"} <= named <= set(gymnasium.registry)

@@ -87,14 +87,26 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} rollout policies training",
         "mujoco pyarrow submitit ray",
     ),
+    "reporting": layer(
+        "reporting reporting.*",
+        f"{BUILDING} compiler {RUNNING} training cohorts",
+        "jinja2 mujoco PIL",
+    ),
+    "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),
+    "viewer": layer(
+        "viewer viewer.*",
+        f"{BUILDING} compiler {RUNNING} rollout policies recording opening",
+        "gymnasium mujoco PIL trimesh viser",
+    ),
     "mimoc": layer(
-        "__init__ environments vector_environments recordings registration notebook",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts",
+        "__init__ vector_environments registration notebook",
+        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening viewer",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts mimoc",
+        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting "
+        "opening viewer mimoc",
         "typer rich",
     ),
 }

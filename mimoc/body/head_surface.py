@@ -23,7 +23,7 @@ def on_head(head: Geom, place: Vec3) -> Vec3:
         head: The head's geom.
         place: From its centre, in half axes: x forward, y left, z up.
     """
-    x, y, z = (middle + half_m * part for middle, half_m, part in zip(head.pos_m, _half_axes(head), place, strict=True))
+    x, y, z = (middle + half_m * part for middle, half_m, part in zip(head.pos_m, half_axes(head), place, strict=True))
     return x, y, z
 
 
@@ -39,6 +39,7 @@ def as_on_mimos_head(head: Geom, pos_m: Vec3) -> Vec3:
     return on_head(head, (x, y, z))
 
 
-def _half_axes(head: Geom) -> Vec3:
+def half_axes(head: Geom) -> Vec3:
+    """Return the half axes of a head, [m]."""
     radius_m = head.size_m[0]
     return (radius_m, radius_m, radius_m) if head.type == "sphere" else (radius_m, head.size_m[1], head.size_m[2])

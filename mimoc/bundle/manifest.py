@@ -43,6 +43,8 @@ class FaceEntry(Model):
     """The geom whose material is the expression."""
     materials: dict[str, str]
     """Material by expression."""
+    skin: str | None = None
+    """The skin of the head, if it has one, whose material is the expression then."""
 
 
 class ToyEntry(Model):
@@ -183,6 +185,11 @@ class Manifest(Model):
     """Notes on the build for its user."""
     keypoints: tuple[str, ...] = ()
     """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
+
+    @property
+    def has_skin(self) -> bool:
+        """Whether a skin is drawn over the infant's solids."""
+        return self.face is not None and self.face.skin is not None
 
     def __repr__(self) -> str:
         """Return name and age only: the whole manifest is long."""

@@ -1,9 +1,9 @@
 """The same infant at another age, or in the scene of another seed, as an environment is handed it."""
 
 import copy
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import mujoco
 
@@ -11,18 +11,38 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.model import load_model
 
 
-@dataclass(frozen=True, slots=True)
 class Variant:
     """An infant at some age in some scene."""
 
-    bundle: Bundle
-    """The infant."""
-    model: mujoco.MjModel
-    """Its model, which belongs to whoever asked for it and may be changed."""
+    def __init__(self, bundle: Bundle, model: mujoco.MjModel, dress: Callable[[mujoco.MjModel], None] | None = None):
+        """Hand out an infant.
 
-    def again(self) -> "Variant":
-        """Return the same infant with a model of its own."""
-        return Variant(self.bundle, copy.copy(self.model))
+        Args:
+            bundle: The infant.
+            model: Its model, which belongs to whoever asked for it and may be changed.
+            dress: Writes the skin of this age into the model, if that has still that of another one.
+        """
+        self.bundle, self.bare, self._dress = bundle, model, dress
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle it with its skin."""
+        return Variant, (self.bundle, self.model)
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """Its model with its skin, which is written into it when somebody first asks for this.
+
+        It takes longer than all else that another age does, and what does not draw the infant can do with `bare`: the
+        same model, maybe with an earlier skin.
+        """
+        if self._dress is not None:
+            self._dress(self.bare)
+            self._dress = None
+        return self.bare
+
+    def again(self, model: mujoco.MjModel | None = None) -> "Variant":
+        """Return the same infant with a model of its own: a copy, or a model that was copied from it before."""
+        return Variant(self.bundle, copy.copy(self.bare) if model is None else model, self._dress)
 
 
 def opened(source: Variant | Bundle | str | Path) -> Variant:

@@ -29,8 +29,8 @@ def build(
     from mimoc.compiler.provenance.child import who_percentiles
 
     infant = load_spec(spec)
-    with console.status("building"):
-        built = builder(infant, target)(infant.scene.seed if seed is None else seed)
+    with console.progress("building") as show:
+        built = builder(infant, target).watched(show)(infant.scene.seed if seed is None else seed)
     written = write_bundle(built, out, force=force)
     console.print_child(built.manifest, who_percentiles(built.manifest.child))
     console.print_toys(built.manifest)

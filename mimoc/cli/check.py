@@ -23,5 +23,12 @@ def check(infant: InfantPath) -> None:
         print(f"ok     all {len(bundle.files)} files are unchanged")
     else:
         print(f"ok     the spec is valid and compiles to {len(bundle.files)} files")
-    if not console.print_check(check_stability(bundle)):
+    poses, passed = len(bundle.manifest.poses), list[bool]()
+    with console.progress("checking") as show:
+        show(0, poses)
+        for each in check_stability(bundle):
+            console.print_check(each)
+            passed.append(each.passed)
+            show(len(passed), poses)
+    if not all(passed):
         raise typer.Exit(FAILED_CHECK)

@@ -53,8 +53,8 @@ def plan(cohort: CohortPath, out: Out) -> None:
     from mimoc.cli import cohort_tables, console
     from mimoc.cohorts.plan import plan as planned
 
-    with console.status("trying each step"):
-        found = planned(_read(cohort), out)
+    with console.progress("trying each step") as show:
+        found = planned(_read(cohort), out, show)
     cohort_tables.print_plan(found)
 
 
@@ -117,10 +117,13 @@ def status(cohort: CohortPath, out: Out) -> None:
 @app.command(epilog="Example:  mimoc cohort table examples/cohort/spring.yaml -o out/spring")
 def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
+    from mimoc.cli import console
+
     found = _read(cohort)
-    print(found.table(out, parquet=False)[0])
-    if not csv:
-        print(found.table(out)[1])
+    for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
+        with console.progress("reading results") as show:
+            written = found.table(out, parquet=parquet, progress=show)
+        print(written[-1])
 
 
 def _read(path: Path) -> "Cohort":

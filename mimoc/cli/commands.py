@@ -16,12 +16,14 @@ from mimoc.cli import (
     new,
     render,
     replay,
+    report,
     rooms,
     run,
     schema,
     see,
     train,
     validate,
+    view,
 )
 from mimoc.version import __version__
 
@@ -60,8 +62,10 @@ app.command(epilog=experiment.EXAMPLE)(experiment.experiment)
 app.add_typer(cohort.app)
 app.command(epilog=check.EXAMPLE)(check.check)
 app.command(epilog=explain.EXAMPLE)(explain.explain)
+app.command(epilog=report.EXAMPLE)(report.report)
 app.command(epilog=render.EXAMPLE)(render.render)
 app.command(epilog=see.EXAMPLE)(see.see)
+app.command(epilog=view.EXAMPLE)(view.view)
 app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
 app.command(epilog=replay.EXAMPLE)(replay.replay)
 app.command(epilog=export.EXAMPLE)(export.export)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
@@ -50,12 +50,24 @@ def open_console() -> Console:
 
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a progress bar on the terminal; yield the function to call with the steps done and their total."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    """Show a progress bar with the time left if errors go to a terminal; until it is told a total, it only moves.
+
+    Yields:
+        The function to call with the steps done and their total.
+    """
+    columns = (TextColumn("{task.description}"), BarColumn(), _Steps(), TimeRemainingColumn())
+    shown = sys.stderr.isatty()
+    # What is printed meanwhile goes above the bar, but only if it goes to the terminal as well.
+    above, console = shown and sys.stdout.isatty(), Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not shown, redirect_stdout=above) as bar:
         task = bar.add_task(what, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+class _Steps(MofNCompleteColumn):
+    def render(self, task: Task) -> Text:
+        """Return the steps done and their total, or nothing until there is one."""
+        return super().render(task) if task.total is not None else Text()
 
 
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
@@ -69,17 +81,6 @@ def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     for name, value in percentiles.items():
         table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
     open_console().print(table)
-
-
-@contextmanager
-def status(what: str) -> Iterator[None]:
-    """Show a spinner on the terminal while something is being done."""
-    console = Console(stderr=True)
-    if console.is_terminal:
-        with console.status(what):
-            yield
-    else:
-        yield
 
 
 def print_findings(findings: Sequence[Finding]) -> None:
@@ -229,15 +230,11 @@ CURVE_LABELS = {
 """Field of a learning curve's row by its label."""
 
 
-def print_check(checks: Iterable[PoseCheck]) -> bool:
-    """Print the result for each pose as it becomes available; return whether all passed."""
-    console, passed = open_console(), True
-    for check in checks:
-        passed &= check.passed
-        verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
-        warnings = ", ".join(check.warnings) or "no warnings"
-        console.print(verdict, f"{check.pose}: {warnings}, {_extremes(check)}")
-    return passed
+def print_check(check: PoseCheck) -> None:
+    """Print the result for a pose."""
+    verdict = Text("ok    ", style="green") if check.passed else Text("failed", style="red")
+    warnings = ", ".join(check.warnings) or "no warnings"
+    open_console().print(verdict, f"{check.pose}: {warnings}, {_extremes(check)}")
 
 
 def _extremes(check: PoseCheck) -> str:

@@ -25,6 +25,7 @@ EXTRAS: Mapping[str, str] = {
     "gpu": "many infants on a GPU",
     "slurm": "cohorts on SLURM",
     "ray": "cohorts on Ray",
+    "live": "a running infant in a browser",
 }
 """What each optional part of the installation is for."""
 ESSENTIAL = "MuJoCo"
@@ -50,8 +51,11 @@ def doctor() -> None:
     """Say what works on this machine, and what to install for the rest; the exit code is 1 if no infant can move."""
     from mimoc.cli import console
 
-    with console.status("looking at this machine"):
-        findings = [_tried(what, look) for what, look in _looks()]
+    looks, findings = [*_looks()], list[Finding]()
+    with console.progress("looking at this machine") as show:
+        for what, look in looks:
+            show(len(findings), len(looks))
+            findings.append(_tried(what, look))
     console.print_findings(findings)
     if any(finding.what == ESSENTIAL and finding.state != "ok" for finding in findings):
         raise typer.Exit(FAILED_CHECK)

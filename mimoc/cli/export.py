@@ -17,8 +17,11 @@ def export(
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
 ) -> None:
     """Write a recording in the format of others, and say what that cannot hold."""
+    from mimoc.cli import console
     from mimoc.recording.export import export_recording
 
-    for note in export_recording(recording, to, out):
+    with console.progress("exporting") as show:
+        notes = export_recording(recording, to, out, progress=show)
+    for note in notes:
         print(f"note: {note}", file=sys.stderr)
     print(out)

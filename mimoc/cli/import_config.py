@@ -1,5 +1,6 @@
 """`mimoc import`."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -7,13 +8,16 @@ import typer
 
 from mimoc.errors import OutputError
 
+STDOUT = Path("-")
 EXAMPLE = "Example:  mimoc import babybench configs/babybench.yml -o self_touch.yaml"
 
 
 def import_config(
     system: Annotated[str, typer.Argument(metavar="FORMAT", help="Format of the configuration: babybench.")],
     config: Annotated[Path, typer.Argument(metavar="CONFIG", help="Configuration to convert, a YAML file.")],
-    file: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write.")],
+    file: Annotated[
+        Path, typer.Option("-o", "--out", metavar="FILE.yaml", help="Spec to write, or `-` for standard output.")
+    ],
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Convert another system's configuration into a spec, and list the settings that have no counterpart."""
@@ -21,6 +25,10 @@ def import_config(
     from mimoc.bundle import files
 
     imported = importers.import_config(system, config)
+    if file == STDOUT:
+        print(*imported.notes, sep="\n", end="\n" if imported.notes else "", file=sys.stderr)
+        print(imported.text, end="")
+        return
     if file.resolve() == config.resolve():
         raise OutputError(f"{file}: this is the configuration itself; choose another file")
     if file.exists() and not force:

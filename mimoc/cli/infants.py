@@ -47,8 +47,8 @@ def load_infant(path: Path) -> "Bundle":
     if path.is_dir() or (path != STDIN and path.suffix.lower() not in loading.SPEC_SUFFIXES):
         return read_bundle(path)
     spec = load_spec(path)
-    with console.status("building"):
-        return pipeline.build(spec)
+    with console.progress("building") as show:
+        return pipeline.build(spec, progress=show)
 
 
 def load_spec_of_infant(path: Path) -> "InfantSpec":

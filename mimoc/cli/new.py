@@ -3,6 +3,7 @@
 import re
 import shlex
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,14 +17,39 @@ if TYPE_CHECKING:
 EXAMPLE = "Example:  mimoc new kim.yaml --age 7.5 --hands five_finger --senses proprioception,touch"
 STDOUT = Path("-")
 QUESTIONS = {
-    "age_months": "Age in months (0 to 24)",
-    "hands": "Hands (mitten: four fingers in one; five_finger)",
-    "actuation": "Muscles (torque, muscle or position)",
-    "senses": "Senses (of proprioception, vestibular, touch, vision; with commas)",
-    "scene": "Scene (empty, flat, crib or room)",
-    "pose": "Pose (supine, prone, sitting or standing)",
+    "age_months": "Age in months, from 0 to 24",
+    "hands": "Hands",
+    "actuation": "What moves it",
+    "senses": "Senses, with commas between, or none",
+    "scene": "Scene",
+    "pose": "Pose",
 }
-"""What is asked for each of the choices."""
+"""What is asked for each of the choices; what can be answered is added."""
+
+
+def _of(field: str) -> Callable[[], Sequence[str]]:
+    """Return what lists the values of an option, for shells to complete."""
+
+    def values() -> Sequence[str]:
+        from mimoc.schema.starter import offered
+
+        return offered()[field]
+
+    return values
+
+
+Hands = Annotated[str | None, typer.Option("--hands", help="mitten or five_finger.", autocompletion=_of("hands"))]
+Actuation = Annotated[
+    str | None, typer.Option("--actuation", help="torque, muscle or position.", autocompletion=_of("actuation"))
+]
+Scene = Annotated[str | None, typer.Option("--scene", help="empty, flat, crib or room.", autocompletion=_of("scene"))]
+Pose = Annotated[
+    str | None, typer.Option("--pose", help="supine, prone, sitting or standing.", autocompletion=_of("pose"))
+]
+Task = Annotated[
+    str | None,
+    typer.Option("--task", help="reach, standup, selfbody, catch or rollover.", autocompletion=_of("task")),
+]
 
 
 def new(
@@ -33,12 +59,12 @@ def new(
         typer.Option("--like", metavar="NAME", help="Begin with an example, such as nine_months or playroom."),
     ] = None,
     age: Annotated[float | None, typer.Option("--age", metavar="MONTHS", help="Age, 0 to 24.")] = None,
-    hands: Annotated[str | None, typer.Option("--hands", help="mitten or five_finger.")] = None,
-    actuation: Annotated[str | None, typer.Option("--actuation", help="torque, muscle or position.")] = None,
+    hands: Hands = None,
+    actuation: Actuation = None,
     senses: Annotated[str | None, typer.Option("--senses", help="Names with commas between; `none` for none.")] = None,
-    scene: Annotated[str | None, typer.Option("--scene", help="empty, flat, crib or room.")] = None,
-    pose: Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing.")] = None,
-    task: Annotated[str | None, typer.Option("--task", help="reach, standup, selfbody, catch or rollover.")] = None,
+    scene: Scene = None,
+    pose: Pose = None,
+    task: Task = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Write a commented spec to begin with, from a few choices; in a terminal, without any, it asks."""
@@ -86,12 +112,13 @@ def _choices(name: str, given: dict[str, Any]) -> "Choices":
 
 def _answers() -> dict[str, Any]:
     """Return what the user answers to each question."""
-    from mimoc.schema.starter import Choices
+    from mimoc.schema.starter import Choices, offered
 
-    usual = {**vars(Choices()), "senses": ",".join(Choices.senses)}
-    return {
-        key: typer.prompt(question, default=usual[key], type=type(usual[key])) for key, question in QUESTIONS.items()
-    }
+    usual, values, found = {**vars(Choices()), "senses": ",".join(Choices.senses)}, offered(), dict[str, Any]()
+    for key, question in QUESTIONS.items():
+        asked = f"{question} ({', '.join(values[key])})" if key in values else question
+        found[key] = typer.prompt(asked, default=usual[key], type=type(usual[key]))
+    return found
 
 
 def _example(like: str, name: str) -> str:

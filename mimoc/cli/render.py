@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.arguments import PicturePath
+from mimoc.cli.arguments import Body, PicturePath
 from mimoc.cli.infants import load_infant
 from mimoc.errors import UnknownNameError
 
@@ -27,6 +27,9 @@ def render(
     width: Annotated[int, typer.Option("--width", min=16, max=4096, help="Width in pixels.")] = 960,
     height: Annotated[int, typer.Option("--height", min=16, max=4096, help="Height in pixels.")] = 720,
     skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
+    body: Annotated[
+        Body | None, typer.Option("--body", help="Draw the skin or the solids under it; default: skin, without --skin.")
+    ] = None,
 ) -> None:
     """Render an image of the infant, or of several side by side."""
     from mimoc.bundle.model import load_posed, load_straight
@@ -38,11 +41,12 @@ def render(
     if len(infants) > 1 and pose not in (None, "standing"):
         raise UnknownNameError("pose for several infants", str(pose), ["standing"])
     bundles = [load_infant(infant) for infant in infants]
+    shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
     if len(bundles) > 1:
         markers = [skin_markers(bundle, *load_straight(bundle)) for bundle in bundles] if skin else None
-        picture = lineup(bundles, width, height, markers)
+        picture = lineup(bundles, width, height, markers, shown)
     else:
         (bundle,) = bundles
         markers = skin_markers(bundle, *load_posed(bundle, pose)) if skin else None
-        picture = portrait(bundle, pose, width, height, markers)
+        picture = portrait(bundle, pose, width, height, markers, shown)
     print(write_picture(file, picture))

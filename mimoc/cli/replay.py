@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import RecordingPath
+from mimoc.cli.arguments import Body, RecordingPath, ShownBody
 from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import FAILED_CHECK
 from mimoc.errors import MimocError, counted
@@ -23,18 +23,18 @@ OwnTask = Annotated[
     typer.Option("--task", metavar="MODULE:CLASS", help="The class of your own that the rewards were taken from."),
 ]
 
+Video = Annotated[Path | None, typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif.")]
+
 
 def replay(
     recording: RecordingPath,
     infant: Infant = None,
     episode: Number = None,
     task: OwnTask = None,
-    video: Annotated[
-        Path | None,
-        typer.Option("--video", metavar="FILE", help="Make a video of it: .mp4 or .gif."),
-    ] = None,
+    video: Video = None,
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    body: ShownBody = Body.SKIN,
 ) -> None:
     """Simulate a recording again, and say whether every number comes out again; exit code 1 if not."""
     from mimoc import recording as videos
@@ -42,14 +42,13 @@ def replay(
     from mimoc.cli import console
     from mimoc.recording.reading import read_recording
 
-    if eyes and not video:
-        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
-    if video:
-        videos.check_video(video)
+    _check_video(video, eyes)
     found = read_recording(recording)
     _check_one_infant(found, infant, video)
     failed = steps = count = 0
-    filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size) if video and found else nullcontext()
+    filmed: Any = nullcontext()
+    if video and found:
+        filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size, body=body.value)
     chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
     with console.progress("replaying") as show, filmed as watch:
         watching: dict[str, Any] = {"watch": watch} if watch else {}
@@ -64,6 +63,20 @@ def replay(
     print(f"ok: all numbers of {counted(count, 'episode')}, {counted(steps, 'control step')}, came out again")
     if video:
         print(video)
+
+
+def _check_video(video: Path | None, eyes: bool) -> None:
+    """Check that a video can be made, and that there is one to show eyes in.
+
+    Raises:
+        MimocError: If not.
+    """
+    from mimoc import recording
+
+    if eyes and not video:
+        raise MimocError("--eyes adds the eyes' views to a video; give its file with --video FILE")
+    if video:
+        recording.check_video(video)
 
 
 def _check_one_infant(found: "ReadRecording", infant: int | None, video: Path | None) -> None:

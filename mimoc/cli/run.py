@@ -4,11 +4,11 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import InfantPath
+from mimoc.cli.arguments import Body, InfantPath, ShownBody
 from mimoc.cli.infants import load_infant
 from mimoc.errors import MimocError
 from mimoc.kinds import announced
@@ -54,6 +54,7 @@ def run(
     eyes: Annotated[bool, typer.Option("--eyes", help="Show the views of both eyes beside the video.")] = False,
     fps: Annotated[int, typer.Option("--fps", min=1, max=100, help="Frames per second of the video.")] = 25,
     size: Annotated[int, typer.Option("--size", min=64, max=2160, help="Height of the video in pixels.")] = 360,
+    body: ShownBody = Body.SKIN,
 ) -> None:
     """Run the infant under a policy and print a summary; show it in a window, record a video or all it senses."""
     from mimoc import recording
@@ -71,7 +72,8 @@ def run(
         act = policy_of(env, chosen)  # Refuses bad names before anything is written.
         recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)
-        filmed = recording.filming(rollout, video, eyes=eyes, rate_hz=fps, height_px=size) if video else nullcontext()
+        options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
+        filmed = recording.filming(rollout, video, **options) if video else nullcontext()
         _run(rollout, steps, filmed, [each for each in (video, record) if each])
     console.print_run(rollout.summary())
     for written in (video, record):

@@ -88,10 +88,11 @@ def train(
     from mimoc.training import hyperparameters
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
-    others |= {"threads": threads, "processes": processes}
+    others |= {"threads": threads, "processes": processes, "force": force}
+    bundle = load_infant(infant)
     with console.progress("training") as show, resumable():
         done = training.train(
-            load_infant(infant),
+            bundle,
             out,
             algo=algo,
             steps=steps,
@@ -99,7 +100,6 @@ def train(
             envs=envs,
             checkpoint_every=every,
             hyper=hyperparameters.parse(algo, assignments or []),
-            force=force,
             progress=show,
             task=import_object(task) if task else None,
             **others,

@@ -34,9 +34,9 @@ def validate(
 ) -> None:
     """Compare the infant with children at 0 to 24 months; exit code 1 if it deviates too much.
 
-    `who`: length, weight and circumferences by WHO's growth standards, within one SD of their mean.
-    `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
-    `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means.
+    - `who`: length, weight and circumferences by WHO's growth standards, within one SD of their mean.
+    - `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
+    - `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means.
     """
     from mimoc.cli import console
     from mimoc.render.plots import check_plot_name

@@ -151,7 +151,7 @@ class Cohort:
             engine(todo, store, options, lambda done: report(ready + done, len(share)))
         for job in store.missing(todo):
             store.write(job, lost(job, f"the engine '{on}' has ended without a result"))
-        return _status(share, store)
+        return status_of(share, store)
 
     def retry(self, out: str | Path, on: str = "local", *, progress: Progress | None = None, **options: Any) -> Status:
         """Do all failed jobs again, and those that have no result yet; see `run`."""
@@ -171,30 +171,33 @@ class Cohort:
         """
         store = Store(Path(out).expanduser())
         store.check()
-        return _status(self.jobs(), store)
+        return status_of(self.jobs(), store)
 
-    def rows(self, out: str | Path) -> list[dict[str, Cell]]:
-        """Return the table, one row a job.
+    def rows(self, out: str | Path, *, progress: Progress = lambda done, total: None) -> list[dict[str, Cell]]:
+        """Return the table, one row a job; see `table`.
 
         Raises:
             MimocError: If the folder is not that of a cohort.
         """
         store = Store(Path(out).expanduser())
         store.check()
-        return rows_of(self.jobs(), store, self.spec.measure)
+        return rows_of(self.jobs(), store, self.spec.measure, progress)
 
-    def table(self, out: str | Path, *, parquet: bool = True) -> list[Path]:
+    def table(
+        self, out: str | Path, *, parquet: bool = True, progress: Progress = lambda done, total: None
+    ) -> list[Path]:
         """Write the table into the folder, as CSV and as Parquet; return the paths.
 
         Args:
             out: The folder of the cohort.
             parquet: Whether to write Parquet as well.
+            progress: Called with the number of results read and their total.
 
         Raises:
             MimocError: If the folder is not that of a cohort.
             MissingExtraError: If pyarrow is not installed; the CSV is there then.
         """
-        rows, folder = self.rows(out), Path(out).expanduser()
+        rows, folder = self.rows(out, progress=progress), Path(out).expanduser()
         written = [write_csv(rows, folder)]
         return [*written, write_parquet(rows, folder)] if parquet else written
 
@@ -236,7 +239,8 @@ def _base(source: Source) -> Source:
     return found
 
 
-def _status(jobs: Iterable[Job], store: Store) -> Status:
+def status_of(jobs: Iterable[Job], store: Store) -> Status:
+    """Return how far some jobs are."""
     counts: dict[str, Counter[str]] = {}
     failures = []
     for job in jobs:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mimoc.cohorts.cohort import Cohort
+from mimoc.cohorts.cohort import Cohort, Progress
 from mimoc.cohorts.engines.local import try_out
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.store import ASSETS, Result, Store, size_bytes
@@ -64,12 +64,13 @@ class Plan:
         return sum((step.jobs - step.done) * step.bytes for step in self.steps)
 
 
-def plan(cohort: Cohort, out: str | Path) -> Plan:
+def plan(cohort: Cohort, out: str | Path, progress: Progress = lambda done, total: None) -> Plan:
     """Return what a cohort will take, after a trial of each step that is not done.
 
     Args:
         cohort: The cohort.
         out: The folder of the cohort, which need not exist; nothing is written to it.
+        progress: Called with the number of steps tried and their total.
 
     Raises:
         SpecError: If some combinations of values are invalid, or a step is.
@@ -79,7 +80,10 @@ def plan(cohort: Cohort, out: str | Path) -> Plan:
     jobs, store = cohort.jobs(), Store(Path(out).expanduser())
     store.check_usable()
     cohort.check_steps()
-    found = [_planned(step, alike, store) for step, alike in _by_step(jobs).items()]
+    steps, found = _by_step(jobs), list[StepPlan]()
+    for step, alike in steps.items():
+        progress(len(found), len(steps))
+        found.append(_planned(step, alike, store))
     return Plan(len(cohort.infants), tuple(found), len(os.sched_getaffinity(0)))
 
 

@@ -91,12 +91,16 @@ class Store:
     def read(self, job: Job) -> Result | None:
         """Return the result of a job; None if it is not done, or its file is damaged, so that it is done again."""
         try:
-            found = json.loads(self._place("results", job, ".json").read_bytes())
+            found = json.loads(self.result(job).read_bytes())
             result = Result(**{name: found[name] for name in Result.__slots__})
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
         is_ours = result.status in ("ok", "failed") and isinstance(result.measures, dict)
         return result if is_ours and isinstance(result.versions, dict) else None
+
+    def result(self, job: Job) -> Path:
+        """Return the path of the result of a job."""
+        return self._place("results", job, ".json")
 
     def missing(self, jobs: Iterable[Job]) -> list[Job]:
         """Return the jobs without a result."""
@@ -110,7 +114,7 @@ class Store:
         """
         if not result.ok and (known := self.read(job)) and known.ok:
             return
-        place = self._place("results", job, ".json")
+        place = self.result(job)
         _make(place.parent)
         told = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
         found = {name: getattr(result, name) for name in Result.__slots__}
@@ -118,7 +122,7 @@ class Store:
 
     def forget(self, job: Job) -> None:
         """Remove the result of a job, so that it is done again."""
-        self._place("results", job, ".json").unlink(missing_ok=True)
+        self.result(job).unlink(missing_ok=True)
         self.log(job).unlink(missing_ok=True)
 
     def log(self, job: Job) -> Path:

@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,15 +25,24 @@ Cell = str | bool | int | float | None
 Rows = Sequence[Mapping[str, Cell]]
 
 
-def rows_of(jobs: Sequence[Job], store: Store, measures: Sequence[str]) -> list[dict[str, Cell]]:
+def rows_of(
+    jobs: Sequence[Job],
+    store: Store,
+    measures: Sequence[str],
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> list[dict[str, Cell]]:
     """Return a row for each job: its factors, step and seed, what was measured, and the versions of the software.
 
     Args:
         jobs: The jobs, in the order of the rows.
         store: The folder of the cohort.
         measures: The measures to show; none is every one that any job has.
+        progress: Called with the number of results read and their total.
     """
-    results = [store.read(job) for job in jobs]
+    results = list[Result | None]()
+    for job in jobs:
+        progress(len(results), len(jobs))
+        results.append(store.read(job))
     found = [result for result in results if result]
     pairs = [*zip(jobs, results, strict=True)]
     returned = _union([result.measures for job, result in pairs if result and job.step == "python"])

@@ -9,7 +9,7 @@ from typing import Any
 from mimoc.bundle.io import Bundle
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.store import Store
-from mimoc.compiler.building import builder
+from mimoc.compiler.building import builder, sees_skin
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.source import in_memory_as_text
 
@@ -81,5 +81,5 @@ class Bench:
         """
         spec = self.spec(job)
         if self._bundle is None:
-            self._bundle = builder(spec)(spec.scene.seed)
+            self._bundle = builder(spec, skin=sees_skin(spec))(spec.scene.seed)
         return self._bundle

@@ -1,6 +1,6 @@
 """Builders, which compile the bundles of a spec for any seed of its scene."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -27,6 +27,7 @@ from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
 from mimoc.compiler.provenance.delays import trace_delays
 from mimoc.compiler.provenance.noise import trace_noise
+from mimoc.compiler.provenance.packing import packed
 from mimoc.compiler.provenance.plugins import trace_plugins
 from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
 from mimoc.compiler.provenance.task import trace_task
@@ -86,6 +87,8 @@ class Builder:
     """The manifest, without the fields that depend on the seed."""
     sources: Sources
     """What the infant was built from."""
+    has_skin: bool
+    """Whether a skin is drawn over its solids."""
 
     @cached_property
     def files(self) -> Mapping[str, bytes]:
@@ -121,7 +124,12 @@ class Builder:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle only the spec: copies and other processes build the infant again."""
-        return builder, (self.spec, self.target)
+        return builder, (self.spec, self.target, None, self.has_skin)
+
+    def watched(self, progress: Callable[[int, int], None]) -> "Builder":
+        """Return a copy that calls a function with the number of toys loaded and their total."""
+        assets = self.scene_assets
+        return replace(self, scene_assets=replace(assets, toybox=replace(assets.toybox, progress=progress)))
 
     def __call__(self, seed: int, *, check: bool = True) -> Bundle:
         """Return the bundle of a seed.
@@ -182,19 +190,25 @@ class Builder:
             **printing.render_world(furnished.scene),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
-            "provenance.json": render_json({**world_origins, **self.origins}),
+            "provenance.json": render_json(packed({**world_origins, **self.origins}), 2),
             "manifest.json": render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
 
 
-def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None = None) -> Builder:
+def sees_skin(spec: InfantSpec) -> bool:
+    """Return whether an infant's eyes see skins: one of many has a skin only then, if its spec does not say."""
+    return spec.senses.vision is not None and spec.senses.vision.body == "skin"
+
+
+def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None = None, skin: bool = True) -> Builder:
     """Return a builder of a spec; the infant, which does not depend on the seed, is built at once.
 
     Args:
         spec: The spec.
         target: Name of the other software that it is built for, if any.
         younger: A builder of the same valid spec at another age, from which this takes what does not depend on age.
+        skin: Whether it has a skin, if its spec does not say.
 
     Raises:
         UnknownNameError: If the target does not exist.
@@ -205,7 +219,8 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         spec = validated(spec)
         refuse_unavailable(spec)
     anatomy, measurements, tree = _grow(spec, compatibility)
-    actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility)
+    has_skin = skin and target is None if spec.body.skin is None else spec.body.skin
+    actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility, has_skin)
     return Builder(
         spec=spec,
         target=target,
@@ -216,6 +231,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
         sources=Sources(anatomy, measurements, actuation, senses),
+        has_skin=has_skin,
     )
 
 
@@ -232,13 +248,13 @@ def _grow(
 
 
 def _equip(
-    spec: InfantSpec, tree: body.BodyTree, compatibility: CompatibilityTarget
+    spec: InfantSpec, tree: body.BodyTree, compatibility: CompatibilityTarget, has_skin: bool
 ) -> tuple[ActuationSetup, Mapping[str, Placed], TaskSetup, SceneTree, Manifest]:
     """Return actuators and senses of a body, the setup of its task, the complete infant, and its manifest."""
     try:
         actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
         senses = place_senses(spec, tree)
-        scene, task_setup = set_up_task(compose(spec, tree, actuation, senses), spec, tree, actuation)
+        scene, task_setup = set_up_task(compose(spec, tree, actuation, senses, has_skin), spec, tree, actuation)
         infant = compatibility.infant(scene, spec.actuation.model)
         described = describe(spec, tree, infant, senses, task_setup)
     except UnsupportedTaskError as error:

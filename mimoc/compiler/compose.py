@@ -6,8 +6,10 @@ from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import standing_height
+from mimoc.body.regions import EYE, EYE_SIDES
 from mimoc.kinds import function_of
-from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress
+from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress, dress_skin
+from mimoc.looks.skin.carrying import skin_of
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.keyframes import keyframes
@@ -15,11 +17,13 @@ from mimoc.mjcf.keypoints import keypoint_sites
 from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.scene import SceneTree, Solver
 from mimoc.mjcf.world import World
+from mimoc.mujoco_layout import SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
 
 BODY_GROUP, LOOKS_GROUP = 0, 1
+EYEBALLS = tuple(EYE[0].format(side=side) for side in EYE_SIDES)
 
 
 def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
@@ -28,7 +32,9 @@ def place_senses(spec: InfantSpec, tree: BodyTree) -> dict[str, Placed]:
     return {name: function_of(SENSES[name].build, "build")(own, tree) for name, own in asked.items() if own is not None}
 
 
-def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> SceneTree:
+def compose(
+    spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool = False
+) -> SceneTree:
     """Return a scene with the infant of a spec, with its poses at the origin of an empty world.
 
     Args:
@@ -36,13 +42,19 @@ def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses:
         tree: The body.
         actuation: Its actuators.
         senses: Its senses.
+        has_skin: Whether a skin is drawn over its solids.
     """
-    parts = _parts(tree, actuation, senses)
+    parts = _parts(tree, actuation, senses, has_skin)
+    skin = skin_of(tree) if has_skin else None
+    round_head = tree.geoms["head"].type == "sphere"
+    expression = spec.body.expression
     return SceneTree(
         name=spec.name,
         solver=Solver(timestep_s=ms_to_s(spec.control.timestep_ms), integrator=actuation.integrator),
         roots=tuple(parts[body.name] for body in tree.bodies if body.parent is None),
-        appearance=dress(spec.body.expression, round_head=tree.geoms["head"].type == "sphere"),
+        appearance=dress_skin(expression, skin.names, round_head=round_head)
+        if skin
+        else dress(expression, round_head=round_head),
         tendons=tuple(PrintedTendon(tendon.name, tendon.range_rad, tendon.coefficients) for tendon in tree.tendons),
         excluded=tree.excluded,
         actuator_defaults=actuation.defaults,
@@ -54,10 +66,11 @@ def compose(spec: InfantSpec, tree: BodyTree, actuation: ActuationSetup, senses:
         ),
         world=World(),
         keyframes=tuple(actuation.at_rest(keyframe) for keyframe in keyframes(tree)),
+        skin=skin,
     )
 
 
-def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed]) -> dict[str, Node]:
+def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
     """Return all parts by name, each with its child parts."""
     sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
     for placed in senses.values():
@@ -71,7 +84,7 @@ def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Place
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
             joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
-            geoms=(*map(_geom, body.geoms), *_features(body)),
+            geoms=(*(_geom(geom, _group(body, has_skin)) for geom in body.geoms), *_features(body, has_skin)),
             sites=sites.get(body.name, ()),
             cameras=cameras.get(body.name, ()),
             children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
@@ -107,7 +120,12 @@ def _joint(joint: Joint) -> PrintedJoint:
     )
 
 
-def _geom(geom: Geom) -> PrintedGeom:
+def _group(body: Body, has_skin: bool) -> int:
+    """Return the group of a body's solids: under a skin, only eyeballs are drawn."""
+    return SOLIDS_GROUP if has_skin and body.name not in EYEBALLS else BODY_GROUP
+
+
+def _geom(geom: Geom, group: int) -> PrintedGeom:
     return PrintedGeom(
         name=geom.name,
         type=geom.type,
@@ -120,19 +138,19 @@ def _geom(geom: Geom) -> PrintedGeom:
         contype=geom.contype,
         conaffinity=geom.conaffinity,
         condim=geom.condim,
-        group=BODY_GROUP,
+        group=group,
     )
 
 
-def _features(body: Body) -> tuple[PrintedGeom, ...]:
+def _features(body: Body, has_skin: bool) -> tuple[PrintedGeom, ...]:
     """Return the visual geoms of the head: nose, ears, lids."""
     if body.name != "head":
         return ()
     head = next(geom for geom in body.geoms if geom.name == body.name)
-    return tuple(_feature(feature, head) for feature in HEAD_FEATURES)
+    return tuple(_feature(feature, head, SOLIDS_GROUP if has_skin else LOOKS_GROUP) for feature in HEAD_FEATURES)
 
 
-def _feature(feature: HeadFeature, head: Geom) -> PrintedGeom:
+def _feature(feature: HeadFeature, head: Geom, group: int) -> PrintedGeom:
     radius_m = head_radius(head)
     return PrintedGeom(
         name=feature.name,
@@ -146,7 +164,7 @@ def _feature(feature: HeadFeature, head: Geom) -> PrintedGeom:
         contype=0,
         conaffinity=0,
         condim=3,
-        group=LOOKS_GROUP,
+        group=group,
     )
 
 

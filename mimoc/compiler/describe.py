@@ -58,7 +58,11 @@ def describe(
         noise=noise(spec),
         constraints=_constraints(spec, tree, setup),
         task=setup.entry,
-        face=FaceEntry(geom="head", materials={name: face_material(name) for name in FACES}),
+        face=FaceEntry(
+            geom="head",
+            materials={name: face_material(name) for name in FACES},
+            skin="head" if scene.skin else None,
+        ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),
     )
 

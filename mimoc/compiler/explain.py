@@ -11,6 +11,7 @@ from typing import Any
 
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.building import builder
+from mimoc.compiler.provenance.packing import unpacked
 from mimoc.compiler.provenance.spec import SPEC_FILE
 from mimoc.errors import BundleError, MimocError
 from mimoc.schema.infant import read_spec
@@ -41,7 +42,7 @@ class Explanation:
 def contents(bundle: Bundle) -> dict[str, tuple[str, ...]]:
     """Return the sorted names of all numbers that can be explained, by object, such as `body.left_foot`."""
     groups = defaultdict[str, list[str]](list)
-    for key in sorted(_entries(bundle)):
+    for key in sorted(entries_of(bundle)):
         thing, _, name = key.rpartition(".")
         groups[thing].append(name)
     return {thing: tuple(names) for thing, names in sorted(groups.items())}
@@ -57,11 +58,11 @@ def find(bundle: Bundle, text: str) -> dict[str, str]:
     Raises:
         MimocError: If there is no such number; the message suggests similar ones.
     """
-    entries, part = _entries(bundle), "_".join(text.lower().split())
+    entries, part = entries_of(bundle), "_".join(text.lower().split())
     if text in entries:
-        return {text: _value(entries[text])}
+        return {text: value_text(entries[text])}
     pattern = part if set(part) & set("*?") else f"*{part.replace('[', '[[]')}*"
-    found = {key: _value(entries[key]) for key in sorted(entries) if fnmatchcase(key.lower(), pattern)}
+    found = {key: value_text(entries[key]) for key in sorted(entries) if fnmatchcase(key.lower(), pattern)}
     if not found or not part:
         raise MimocError(f"no number of this bundle has '{text}' in its name; {_advice(part, entries)}")
     return found
@@ -73,7 +74,7 @@ def explain(bundle: Bundle, key: str) -> Explanation:
     Raises:
         MimocError: If the bundle has no such number; the message suggests similar ones.
     """
-    entries = _entries(bundle)
+    entries = entries_of(bundle)
     if key not in entries:
         raise MimocError(f"'{key}' is not a number of this bundle; {_advice(key, entries)}")
     return _explain(key, entries)
@@ -94,15 +95,20 @@ def _texts(explanation: Explanation) -> Iterator[str]:
         yield from _texts(source)
 
 
-def _entries(bundle: Bundle) -> Entries:
-    """Return the provenance of all numbers; the bundles of a cohort leave it out, and it is worked out again."""
+def entries_of(bundle: Bundle) -> Entries:
+    """Return the provenance of all numbers; the bundles of a cohort leave it out, and it is worked out again.
+
+    Raises:
+        BundleError: If that is not possible, because this version of mimoc builds another infant from its spec.
+    """
     if PROVENANCE in bundle.files:
-        return json.loads(bundle.files[PROVENANCE])
-    again = builder(read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE)))(bundle.manifest.seed, check=False)
+        return unpacked(json.loads(bundle.files[PROVENANCE]))
+    spec = read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE))
+    again = builder(spec, skin=bundle.manifest.has_skin)(bundle.manifest.seed, check=False)
     if any(again.files[name] != bundle.files[name] for name in ("infant.xml", "scene.xml")):
         message = f"{bundle.path}: has no {PROVENANCE}, and this version of mimoc builds another infant from its spec"
         raise BundleError(f"{message}; build it again with 'mimoc build'")
-    return json.loads(again.files[PROVENANCE])
+    return unpacked(json.loads(again.files[PROVENANCE]))
 
 
 def _explain(key: str, entries: Entries) -> Explanation:
@@ -115,11 +121,11 @@ def _explain(key: str, entries: Entries) -> Explanation:
 
 def _named(key: str, entries: Entries) -> Explanation:
     """Return a number without its provenance."""
-    return Explanation(key, (_value(entries[key]),), ())
+    return Explanation(key, (value_text(entries[key]),), ())
 
 
 def _lines(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    lines = [_value(entry), entry["rule"]]
+    lines = [value_text(entry), entry["rule"]]
     if "fit" in entry:
         lines.append("fit: " + ", ".join(f"{name} = {_text(number)}" for name, number in entry["fit"].items()))
     lines += [f"{p['age_months']:g} months: {p['value_cm']:.4g} cm  ({p['origin']})" for p in entry.get("points", ())]
@@ -128,7 +134,8 @@ def _lines(entry: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _value(entry: Mapping[str, Any]) -> str:
+def value_text(entry: Mapping[str, Any]) -> str:
+    """Return the value of a number with its unit."""
     return f"{_text(entry['value'])} {entry.get('unit', '')}".rstrip()
 
 

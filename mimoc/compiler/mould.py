@@ -20,6 +20,7 @@ from mimoc.bundle.model import prepare
 from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.scene_numbers import Slot, read, slots
 from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.skin import Skin, single
 from mimoc.rounding import rounded_array
 
 KINDS = ("body", "jnt", "dof", "geom", "site", "cam", "light", "tendon", "actuator", "eq", "key", "qpos", "bvh", "pair")
@@ -41,9 +42,11 @@ class Casting:
     """All else."""
     arrays: Sequence[str]
     """The names of the arrays with this."""
+    skin: Skin | None
+    """Its skin, which MuJoCo only copies."""
 
     def model(self) -> mujoco.MjModel:
-        """Return a model of one's own."""
+        """Return a model of one's own, with the skin of the mould."""
         model = copy.copy(self.mould)
         for name in self.arrays:
             getattr(model, name)[...] = getattr(self.numbers, name)
@@ -51,6 +54,11 @@ class Casting:
             setattr(model.stat, name, getattr(self.numbers.stat, name))
         prepare(model)
         return model
+
+    def dress(self, model: mujoco.MjModel) -> None:
+        """Write the skin of the scene into one of these models."""
+        if self.skin:
+            _dress(model, self.skin)
 
 
 class Mould:
@@ -87,21 +95,33 @@ class Mould:
         every = zip(self._slots, self._views, numbers, self._numbers, strict=True)
         _write([(slot, view, now) for slot, view, now, before in every if now != before])
         self._numbers, self.broken = numbers, True
-        casting = Casting(self._model, self._spec.compile(), self._arrays)
+        casting = Casting(self._model, self._spec.compile(), self._arrays, scene.skin)
         self.broken = False
         return casting
 
 
 def _without_textures(files: Mapping[str, bytes]) -> mujoco.MjSpec:
-    """Return MuJoCo's elements of a scene; decoding textures takes as long as all else."""
+    """Return MuJoCo's elements of a scene; decoding textures and skins takes longer than all else."""
     meshes = {name: content for name, content in files.items() if name.startswith("assets/") and name[-4:] != ".png"}
     include = {"infant.xml": files["infant.xml"]}
     spec = mujoco.MjSpec.from_string(files["scene.xml"].decode(), include=include, assets=meshes)
+    for skin in list(spec.skins):
+        spec.delete(skin)
     for material in spec.materials:
         material.textures = [""] * len(material.textures)
     for texture in list(spec.textures):
         spec.delete(texture)
     return spec
+
+
+def _dress(model: mujoco.MjModel, skin: Skin) -> None:
+    """Write a skin into the model of an infant that has the same one at another age."""
+    for layer in skin.layers:
+        index = model.skin(layer.name).id
+        first, bone = model.skin_vertadr[index], model.skin_boneadr[index]
+        model.skin_vert[first : first + len(layer.verts_m)] = single(layer.verts_m)
+        model.skin_bonebindpos[bone : bone + len(layer.bones)] = single(layer.origins_m)
+        model.skin_bonebindquat[bone : bone + len(layer.bones)] = single(layer.quats)
 
 
 def _same_arrays(model: mujoco.MjModel, without_textures: mujoco.MjModel) -> list[str]:

@@ -1,5 +1,6 @@
 """Compilation of a spec to a bundle in memory, which MuJoCo checks."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from mimoc.bundle.io import Bundle, read_bundle
@@ -8,12 +9,15 @@ from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.schema.infant import InfantSpec
 
 
-def build(spec: InfantSpec | str | Path, target: str | None = None) -> Bundle:
+def build(
+    spec: InfantSpec | str | Path, target: str | None = None, *, progress: Callable[[int, int], None] | None = None
+) -> Bundle:
     """Compile a spec: a pure function, the same spec (and the same files that it names) gives the same bytes.
 
     Args:
         spec: The spec, or the path of its YAML file.
         target: Other software to build it for, by a name of `mjcf.compatibility.TARGETS`.
+        progress: Called with the number of toys loaded and their total; the first time, meshes take long.
 
     Raises:
         UnknownNameError: If the target does not exist.
@@ -22,7 +26,7 @@ def build(spec: InfantSpec | str | Path, target: str | None = None) -> Bundle:
         ModelError: If MuJoCo rejects the model.
     """
     compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec), target)
-    return compiler(compiler.spec.scene.seed)
+    return (compiler.watched(progress) if progress else compiler)(compiler.spec.scene.seed)
 
 
 def compiled(source: Bundle | InfantSpec | str | Path) -> Bundle:

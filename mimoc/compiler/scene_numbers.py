@@ -104,7 +104,9 @@ def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:
 
     The infant's name is in neither: no part of the model is called by it.
     """
-    bare = replace(scene, name="", roots=(), tendons=(), actuators=(), keyframes=(), world=_fixed(scene.world))
+    bare = replace(
+        scene, name="", roots=(), tendons=(), actuators=(), keyframes=(), world=_fixed(scene.world), skin=None
+    )
     numbers, rest = list[Any](), list[Any]([bare])
     for form, each in _elements(scene):
         numbers += form.numbers(each)

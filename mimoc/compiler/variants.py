@@ -1,11 +1,8 @@
 """The infants of a spec at all ages and in all scenes, as an environment is handed them."""
 
-import copy
 from collections.abc import Callable, Mapping
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, TypeVar
-
-import mujoco
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.later_files import LaterFiles
@@ -32,8 +29,12 @@ class SpecVariants:
 
     has_other_scenes = True
 
-    def __init__(self, spec: InfantSpec):
+    def __init__(self, spec: InfantSpec, skin: bool = True):
         """Build the infant of the spec.
+
+        Args:
+            spec: The spec.
+            skin: Whether it has a skin, if the spec does not say.
 
         Raises:
             SpecError: If it cannot be built.
@@ -42,7 +43,7 @@ class SpecVariants:
         self._builders: dict[float, Builder] = {}
         self._made: dict[tuple[float, int], Callable[[], Variant]] = {}
         self._mould: Mould | None = None
-        self._own = builder(spec)
+        self._own = builder(spec, skin=skin)
         self._own_scene = self._own.furnished(spec.scene.seed)
 
     def __repr__(self) -> str:
@@ -51,7 +52,7 @@ class SpecVariants:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle only the spec: copies and other processes build the infant again."""
-        return SpecVariants, (self._spec,)
+        return SpecVariants, (self._spec, self._own.has_skin)
 
     @cached_property
     def own(self) -> Bundle:
@@ -70,7 +71,9 @@ class SpecVariants:
             return Variant(self.own, load_model(self.own))
         self._mould = mould
         files = LaterFiles(self._own.arrays, lambda: self.own.files)
-        return Variant(Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model())
+        return Variant(
+            Bundle(files, self._own.manifest_of(seed, self._own_scene), None), casting.model(), casting.dress
+        )
 
     def __call__(self, age_months: float, scene_seed: int) -> Variant:
         """Return the infant at an age, in months as they stand in manifests, in the scene of a seed.
@@ -87,21 +90,21 @@ class SpecVariants:
         furnished = built.furnished(scene_seed)
         files = LaterFiles(built.arrays, lambda: self._files(age_months, scene_seed))
         bundle = Bundle(files, built.manifest_of(scene_seed, furnished), None)
-        model = self._model(bundle, scene_seed, furnished.scene)
-        return lambda: Variant(bundle, model())
+        is_own_scene = scene_seed == self._spec.scene.seed
+        casting = _cast(self._usable_mould(), furnished.scene) if is_own_scene else None
+        if casting is None:
+            return Variant(bundle, load_model(bundle)).again
+        return lambda: Variant(bundle, casting.model(), casting.dress)
 
     def _builder(self, age_months: float) -> Builder:
-        return _kept(self._builders, age_months, lambda: builder(quickly_aged(self._spec, age_months), None, self._own))
+        return _kept(self._builders, age_months, lambda: self._at(quickly_aged(self._spec, age_months), self._own))
 
     def _files(self, age_months: float, scene_seed: int) -> Mapping[str, bytes]:
         """Return the files of an infant, among them its spec."""
-        return builder(aged(self._spec, age_months))(scene_seed, check=False).files
+        return self._at(aged(self._spec, age_months))(scene_seed, check=False).files
 
-    def _model(self, bundle: Bundle, scene_seed: int, scene: SceneTree) -> Callable[[], mujoco.MjModel]:
-        """Return what gives out models of a bundle: in the scene of the spec, cast from the infant of another age."""
-        is_own_scene = scene_seed == self._spec.scene.seed
-        casting = _cast(self._usable_mould(), scene) if is_own_scene else None
-        return casting.model if casting else partial(copy.copy, load_model(bundle))
+    def _at(self, spec: InfantSpec, younger: Builder | None = None) -> Builder:
+        return builder(spec, None, younger, self._own.has_skin)
 
     def _usable_mould(self) -> Mould:
         """Return the mould of this infant, or of another one that it was cast from."""
@@ -158,7 +161,7 @@ class BundleVariants:
 
     @cached_property
     def _of_spec(self) -> SpecVariants:
-        return SpecVariants(spec_of(self._bundle))
+        return SpecVariants(spec_of(self._bundle), skin=self._bundle.manifest.has_skin)
 
 
 def spec_of(bundle: Bundle) -> InfantSpec:

@@ -74,6 +74,17 @@ class Extents:
         by_axes = directions * self.half_axes
         return by_edges + np.sqrt(np.einsum("...i,...i->...", by_axes, by_axes))
 
+    def farthest(self, directions: FloatArray) -> FloatArray:
+        """Return the point of each that is farthest in a direction of its own frame, shape (..., n, 3).
+
+        Args:
+            directions: Unit vectors, shape (..., n, 3).
+        """
+        by_axes = directions * self.half_axes
+        lengths = np.linalg.norm(by_axes, axis=-1, keepdims=True)
+        round_off = np.where(lengths > 0, lengths, 1.0)
+        return np.sign(directions) * self.half_edges + by_axes * self.half_axes / round_off
+
 
 def extents(primitives: Iterable[tuple[Kind, Size]]) -> Extents:
     """Return how far some primitives reach, from kind and size of each."""

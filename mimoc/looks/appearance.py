@@ -1,6 +1,6 @@
 """Textures and materials of an infant in the MJCF."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from mimoc.looks.drawing import (
@@ -14,12 +14,16 @@ from mimoc.looks.drawing import (
     draw_stripes,
 )
 from mimoc.looks.expressions import FACES
-from mimoc.mjcf.materials import UNTINTED, Appearance, Material, Rgba, Texture
+from mimoc.looks.skin.painting import paint_cloth, paint_face, paint_skin
+from mimoc.mjcf.materials import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
 from mimoc.mjcf.mimo.lookups import face_texture
 
 TOP: Colour = (247, 204, 112)
 TOP_STRIPE: Colour = (252, 236, 196)
 PANTS: Colour = (112, 160, 172)
+
+HEAD_CUBE = "head_solid"
+"""Texture of the head's solid under a skin."""
 
 HEAD_BREADTH = 0.863
 """Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
@@ -71,6 +75,49 @@ def dress(expression: str, *, round_head: bool = True) -> Appearance:
         stripes.file: draw_stripes(TOP, TOP_STRIPE),
     }
     return Appearance((*faces.values(), eye, ear, stripes), _materials(expression), MappingProxyType(assets))
+
+
+SKIN_MATERIALS = {"body": "skin_body", "shirt": "skin_shirt", "trousers": "skin_trousers"}
+"""Material of each layer of a skin; that of the head is the expression."""
+
+
+def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = True) -> Appearance:
+    """Return the textures and materials of an infant with a skin; its solids show one expression only.
+
+    Args:
+        expression: One of `mimoc.looks.expressions.FACES`.
+        layers: Names of the layers of its skin.
+        round_head: Whether its head is a sphere.
+    """
+    solid = dress(expression, round_head=round_head)
+    shown = face_texture(expression)
+    faces = {name: FlatTexture(face_texture(name), f"assets/skin_face_{name}.png") for name in FACES}
+    shades = {name: FlatTexture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
+    cubes = tuple(
+        replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
+        for cube in solid.textures
+        if cube.name == shown or cube.name not in {each.name for each in faces.values()}
+    )
+    pictures = {"body": paint_skin(), "shirt": paint_cloth(TOP, TOP_STRIPE), "trousers": paint_cloth(PANTS, PANTS)}
+    return Appearance(
+        textures=cubes,
+        materials=(
+            *(replace(each, texture=HEAD_CUBE) if each.name == "head" else each for each in solid.materials),
+            *(Material(shade.name, UNTINTED, shade.name) for shade in shades.values()),
+        ),
+        assets=MappingProxyType(
+            {
+                **{cube.file: solid.assets[cube.file] for cube in cubes},
+                **{texture.file: paint_face(name) for name, texture in faces.items()},
+                **{shades[name].file: picture for name, picture in pictures.items()},
+            }
+        ),
+        flat_textures=(*faces.values(), *shades.values()),
+        skins=tuple(
+            PrintedSkin(name, f"assets/{name}.skn", SKIN_MATERIALS.get(name, face_material(expression)))
+            for name in layers
+        ),
+    )
 
 
 def face_material(expression: str) -> str:

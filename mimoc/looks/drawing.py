@@ -67,8 +67,8 @@ def draw_face(expression: str, breadth: float = 1.0) -> bytes:
     direction = directions(FACE_CELL_PX)
     x, y, z = np.moveaxis(direction, 2, 0)
     y = breadth * y
-    image = _brow(_bare_head(breadth), np.abs(y), z, x > 0, face)
-    return encode_png(_mouth(image, y, z, x > 0, face))
+    image = brow(_bare_head(breadth), np.abs(y), z, x > 0, face)
+    return encode_png(mouth(image, y, z, x > 0, face))
 
 
 @functools.cache
@@ -117,16 +117,20 @@ def _bare_head(breadth: float) -> FloatArray:
     direction = directions(FACE_CELL_PX)
     x, y, z = np.moveaxis(direction, 2, 0)
     front, side = x > 0, breadth * np.abs(y)
-    image = np.full(direction.shape, SKIN, np.float64)
-    image = over(image, BLUSH, 0.42 * front * _blob(side - 0.53, z + 0.36, 0.17, 0.14))
-    image = over(image, BLUSH, 0.18 * front * _blob(breadth * y, z + 0.27, 0.09, 0.08))
-    image = _hair(image, x, y, z)
+    image = blush(np.full(direction.shape, SKIN, np.float64), breadth * y, z, front)
+    image = hair(image, x, y, z)
     image = _eye_opening(image, side, z, front)
     image.flags.writeable = False
     return image
 
 
-def _hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+def blush(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
+    """Redden the cheeks and the tip of the nose."""
+    image = over(image, BLUSH, 0.42 * front * blob(np.abs(y) - 0.53, z + 0.36, 0.17, 0.14))
+    return over(image, BLUSH, 0.18 * front * blob(y, z + 0.27, 0.09, 0.08))
+
+
+def hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
     """Draw thin hair on the crown and the back of the head, with strands that radiate from the whorl."""
     whorl_x, whorl_z = -0.6, 0.8
     angle = np.arccos(np.clip(whorl_x * x + whorl_z * z, -1, 1))
@@ -140,13 +144,13 @@ def _hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> Flo
 def _eye_opening(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
     """Draw the lids and the white around each eyeball; the eyeball itself is another geom."""
     across, up = (side - EYE_Y) / 0.145, (z - EYE_Z) / 0.118
-    image = over(image, BLUSH, 0.30 * front * _blob(side - EYE_Y, z - EYE_Z, 0.22, 0.19))
+    image = over(image, BLUSH, 0.30 * front * blob(side - EYE_Y, z - EYE_Z, 0.22, 0.19))
     lashes = np.hypot(across, up - 0.12) - 1.12
     image = over(image, LID, 0.9 * front * np.clip(0.4 + up, 0.2, 1) * within(lashes, 0.34))
     return over(image, WHITE, front * within(np.hypot(across, up) - 0.98, 0.26))
 
 
-def _brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
+def brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
     """Draw a short, soft brow over each eye; a positive tilt lowers its inner end."""
     across = (side - 0.37) / 0.17
     middle = face.brow_height + face.brow_tilt * across - 0.035 * across**2
@@ -155,7 +159,7 @@ def _brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray,
     return over(image, HAIR, strength * (np.abs(across) < 1) * within(np.abs(z - middle) - thickness, 0.03))
 
 
-def _mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
+def mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
     """Draw the lips, and the inside of the mouth if it is open."""
     across = y / face.mouth_width
     taper = np.sqrt(np.clip(1 - across**2, 0, 1))
@@ -193,7 +197,7 @@ def _cloth_colour(direction: FloatArray, ground: Colour, stripe: Colour) -> Floa
     return over(np.full(direction.shape, ground, np.float64), stripe, within(0.45 - wave, 0.5))
 
 
-def _blob(across: FloatArray, up: FloatArray, width: float, height: float) -> FloatArray:
+def blob(across: FloatArray, up: FloatArray, width: float, height: float) -> FloatArray:
     """Return a soft spot of the given half-widths, 1 in the middle."""
     return np.exp(-((across / width) ** 2) - (up / height) ** 2)
 
@@ -219,9 +223,24 @@ def encode_png(image: npt.NDArray[Any]) -> bytes:
     return buffer.getvalue()
 
 
-def encode_palette_png(image: npt.NDArray[Any], colours: int = 64) -> bytes:
-    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), with a palette: a third of the size."""
-    few = Image.fromarray(np.rint(image).astype(np.uint8)).quantize(colours, Image.Quantize.MEDIANCUT)
+def encode_palette_png(
+    image: npt.NDArray[Any], colours: int = 64, fine: tuple[npt.NDArray[np.intp], ...] | None = None
+) -> bytes:
+    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), with a palette: a third of the size.
+
+    Args:
+        image: The image.
+        colours: Number of colours.
+        fine: Rows and columns of texels whose colours half of the palette is for.
+    """
+    whole = Image.fromarray(np.rint(image).astype(np.uint8))
+    few = whole.quantize(colours, Image.Quantize.MEDIANCUT)
+    if fine is not None:
+        part = Image.fromarray(np.rint(image[fine][None]).astype(np.uint8))
+        halves = [each.quantize(colours // 2, Image.Quantize.MEDIANCUT).getpalette() or [] for each in (whole, part)]
+        palette = Image.new("P", (1, 1))
+        palette.putpalette([value for half in halves for value in half[: 3 * (colours // 2)]])
+        few = whole.quantize(palette=palette, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
     few.save(buffer, "PNG", compress_level=6)
     return buffer.getvalue()

@@ -74,6 +74,27 @@ class Material:
 
 
 @dataclass(frozen=True, slots=True)
+class FlatTexture:
+    """One `<texture type="2d">` of a skin, whose vertices say where they are in it."""
+
+    name: str
+    """Name that a material refers to."""
+    file: str
+    """Path inside the bundle, a key of `Appearance.assets`."""
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedSkin:
+    """One `<skin>`: a mesh that several bodies move, seen but not felt."""
+
+    name: str
+    file: str
+    """Path inside the bundle, a key of `Appearance.assets`."""
+    material: str
+    """Name of its material."""
+
+
+@dataclass(frozen=True, slots=True)
 class Appearance:
     """The textures and materials of an infant."""
 
@@ -83,3 +104,7 @@ class Appearance:
     """In the order they are written."""
     assets: Mapping[str, bytes]
     """Path inside the bundle to the bytes of a PNG."""
+    flat_textures: tuple[FlatTexture, ...] = ()
+    """Those of skins, in the order they are written."""
+    skins: tuple[PrintedSkin, ...] = ()
+    """In the order they are written, and drawn."""

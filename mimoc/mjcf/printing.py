@@ -20,7 +20,8 @@ def render_scene(scene: SceneTree) -> dict[str, bytes]:
 
 def render_infant(scene: SceneTree) -> dict[str, bytes]:
     """Return the MJCF and assets of the infant alone."""
-    return {"infant.xml": _indented(render_text("infant.xml.j2", scene=scene)), **scene.appearance.assets}
+    skin = scene.skin.files if scene.skin else {}
+    return {"infant.xml": _indented(render_text("infant.xml.j2", scene=scene)), **scene.appearance.assets, **skin}
 
 
 def render_world(scene: SceneTree) -> dict[str, bytes]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from mimoc.mjcf.infant import Actuator, Node, PrintedTendon, Sensor
 from mimoc.mjcf.materials import Appearance, Material
+from mimoc.mjcf.skin import Skin
 from mimoc.mjcf.world import World
 
 
@@ -48,6 +49,8 @@ class SceneTree:
     sensors: tuple[Sensor, ...]
     world: World
     keyframes: tuple[Keyframe, ...]
+    skin: Skin | None = None
+    """Its skin, which is different at each age, as numbers are; None for its bare solids."""
 
     @property
     def textured_materials(self) -> tuple[Material, ...]:

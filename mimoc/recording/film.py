@@ -10,7 +10,7 @@ from mimoc.errors import RenderingError
 from mimoc.render.averaging import average_down
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import FROM_THE_SIDE, Shot, Spheres, shows, view_of_body
-from mimoc.render.renderer import Picture
+from mimoc.render.renderer import Picture, Shown
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import Observation
 from mimoc.senses.vision.eyes import Eyes
@@ -35,22 +35,24 @@ SHARP = 2
 class Film:
     """Renders the frames of a video of one environment."""
 
-    def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False):
+    def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
         """Open the cameras.
 
         Args:
             env: The environment.
             height_px: Height of a frame; the camera image is a third wider than high.
             eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
+            shown: Whether infants are drawn with their skins, or their solids.
 
         Raises:
             RenderingError: If OpenGL is not available, or the infant has no eyes.
         """
         self._env = env
-        self._eyes = _eyes_of(env, _cell_px(height_px)) if eyes else None
+        self._eyes = _eyes_of(env, _cell_px(height_px), shown) if eyes else None
         root = env.manifest.root_body
         view = view_of_body(FROM_THE_SIDE, env.data, root)
-        self._camera = BodyCamera(env.model, [root], round(SHAPE * height_px), height_px, view, margin=SPACE)
+        size_px = round(SHAPE * height_px), height_px
+        self._camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown)
         self._camera.turn(env.data)
         self.shot: Shot | None = None
         """Shot of the last frame."""
@@ -116,10 +118,10 @@ class _Observed:
 class _Sharp:
     """Unblurred views of the eyes of an infant without vision."""
 
-    def __init__(self, model: mujoco.MjModel, cameras: Sequence[str], size_px: int):
+    def __init__(self, model: mujoco.MjModel, cameras: Sequence[str], size_px: int, shown: Shown):
         bodies = model.cam_bodyid[[model.camera(camera).id for camera in cameras]]
         own = {model.body(index).name for body in bodies for index in (body, model.body_parentid[body])}
-        self._eyes = Eyes(model, cameras, SHARP * size_px, SHARP * size_px, own)
+        self._eyes = Eyes(model, cameras, SHARP * size_px, SHARP * size_px, own, shown)
 
     def pictures(self, data: mujoco.MjData, observation: Observation) -> list[Picture]:
         return list(np.rint(average_down(self._eyes(data).astype(np.float32), SHARP)).astype(np.uint8))
@@ -128,7 +130,7 @@ class _Sharp:
         self._eyes.close()
 
 
-def _eyes_of(env: InfantEnv, size_px: int) -> _Observed | _Sharp:
+def _eyes_of(env: InfantEnv, size_px: int, shown: Shown) -> _Observed | _Sharp:
     """Return the source of the eyes' views; *size_px* is the size of views that are not observed."""
     vision = env.manifest.senses.vision
     if vision is not None:
@@ -136,7 +138,7 @@ def _eyes_of(env: InfantEnv, size_px: int) -> _Observed | _Sharp:
     cameras = [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
         raise RenderingError(f"'{env.manifest.name}' has no eyes; record it without their views")
-    return _Sharp(env.model, cameras, size_px)
+    return _Sharp(env.model, cameras, size_px, shown)
 
 
 def _between(one: Shot, other: Shot, share: float) -> Shot:

@@ -10,6 +10,7 @@ import gymnasium
 
 from mimoc.recording.film import Film
 from mimoc.recording.video import Video, check_video, open_video
+from mimoc.render.renderer import Shown
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import PolicyMaker, Run, Summary
 from mimoc.senses.sense import Observation
@@ -35,6 +36,7 @@ def record(
     eyes: bool = False,
     rate_hz: int = RATE_HZ,
     height_px: int = HEIGHT_PX,
+    body: Shown = "skin",
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Summary:
     """Run an infant under a policy, record a video, and return the summary of the run.
@@ -52,6 +54,7 @@ def record(
         eyes: Whether to show the views of the eyes: the observed images or, without vision, unblurred views.
         rate_hz: Frames per second, at most one per control step.
         height_px: Height of the video.
+        body: Whether infants are drawn with their `skin`, or their `solids`.
         progress: Called with the number of steps done and their total.
 
     Raises:
@@ -65,7 +68,7 @@ def record(
     if not isinstance(infant, InfantEnv):
         raise TypeError(f"expected an environment of mimoc's, got {type(infant).__name__}")
     run = Run(infant, policy, seed)
-    with filming(run, file, eyes=eyes, rate_hz=rate_hz, height_px=height_px) as capture:
+    with filming(run, file, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as capture:
         for done in range(1, steps + 1):
             run.step()
             capture()
@@ -75,17 +78,30 @@ def record(
 
 @contextmanager
 def filming(
-    run: Run, file: str | Path, *, eyes: bool = False, rate_hz: int = RATE_HZ, height_px: int = HEIGHT_PX
+    run: Run,
+    file: str | Path,
+    *,
+    eyes: bool = False,
+    rate_hz: int = RATE_HZ,
+    height_px: int = HEIGHT_PX,
+    body: Shown = "skin",
 ) -> Iterator[Capture]:
     """Record a run, as `record` does; yield the function to call after each step."""
-    with film_of(file, run.env.manifest.step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px) as watch:
+    step_ms = run.env.manifest.step_ms
+    with film_of(file, step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as watch:
         watch(run.env, run.observation)
         yield lambda: watch(run.env, run.observation)
 
 
 @contextmanager
 def film_of(
-    file: str | Path, step_ms: float, *, eyes: bool = False, rate_hz: int = RATE_HZ, height_px: int = HEIGHT_PX
+    file: str | Path,
+    step_ms: float,
+    *,
+    eyes: bool = False,
+    rate_hz: int = RATE_HZ,
+    height_px: int = HEIGHT_PX,
+    body: Shown = "skin",
 ) -> Iterator[Watch]:
     """Record a video of one environment, as `record` does.
 
@@ -101,7 +117,7 @@ def film_of(
             """Capture a frame if one is due."""
             nonlocal film, video, steps
             if film is None or video is None:
-                film = opened.enter_context(closing(Film(env, height_px, eyes)))
+                film = opened.enter_context(closing(Film(env, height_px, eyes, body)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
             if steps * step_s * video.rate_hz >= video.pictures:
                 video.add(film.frame(observation))

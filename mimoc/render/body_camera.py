@@ -21,7 +21,7 @@ from mimoc.render.camera import (
     unobstructed_view,
 )
 from mimoc.render.markers import Markers, add_markers
-from mimoc.render.renderer import Picture, Renderer
+from mimoc.render.renderer import Picture, Renderer, Shown
 from mimoc.render.visual_settings import Setting, visual_settings
 
 STILL, MOVING = 3, 2
@@ -31,6 +31,24 @@ LARGEST_PX = 4096
 """Side of what is drawn: a picture that would be larger is drawn at its size, with MuJoCo's multisampling."""
 SAMPLES = 8
 """For each pixel, of MuJoCo's multisampling."""
+BACKDROP = (0.915, 0.94, 0.935, 1.0)
+"""What the floor fades into behind an infant that is in no room: the colour of the sky above it."""
+SHADOWS_WITHIN_M = 1.0
+"""Distance from an infant that is drawn alone within which things cast shadows: half of the usual, so that the edges of
+shadows are twice as fine. With a quarter, the floor gets speckled."""
+FADES_BEHIND_M, FADES_WITHIN_M = 0.7, 4.5
+"""How far behind the middle of a picture it begins to, and the distance that it takes."""
+
+
+def backdrop_m(
+    model: mujoco.MjModel, data: mujoco.MjData, roots: Sequence[str], view: View, aspect: float, fovy_deg: float
+) -> float | None:
+    """Return how far from a camera that looks at some bodies things may fade; None if a room is around them."""
+    walls = planes_of(model, data)
+    seen = np.isin(model.body_rootid[model.geom_bodyid], [model.body(root).id for root in roots])
+    if len(walls.normals) > 1:
+        return None
+    return fit_shot(bounding_spheres(model, data, seen), walls, view, aspect, fovy_deg).depth_m + FADES_BEHIND_M
 
 
 class BodyCamera:
@@ -47,6 +65,8 @@ class BodyCamera:
         fovy_deg: float = FOVY_DEG,
         supersample: int = MOVING,
         margin: float = MARGIN,
+        shown: Shown = "skin",
+        fade_m: float | None = None,
     ):
         """Open an OpenGL context for pictures of this size.
 
@@ -59,6 +79,8 @@ class BodyCamera:
             fovy_deg: Vertical field of view, where there is space for it.
             supersample: How many times larger pictures are drawn and then averaged down, if that is not too large.
             margin: How much wider the field of view is than what it has to show.
+            shown: What is drawn of infants.
+            fade_m: How far from the camera things begin to fade into a backdrop; by default, they do not.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
@@ -69,7 +91,9 @@ class BodyCamera:
         self.aspect = width_px / height_px
         """Width of the pictures over their height."""
         larger = self._supersample * width_px, self._supersample * height_px
-        self._renderer = Renderer(model, *larger, partial(_multisampling, 0 if self._supersample > 1 else SAMPLES))
+        self._fades = fade_m is not None
+        settings = partial(_settings, 0 if self._supersample > 1 else SAMPLES, fade_m, len(root_bodies) == 1)
+        self._renderer = Renderer(model, *larger, settings, shown)
 
     def use_model(self, model: mujoco.MjModel) -> None:
         """Draw another model of the same parts from now on.
@@ -125,10 +149,21 @@ class BodyCamera:
         with visual_settings([(self._model.vis.global_, "fovy", shot.fovy_deg)]):
             self._renderer.compose(data, camera)
         scene = self._renderer.scene
+        scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = self._fades
         for light in scene.lights[: scene.nlight]:
             if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL and not light.headlight:
                 light.pos[:2] += shot.lookat_m[:2]  # The sun is everywhere; the shadows it draws are around a point.
 
 
-def _multisampling(samples: int, model: mujoco.MjModel) -> tuple[Setting, ...]:
-    return ((model.vis.quality, "offsamples", samples),)
+def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> tuple[Setting, ...]:
+    multisampling = (model.vis.quality, "offsamples", samples)
+    if fade_m is None:
+        return (multisampling,)
+    fog, unit_m = model.vis.map, model.stat.extent
+    return (
+        multisampling,
+        *([(fog, "shadowclip", SHADOWS_WITHIN_M / unit_m)] if alone else []),
+        (model.vis.rgba, "fog", BACKDROP),
+        (fog, "fogstart", fade_m / unit_m),
+        (fog, "fogend", (fade_m + FADES_WITHIN_M) / unit_m),
+    )

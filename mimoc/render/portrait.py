@@ -3,28 +3,36 @@
 from collections.abc import Sequence
 from contextlib import closing
 from itertools import accumulate
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
-from mimoc.render.body_camera import STILL, BodyCamera
-from mimoc.render.camera import FROM_THE_FRONT, FROM_THE_SIDE, view_of_body
+from mimoc.render.body_camera import STILL, BodyCamera, backdrop_m
+from mimoc.render.camera import FOVY_DEG, FROM_THE_FRONT, FROM_THE_SIDE, view_of_body
 from mimoc.render.markers import Markers, join_markers
-from mimoc.render.renderer import Picture
+from mimoc.render.renderer import Picture, Shown
 from mimoc.units import cm_to_m
 
 ROW_FOVY_DEG = 10.0
 """For infants in a row: from so far away that those at the ends do not turn their faces."""
 GAP_IN_LENGTHS = 0.5
 """Distance of infants in a row, as a share of their length."""
+SKIN = ".skn"
+"""Ending of the files of skins: infants in a row share textures, but no skins."""
 BESIDE_M = 1.0
 """How far beyond the ends of a row things cast shadows."""
 
 
 def portrait(
-    bundle: Bundle, pose: str | None = None, width: int = 640, height: int = 480, markers: Markers | None = None
+    bundle: Bundle,
+    pose: str | None = None,
+    width: int = 640,
+    height: int = 480,
+    markers: Markers | None = None,
+    shown: Shown = "skin",
 ) -> Picture:
     """Return a picture of an infant in a pose, shape (height, width, 3).
 
@@ -34,6 +42,7 @@ def portrait(
         width: In pixels.
         height: In pixels.
         markers: What is drawn on top of it, such as the points of its skin.
+        shown: Whether it is drawn with its skin, or its solids.
 
     Raises:
         UnknownNameError: If the bundle has no such pose.
@@ -42,13 +51,19 @@ def portrait(
     model, data = load_posed(bundle, pose)
     root = bundle.manifest.root_body
     view = view_of_body(FROM_THE_SIDE, data, root)
-    with closing(BodyCamera(model, [root], width, height, view, supersample=STILL)) as camera:
+    fade_m = backdrop_m(model, data, [root], view, width / height, FOVY_DEG)
+    options: Any = {"supersample": STILL, "shown": shown, "fade_m": fade_m}
+    with closing(BodyCamera(model, [root], width, height, view, **options)) as camera:
         camera.turn(data)
         return camera.render(data, markers)
 
 
 def lineup(
-    bundles: Sequence[Bundle], width: int = 640, height: int = 480, markers: Sequence[Markers] | None = None
+    bundles: Sequence[Bundle],
+    width: int = 640,
+    height: int = 480,
+    markers: Sequence[Markers] | None = None,
+    shown: Shown = "skin",
 ) -> Picture:
     """Return a picture of several infants that stand in a row, to scale, shape (height, width, 3).
 
@@ -57,6 +72,7 @@ def lineup(
         width: In pixels.
         height: In pixels.
         markers: What is drawn on top of each, where it would be if the infant were alone.
+        shown: Whether they are drawn with their skins, or their solids.
 
     Raises:
         RenderingError: If there is no OpenGL here.
@@ -65,12 +81,13 @@ def lineup(
     model, roots = _in_a_row(bundles, places_m)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    shown = None
+    drawn = None
     if markers is not None:
-        shown = join_markers(each.moved(np.array((0.0, y_m, 0.0))) for each, y_m in zip(markers, places_m, strict=True))
-    size_px, fovy_deg = (width, height), ROW_FOVY_DEG
-    with closing(BodyCamera(model, roots, *size_px, FROM_THE_FRONT, fovy_deg=fovy_deg, supersample=STILL)) as camera:
-        return camera.render(data, shown)
+        drawn = join_markers(each.moved(np.array((0.0, y_m, 0.0))) for each, y_m in zip(markers, places_m, strict=True))
+    fade_m = backdrop_m(model, data, roots, FROM_THE_FRONT, width / height, ROW_FOVY_DEG)
+    options: Any = {"fovy_deg": ROW_FOVY_DEG, "supersample": STILL, "shown": shown, "fade_m": fade_m}
+    with closing(BodyCamera(model, roots, width, height, FROM_THE_FRONT, **options)) as camera:
+        return camera.render(data, drawn)
 
 
 def _places_m(bundles: Sequence[Bundle]) -> list[float]:
@@ -82,14 +99,15 @@ def _places_m(bundles: Sequence[Bundle]) -> list[float]:
 def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[mujoco.MjModel, list[str]]:
     """Return a model of several infants in the world of the first, and the roots of their bodies."""
     first = bundles[0]
-    row = mujoco.MjSpec.from_string(
-        _text(first, first.manifest.scene), include=dict(first.files), assets=_assets(first)
-    )
+    files = {name: file for number, bundle in enumerate(bundles) for name, file in _assets(bundle, number).items()}
+    row = mujoco.MjSpec.from_string(_text(first, first.manifest.scene), include=dict(first.files), assets=files)
     for key in row.keys:
         row.delete(key)
     roots = [first.manifest.root_body]
     for number, (bundle, y_m) in enumerate(zip(bundles[1:], places_m[1:], strict=True), start=1):
-        infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_assets(bundle))
+        infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_assets(bundle, number))
+        for skin in infant.skins:
+            skin.file = _own_file(skin.file, number)
         infant.option.integrator, infant.option.timestep = row.option.integrator, row.option.timestep
         prefix = f"infant {number}: "
         row.attach(infant, frame=row.worldbody.add_frame(pos=[0, y_m, 0]), prefix=prefix)
@@ -102,5 +120,11 @@ def _text(bundle: Bundle, name: str) -> str:
     return bundle.files[name].decode()
 
 
-def _assets(bundle: Bundle) -> dict[str, bytes]:
-    return {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
+def _assets(bundle: Bundle, number: int = 0) -> dict[str, bytes]:
+    """Return the files that a bundle's model refers to; its skins are its own."""
+    files = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
+    return {_own_file(name, number) if name.endswith(SKIN) else name: content for name, content in files.items()}
+
+
+def _own_file(name: str, number: int) -> str:
+    return f"{name.removesuffix(SKIN)}{number or ''}{SKIN}"

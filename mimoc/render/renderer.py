@@ -1,18 +1,22 @@
 """Off-screen drawing of a model: an OpenGL context, a scene, and the buffer that pictures are read from."""
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import RenderingError
+from mimoc.mujoco_layout import SOLIDS_GROUP
 from mimoc.render.opengl import Finalizer, open_context
 from mimoc.render.visual_settings import Setting, visual_settings
 
 Picture = npt.NDArray[np.uint8]
 """Red, green and blue, shape (height, width, 3)."""
+
+Shown = Literal["skin", "solids"]
+"""What is drawn of an infant: its skin, where it has one, or the solids that touch and are touched."""
 
 SPARE_GEOMS = 100
 """Room in a scene for what is drawn besides the model's geoms and sites."""
@@ -39,6 +43,7 @@ class Renderer:
         width_px: int,
         height_px: int,
         settings: Callable[[mujoco.MjModel], Iterable[Setting]] = _no_settings,
+        shown: Shown = "skin",
     ):
         """Open an OpenGL context.
 
@@ -47,13 +52,14 @@ class Renderer:
             width_px: Of the buffer.
             height_px: Of the buffer.
             settings: Returns the visual settings that a model's meshes and buffers are made with.
+            shown: What is drawn of infants.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none with room for such a large buffer.
         """
         self.buffer = mujoco.MjrRect(0, 0, width_px, height_px)
         self._settings = settings
-        self._options, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
+        self._options, self._perturbation = _options(shown), mujoco.MjvPerturb()
         self._gl = open_context(width_px, height_px)
         self._load(model)
 
@@ -126,6 +132,15 @@ class Renderer:
             self._gl.free()
             pixels = f"{self.buffer.width} x {self.buffer.height} pixels"
             raise RenderingError(f"OpenGL cannot draw {pixels} here ({error}); choose smaller pictures") from None
+
+
+def _options(shown: Shown) -> mujoco.MjvOption:
+    """Return what MuJoCo draws."""
+    options = mujoco.MjvOption()
+    if shown == "solids":
+        options.flags[mujoco.mjtVisFlag.mjVIS_SKIN] = False
+        options.geomgroup[SOLIDS_GROUP] = True
+    return options
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:

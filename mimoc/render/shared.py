@@ -9,11 +9,11 @@ from threading import Lock, get_ident
 import mujoco
 import numpy as np
 
-from mimoc.render.renderer import Renderer
+from mimoc.render.renderer import Renderer, Shown
 
-ASSETS = ("tex_", "mesh_", "hfield_", "skin_", "mat_tex")
+ASSETS = ("tex_", "mesh_", "hfield_", "skin_face", "skin_tex", "skin_vertnum", "mat_tex")
 """How the fields of a model begin that are uploaded to OpenGL when a renderer is made; all others are read for each
-picture."""
+picture, the places of a skin's vertices among them."""
 
 
 class SharedRenderers:
@@ -21,12 +21,12 @@ class SharedRenderers:
 
     def __init__(self):
         """Begin with none."""
-        self._found: dict[tuple[int, bytes, int, int], Renderer] = {}
+        self._found: dict[tuple[int, bytes, tuple[int, int], Shown], Renderer] = {}
         self._opening = Lock()
 
-    def of(self, assets: bytes, size_px: tuple[int, int], make: Callable[[], Renderer]) -> Renderer:
-        """Return the renderer of this thread for some assets and a size, made when it is first asked for."""
-        key = (get_ident(), assets, *size_px)
+    def of(self, assets: bytes, size_px: tuple[int, int], shown: Shown, make: Callable[[], Renderer]) -> Renderer:
+        """Return the renderer of this thread for some assets, a size and what it shows, made when first asked for."""
+        key = (get_ident(), assets, size_px, shown)
         if key not in self._found:
             with self._opening:
                 self._found[key] = make()

@@ -84,19 +84,23 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         if render_mode not in (None, *MODES):
             raise UnknownNameError("render mode", str(render_mode), MODES)
-        own = opened(bundle)
-        self.bundle, self.model = own.bundle, own.model
-        self.render_mode = render_mode
+        self.render_mode, self._infant = render_mode, opened(bundle)
+        self.bundle = self._infant.bundle
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
         self._picture_size, self.journal = (width, height), UNTOLD
-        self._variants = variants
-        self._custom_task, self._custom_senses = task, dict(senses)
+        self._draws = bool(render_mode or senses) or task is not None or growing.sees_skin(self.manifest)
+        self._variants, self._custom_task, self._custom_senses = variants, task, dict(senses)
         self._noise = NoiseStreams(self.np_random_seed)
         self._bind()
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act)
         self.observation_space = observation_space(self._senses, self._task)
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model, which may be changed; that of a growing infant gets its skin when it is asked for."""
+        return self._infant.model
 
     @property
     def manifest(self) -> Manifest:
@@ -162,7 +166,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If there is no such expression.
         """
-        set_expression(expression, self.manifest, self.model)
+        set_expression(expression, self.manifest, self._infant.bare)
         self.journal.expressed(expression)
 
     def effort(self) -> float:
@@ -223,11 +227,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         variant = growing.find_variant(self._variants, self.manifest, {growing.AGE: to})
         if variant:
-            growing.check_same_body(self.model, variant.model)
+            growing.check_same_body(self._infant.bare, variant.bare)
             former = self._living()
             self._become(variant)
             growing.carry_on(former, self._living())
-            self._renderer.follow(self.model, self.data)
+            self._renderer.follow(self._infant.bare, self.data)
             self._renderer.show()
             self.journal.grew(self.age_months)
         return self._observe()
@@ -265,7 +269,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         return copy.deepcopy(
             {
-                "physics": physics_of(self.model, self.data),
+                "physics": physics_of(self._infant.bare, self.data),
                 "signals": self._schedule.state,
                 "model": self._model_fields.state,
                 "task": self._task.state,
@@ -290,12 +294,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             MimocError: If there is no such infant.
         """
         variant = growing.variant_of_state(self._variants, self.manifest, state)
-        check_physics(state["physics"], variant.model if variant else self.model)
+        check_physics(state["physics"], (variant or self._infant).bare)
         if variant:
             self._become(variant)
         state = copy.deepcopy(state)
         self._model_fields.state, self._task.state, self._steps = state["model"], state["task"], state["steps"]
-        set_physics(self.model, self.data, state["physics"])
+        set_physics(self._infant.bare, self.data, state["physics"])
         self._schedule.state = state["signals"]
         self.np_random.bit_generator.state, self._noise.state = state["random"], state["noise"]
         if variant:
@@ -321,7 +325,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out everything that is bound to this environment's model."""
         kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
-        return {**kept, "model": self._model_fields.model_as_built(), "state": self.get_state()}
+        infant = self._infant.again(self._model_fields.model_as_built())
+        return {**kept, "_infant": infant, "state": self.get_state()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         """Bind the copy to its own model and restore the state of the original."""
@@ -334,51 +339,47 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
         """Look up in the model everything the manifest names, reusing resources of *former* senses, and reset."""
-        self.data = mujoco.MjData(self.model)
-        self._act = bind_actuation(self.manifest.actuation, self.model)
-        self._senses = bind_senses(self.bundle, self.model, former, self._custom_senses)
-        self._constraints = Constraints(self.manifest.constraints, self.model)
+        model = self._infant.model if self._draws else self._infant.bare
+        self.data = mujoco.MjData(model)
+        self._act = bind_actuation(self.manifest.actuation, model)
+        self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
+        self._constraints = Constraints(self.manifest.constraints, model)
         own = self._custom_task
-        self._task = bind_task(self.bundle, self.model) if own is None else CustomTask(own, self.model, self.bundle)
-        fields = (
-            *self._constraints.model_fields,
-            *self._task.model_fields,
-            *expression_fields(self.manifest, self.model),
-        )
-        self._model_fields = ModelFields(self.model, fields)
-        timing = timing_of(self.manifest, self._senses)
-        self._schedule = Schedule(self._senses, self._act, self.model, timing, self._noise)
-        self._keypoints = Keypoints(self.manifest.keypoints, self.model)
+        self._task = bind_task(self.bundle, model) if own is None else CustomTask(own, model, self.bundle)
+        fields = (*self._constraints.model_fields, *self._task.model_fields, *expression_fields(self.manifest, model))
+        self._model_fields = ModelFields(model, fields)
+        self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
+        self._keypoints = Keypoints(self.manifest.keypoints, model)
 
     def _open_renderer(self) -> EnvRenderer:
-        return EnvRenderer(self.render_mode, self.model, self.data, self.manifest.root_body, self._picture_size)
+        return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest.root_body, self._picture_size)
 
     def _living(self) -> growing.Living:
         """Return what lives of the infant."""
         parts = self._constraints, self._model_fields, self._task, self._schedule
-        return growing.Living(self.manifest, self.model, self.data, *parts)
+        return growing.Living(self.manifest, self._infant.bare, self.data, *parts)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""
-        former, fields, state = self.bundle, self._model_fields, self.get_state()
+        former, fields, state = self._infant, self._model_fields, self.get_state()
         try:
-            self.bundle, self.model = variant.bundle, variant.model
+            self.bundle, self._infant = variant.bundle, variant
             self._bind(self._senses)
             check_same_space(self.observation_space, observation_space(self._senses, self._task))
         except Exception:  # Whatever failed, be it in a sense of the caller's own: the infant goes on as it was.
-            self.bundle, self.model = former, fields.model_as_built()
+            self.bundle, self._infant = former.bundle, former.again(fields.model_as_built())
             self._bind(self._senses)
             self.set_state(state)
-            self._renderer.follow(self.model, self.data)
+            self._renderer.follow(self._infant.bare, self.data)
             raise
 
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""
         self._steps = 0
-        mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
-        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_resetDataKeyframe(self._infant.bare, self.data, self._infant.bare.key(pose).id)
+        mujoco.mj_kinematics(self._infant.bare, self.data)
         self._constraints.keep(self.data)
-        mujoco.mj_forward(self.model, self.data)
+        mujoco.mj_forward(self._infant.bare, self.data)
         self._task.start(self.data, self.np_random)
         self._schedule.reset(self.data)
         return self._observe()

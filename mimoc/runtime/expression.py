@@ -18,9 +18,28 @@ def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -
     materials = face.materials if face else {}
     if face is None or expression not in materials:
         raise UnknownNameError("facial expression of this infant", expression, materials)
-    model.geom(face.geom).matid = model.material(materials[expression]).id
+    material = model.material(materials[expression]).id
+    if face.skin is None:
+        model.geom(face.geom).matid = material
+    else:
+        model.skin(face.skin).matid = material
+
+
+def expression_of(manifest: Manifest, model: mujoco.MjModel) -> str | None:
+    """Return the facial expression that an infant has now; None if it has no face."""
+    face = manifest.face
+    if face is None:
+        return None
+    head = model.geom(face.geom) if face.skin is None else model.skin(face.skin)
+    shown = model.mat(int(head.matid.item())).name
+    return next(name for name, material in face.materials.items() if material == shown)
 
 
 def expression_fields(manifest: Manifest, model: mujoco.MjModel) -> tuple[ModelField, ...]:
     """Return what the expression changes in the model."""
-    return (ModelField("geom_matid", np.array([model.geom(manifest.face.geom).id])),) if manifest.face else ()
+    face = manifest.face
+    if face is None:
+        return ()
+    if face.skin is None:
+        return (ModelField("geom_matid", np.array([model.geom(face.geom).id])),)
+    return (ModelField("skin_matid", np.array([model.skin(face.skin).id])),)

@@ -96,6 +96,11 @@ def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mappi
     return find_variant(variants, manifest, state)
 
 
+def sees_skin(manifest: Manifest) -> bool:
+    """Return whether an infant's eyes see skins."""
+    return manifest.senses.vision is not None and manifest.senses.vision.body == "skin"
+
+
 def check_same_body(former: mujoco.MjModel, model: mujoco.MjModel) -> None:
     """Check that two models have the same parts, so that one can take over the state of the other.
 

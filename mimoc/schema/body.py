@@ -132,6 +132,9 @@ class BodySpec(Model):
     """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"
     """Facial expression."""
+    skin: Annotated[bool, Field(strict=True)] | None = None
+    """Whether a smooth skin with clothes is drawn over the solids; by default, of a single infant it is, and of many
+    infants (cohorts and batches) only if they see it."""
 
     @model_validator(mode="after")
     def _names_parts_it_has(self) -> Self:

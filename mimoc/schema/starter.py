@@ -28,6 +28,19 @@ class Choices:
     task: str | None = None
 
 
+def offered() -> dict[str, Sequence[str]]:
+    """Return what can be chosen, by the field of `Choices`."""
+    language = language_of(InfantSpec)
+    return {
+        "hands": language.outline(("body", "hands")).choices,
+        "actuation": language.outline(("actuation", "model")).choices,
+        "senses": tuple(language.outline(("senses",)).keys),
+        "scene": language.outline(("scene", "kind")).choices,
+        "pose": language.outline(("scene", "pose")).choices,
+        "task": [name for name in language.kinds_of(("task",)) if name != "free"],
+    }
+
+
 def new_spec(choices: Choices, schema: Path | None = None) -> str:
     """Return the text of a spec, in which comments say what else each key may be.
 
@@ -61,7 +74,7 @@ def _lines(choices: Choices, language: Language) -> Iterator[str]:
     yield from ("", _beside("# delays: {preset: physiological}", f"preset: {_or(presets)}"))
     yield from ("", "scene:", said("kind", choices.scene, ("scene", "kind")))
     yield said("pose", choices.pose, ("scene", "pose"))
-    tasks = [name for name in language.kinds_of(("task",)) if name != "free"]
+    tasks = offered()["task"]
     yield from ("", _beside(f"{'' if choices.task else '# '}task: {{kind: {choices.task or tasks[0]}}}", _or(tasks)))
 
 

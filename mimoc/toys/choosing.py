@@ -2,7 +2,7 @@
 
 import colorsys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,6 +31,8 @@ class Toybox:
     """Function that returns the shape of a toy by its name."""
     notes: tuple[str, ...] = ()
     """Notes for the user of a bundle with such toys."""
+    progress: Callable[[int, int], None] = field(default=lambda done, total: None, compare=False)
+    """Called with the number of a scene's toys that are loaded and their total; a mesh takes long the first time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,15 +71,18 @@ def choose_toys(spec: ToysSpec, seed: int, box: Toybox) -> tuple[Toy, ...]:
         stream(seed, f"toys.{aspect}") for aspect in ("choice", "size", "colour", "orientation")
     )
     low_m, high_m = map(cm_to_m, spec.size_cm)
-    return tuple(
-        Toy(
-            model=box.load(pick(which, box.names)),
-            size_m=between(sizes, low_m, high_m),
-            yaw_rad=between(turns, 0.0, 2 * np.pi),
-            colours=_draw_colours(colours),
+    toys: list[Toy] = []
+    for done in range(count):
+        box.progress(done, count)
+        toys.append(
+            Toy(
+                model=box.load(pick(which, box.names)),
+                size_m=between(sizes, low_m, high_m),
+                yaw_rad=between(turns, 0.0, 2 * np.pi),
+                colours=_draw_colours(colours),
+            )
         )
-        for _ in range(count)
-    )
+    return tuple(toys)
 
 
 def _draw_colours(generator: np.random.Generator) -> dict[Tint, Rgba]:

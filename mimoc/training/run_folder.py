@@ -17,6 +17,7 @@ from typing import Any
 from mimoc.bundle.files import write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
 from mimoc.errors import OutputError, TrainingError
+from mimoc.training.curve import Curve
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
@@ -65,6 +66,42 @@ class RunFolder:
             OutputError: If the file cannot be written.
         """
         write_file(self.path / PICTURE, png)
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingRun:
+    """What is in the folder of a training run, besides its policies."""
+
+    settings: Settings
+    command: str
+    """Command that trains another infant with these settings."""
+    sessions: tuple[Mapping[str, str], ...]
+    """Versions of the software of each session with other ones than the session before."""
+    origin: Mapping[str, Any]
+    """What the run belongs to, such as the name of a cohort and of a job."""
+    curve: Curve
+    """Empty before the first checkpoint."""
+
+
+def read_training_run(path: Path) -> TrainingRun:
+    """Return what is in the folder of a training run, which may still be going on.
+
+    Raises:
+        TrainingError: If it is not such a folder, or its files are damaged.
+    """
+    run = _read_run(path)
+    if run is None:
+        raise TrainingError(f"{path}: not the folder of a training run; name one written by 'mimoc train -o'")
+    try:
+        curve = Curve.from_csv((path / CURVE).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        curve = Curve()
+    except (OSError, ValueError, TrainingError):
+        raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
+    sessions = tuple({str(name): str(text) for name, text in each.items()} for each in run["sessions"])
+    return TrainingRun(
+        Settings.from_data(run["settings"]), str(run.get("command", "")), sessions, run.get("origin", {}), curve
+    )
 
 
 @contextmanager

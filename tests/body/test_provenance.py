@@ -1,6 +1,5 @@
 """Every number of a body says where it comes from, and says the number that is in the model."""
 
-import json
 import re
 from graphlib import TopologicalSorter
 
@@ -9,7 +8,7 @@ import pytest
 from lxml import etree
 
 import mimoc
-from mimoc.compiler.explain import explain
+from mimoc.compiler.explain import entries_of, explain
 from mimoc.fits.tables import data_files
 from mimoc.schema import read_spec
 from mimoc.schema.source import parse
@@ -37,7 +36,7 @@ def infant(which, infant_at):
 
 @pytest.fixture
 def entries(bundle) -> dict[str, dict]:
-    return json.loads(bundle.files["provenance.json"])
+    return entries_of(bundle)
 
 
 def written(bundle, pointer: str) -> list[float]:
@@ -122,7 +121,7 @@ def test_rules_of_the_published_law_are_the_same_at_every_age():
     """Only values, and the place in the spec, depend on the infant."""
     keys = {"mimoc": 1, "name": "infant", "development": "published"}
     specs = [mimoc.InfantSpec.model_validate({**keys, "age_months": age_months}) for age_months in (0, 24)]
-    young, old = (json.loads(mimoc.build(spec).files["provenance.json"]) for spec in specs)
+    young, old = (entries_of(mimoc.build(spec)) for spec in specs)
     young["who.arm_circumference_cm.percentile"] = old["who.arm_circumference_cm.percentile"]  # WHO's start at 91 days.
     assert {key: entry["rule"] for key, entry in young.items()} == {key: entry["rule"] for key, entry in old.items()}
 
@@ -159,7 +158,7 @@ def one_child() -> mimoc.Bundle:
 
 @pytest.fixture(scope="module")
 def told(one_child) -> dict[str, dict]:
-    return json.loads(one_child.files["provenance.json"])
+    return entries_of(one_child)
 
 
 def behind(entries: dict[str, dict], key: str) -> set[str]:

@@ -1,6 +1,5 @@
 """Limbs that an infant does not have: they go with everything on them, and nothing speaks of them any more."""
 
-import json
 from itertools import combinations
 
 import mujoco
@@ -13,6 +12,7 @@ from lxml import etree
 
 import mimoc
 from mimoc.body import assemble
+from mimoc.compiler.explain import entries_of
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import limb_bodies
 
@@ -99,7 +99,7 @@ def _check_manifest(bundle: mimoc.Bundle, remove) -> None:
     balance = [manifest.senses.vestibular.accelerometer, manifest.senses.vestibular.gyro]
     assert [*balance, *manifest.senses.proprioception.torque_sensors] == sensors, remove
     assert len(manifest.keypoints) == 25
-    provenance = json.loads(bundle.files["provenance.json"])
+    provenance = entries_of(bundle)
     known = {model.body(index).name for index in range(1, model.nbody)}
     assert {key.split(".")[1] for key in provenance if key.startswith("body.")} == known, remove
     assert {source for entry in provenance.values() for source in entry.get("from", ())} <= provenance.keys(), remove

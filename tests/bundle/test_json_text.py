@@ -16,9 +16,9 @@ plain_data = st.recursive(
 )
 
 
-@given(data=plain_data)
-def test_json_has_sorted_keys_rounded_numbers_and_a_last_newline(data):
-    text = render_json(data).decode()
+@given(data=plain_data, levels=st.sampled_from([0, 1, 2, 99]))
+def test_json_has_sorted_keys_rounded_numbers_and_a_last_newline(data, levels):
+    text = render_json(data, levels).decode()
     assert text.endswith("\n")
     assert json.loads(text) == json.loads(json.dumps(rounded(data), sort_keys=True))
     spread = json.dumps(json.loads(text), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
@@ -29,6 +29,12 @@ def test_json_has_lists_of_numbers_on_one_line_and_all_else_spread_out():
     data = {"names": ["[\n1]", "b"], "points": [[1, -2.5e-7], [0.5, 3]], "none": []}
     lines = ["{", ' "names": [', '  "[\\n1]",', '  "b"', " ],", ' "none": [],', ' "points": [']
     assert render_json(data).decode().splitlines() == [*lines, "  [1, -2.5e-07],", "  [0.5, 3]", " ]", "}"]
+
+
+def test_json_has_on_one_line_what_lies_deeper_than_asked():
+    data = {"numbers": {"a": {"b": [1, {"c": {}}]}}, "none": {}}
+    lines = ["{", ' "none": {},', ' "numbers": {', '  "a": {"b": [1, {"c": {}}]}', " }", "}"]
+    assert render_json(data, 2).decode().splitlines() == lines
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])

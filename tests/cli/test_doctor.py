@@ -59,4 +59,4 @@ def test_the_exit_code_is_1_if_no_infant_can_move(findings, monkeypatch):
 
 def test_every_extra_has_a_purpose():
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    assert set(doctor.EXTRAS) == set(extras) - {"test", "dev"}
+    assert set(doctor.EXTRAS) == set(extras) - {"test", "pages", "docs", "dev"}

@@ -23,7 +23,7 @@ COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.
 
 def test_the_commands_are_in_this_order():
     drawing, running = (
-        ["explain", "render", "see", "rooms"],
+        ["explain", "report", "render", "see", "view", "rooms"],
         ["build", "validate", "run", "train", "experiment", "check"],
     )
     assert list(COMMANDS) == ["new", *running, *drawing, "replay", "export", "import", "schema", "doctor"]
@@ -57,8 +57,10 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     assert sorted(os.listdir()) == [
         "configs",
         "growth.png",
+        "infant.html",
         "infant.schema.json",
         "kim.yaml",
+        "nine_months.html",
         "nine_months.png",
         "out",
         "recordings",

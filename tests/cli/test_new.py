@@ -7,11 +7,13 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 
 import mimoc
+from mimoc.cli import app
 from mimoc.schema import read_spec, source
 from mimoc.schema.json_schema import json_schema, shipped_schema
-from mimoc.schema.starter import Choices, new_spec
+from mimoc.schema.starter import Choices, new_spec, offered
 
 
 def test_a_new_spec_is_the_one_that_was_chosen_and_tells_editors_of_its_schema(invoke, here):
@@ -71,6 +73,13 @@ def test_an_existing_file_is_replaced_only_if_asked(invoke, here):
     assert Path("x.yaml").read_text() == "precious"
     assert invoke("new", "x.yaml", "--force").code == 0
     assert mimoc.load_spec("x.yaml").age_months == 9
+
+
+@pytest.mark.parametrize("option", ["hands", "actuation", "scene", "pose", "task"])
+def test_the_help_of_a_choice_lists_what_the_schema_has(option):
+    command = get_command(app).commands["new"]
+    (found,) = (each for each in command.params if each.name == option)
+    assert sorted(re.findall(r"\w+", found.help.replace(" or ", " "))) == sorted(offered()[option])
 
 
 def test_a_spec_and_a_schema_can_be_piped(invoke, here):

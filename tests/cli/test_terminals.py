@@ -5,6 +5,8 @@ import pty
 import re
 import shlex
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -37,6 +39,32 @@ def test_control_c_ends_a_command_at_once_and_quietly(arguments, built):
     os.close(ours)
     assert (running.returncode, out) == (130, "")
     assert b"Traceback" not in shown
+
+
+def test_progress_is_for_the_terminal_and_results_are_for_the_pipe(built):
+    """Also what is printed while the bar moves."""
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "80", "NO_COLOR": "1"}
+    with process("check", built, stderr=theirs, env=environment) as running:
+        os.close(theirs)
+        shown, out = drained(ours), running.stdout.read()
+    os.close(ours)
+    assert [line.split()[0] for line in out.splitlines()] == ["ok"] * 5
+    assert ESCAPE not in out
+    assert re.search(rb"checking .* \d/4 \d:\d\d:\d\d", shown)
+
+
+def test_there_is_no_progress_in_a_pipe_even_if_colours_are_wanted_there(built):
+    assert finished("check", built, FORCE_COLOR="1").err == ""
+
+
+def test_bash_completes_commands():
+    """By the script that `mimoc --install-completion` installs."""
+    typed = "COMP_WORDS=(mimoc va); COMP_CWORD=1; _mimoc_completion mimoc; echo ${COMPREPLY[@]}"
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    script = f". <(_MIMOC_COMPLETE=source_bash mimoc); {typed}"
+    done = subprocess.run(["bash", "-c", script], env=os.environ | {"PATH": path}, capture_output=True, check=True)
+    assert (done.stdout, done.stderr) == (b"validate\n", b"")
 
 
 def drained(terminal: int) -> bytes:

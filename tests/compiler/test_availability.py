@@ -37,6 +37,7 @@ BUILT = {
     "body.parts": {"right_upper_arm": {"length": 0.95}},
     "body.remove": ["left_lower_arm"],
     "body.expression": "happy",
+    "body.skin": False,
     "actuation.model": "muscle",
     "actuation.strength_age_months": 12,
     "actuation.strength": {"neck": 0.5},

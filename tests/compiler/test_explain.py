@@ -1,8 +1,6 @@
-import json
-
 import pytest
 
-from mimoc.compiler.explain import Explanation, explain
+from mimoc.compiler.explain import Explanation, entries_of, explain
 from mimoc.errors import MimocError
 
 
@@ -13,7 +11,7 @@ def bundle(bundle_at):
 
 @pytest.fixture(scope="module")
 def entries(bundle):
-    return json.loads(bundle.files["provenance.json"])
+    return entries_of(bundle)
 
 
 def all_of(explanation: Explanation) -> list[Explanation]:

@@ -40,7 +40,7 @@ SURROUNDINGS = {
 }
 
 NAMELESS = {"mujoco", "compiler", "option", "size", "flag", "default", "include", "statistic", "visual"} | {
-    "asset", "worldbody", "contact", "tendon", "actuator", "sensor", "keyframe", "equality"
+    "asset", "worldbody", "deformable", "contact", "tendon", "actuator", "sensor", "keyframe", "equality"
 }  # fmt: skip
 """Sections of MJCF, which are one of a kind."""
 

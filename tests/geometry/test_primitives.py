@@ -112,3 +112,10 @@ def test_the_middle_has_a_way_out_too(kind):
     (out,) = outward(kind, size, np.zeros((1, 3)))
     assert np.linalg.norm(out) == pytest.approx(1)
     assert depths(kind, size, 0.1 * out[None]) == pytest.approx(0, abs=1e-12)
+
+
+@given(primitives, units)
+def test_the_farthest_point_is_as_far_as_a_primitive_reaches(primitive, direction):
+    found = extents([primitive])
+    point = found.farthest(direction[None])[0]
+    assert point @ direction == pytest.approx(found.along(direction[None])[0])

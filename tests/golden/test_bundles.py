@@ -19,6 +19,7 @@ import mimoc
 from mimoc.compiler.model_check import compile_model
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
+OF_ROOM = re.compile(r"scene\.xml|assets/(toy\d+_|wall_|floor_|ceiling_).*")
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 COUNTS = ("nbody", "njnt", "nq", "nv", "nu", "ngeom", "nsite", "ncam", "nsensor", "ntendon", "nkey", "nmat", "ntex")
 
@@ -109,6 +110,12 @@ def test_the_compiled_model_is_as_approved(bundle, approved):
 def test_what_the_runtime_is_told_is_as_approved(bundle, approved):
     """The manifest, then large arrays; a new field has a default, or the manifest's version goes up."""
     assert bundle.files["manifest.json"].decode() + summary(bundle) == approved
+
+
+def test_an_infant_takes_at_most_a_megabyte(bundle):
+    """Its skin, senses and the origins of its numbers; a room and its toys are not counted."""
+    of_infant = {name: file for name, file in bundle.files.items() if not OF_ROOM.fullmatch(name)}
+    assert sum(map(len, of_infant.values())) < 1_000_000
 
 
 @pytest.mark.parametrize(

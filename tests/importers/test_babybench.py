@@ -387,3 +387,11 @@ def test_an_unknown_system_is_refused():
     assert set(IMPORTERS) == {"babybench"}
     with pytest.raises(UnknownNameError, match="'babybnch' is not a format to import from; did you mean 'babybench'"):
         import_config("babybnch", EXAMPLE)
+
+
+def test_a_dash_is_standard_output_and_notes_are_beside_it(invoke, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = invoke("import", "babybench", EXAMPLE, "-o", "-")
+    assert (done.code, done.out) == (0, import_config("babybench", EXAMPLE).text)
+    assert "save_dir: no counterpart" in done.err
+    assert not list(tmp_path.iterdir())

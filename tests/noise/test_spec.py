@@ -1,13 +1,12 @@
 """What a spec says of noise is in its manifest, and explained."""
 
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import mimoc
+from mimoc.compiler.explain import entries_of
 from mimoc.delays.spec import DelaysSpec, is_delayed
 from mimoc.errors import SpecError
 from mimoc.noise.presets import motor_share, noise
@@ -40,7 +39,7 @@ def test_the_spec_and_the_manifest_have_the_same_keys():
 
 
 def test_every_noise_is_led_back_to_its_key():
-    found = json.loads(mimoc.build(mimoc.InfantSpec.model_validate(NOISY)).files["provenance.json"])
+    found = entries_of(mimoc.build(mimoc.InfantSpec.model_validate(NOISY)))
     for key, value in ALL.items():
         assert found[f"noise.{key}"]["value"] == value
         assert found[f"noise.{key}"]["from"] == [f"spec.noise.{key}"]
@@ -61,7 +60,7 @@ def test_maturing_motor_noise_falls_from_30_to_10_percent(one, other):
 
 def test_maturing_motor_noise_is_explained():
     spec = mimoc.InfantSpec.model_validate({**BASE, "noise": {"motor": "maturing"}})
-    entry = json.loads(mimoc.build(spec).files["provenance.json"])["noise.motor"]
+    entry = entries_of(mimoc.build(spec))["noise.motor"]
     assert entry["from"] == ["spec.noise.motor", "spec.age_months"]
     assert entry["value"] == pytest.approx(0.1 + 0.2 * (np.exp(-9 / 8) - np.exp(-18 / 8)) / (1 - np.exp(-18 / 8)))
 

@@ -52,8 +52,8 @@ def posed(bundle, pose, shadows_px=0):
 def test_a_portrait_shows_skin_and_clothes(config):
     picture, model = portrait(config, width=160, height=120), load_model(config)
     assert (picture.shape, picture.dtype) == ((120, 160, 3), np.uint8)
-    for material in ("skin", "pants_up"):
-        assert share_of(picture, model.material(material).rgba[:3]) > 0.01
+    for material, least in (("skin", 0.01), ("pants_up", 0.003)):  # Trousers have folds.
+        assert share_of(picture, model.material(material).rgba[:3]) > least
 
 
 @pytest.fixture(scope="module", params=[(120, 120), (200, 120), (120, 200)], ids=str)
@@ -71,6 +71,7 @@ def test_all_of_the_infant_is_in_the_picture_and_fills_it(bundle, pose, stage):
     colours = model.mat_rgba.copy()
     with_infant = camera.render(data).astype(int)
     model.mat_rgba[model.geom_matid[model.geom_bodyid > 0], 3] = 0
+    model.mat_rgba[model.skin_matid, 3] = 0
     shown = np.abs(with_infant - camera.render(data)).max(axis=2) > 20
     model.mat_rgba[:] = colours
     assert not shown[[0, -1]].any()

@@ -8,7 +8,7 @@ from pydantic import Field
 from support.registered import registered
 
 import mimoc
-from mimoc.compiler.explain import explain
+from mimoc.compiler.explain import entries_of, explain
 from mimoc.errors import SpecError
 from mimoc.kinds import SceneKind
 from mimoc.mjcf.furniture import Furniture, WorldGeom
@@ -110,4 +110,4 @@ def test_the_spec_language_has_its_keys_and_checks_them(tmp_path):
 def test_a_bundle_of_mimocs_own_kinds_names_no_plug_ins():
     bundle = mimoc.build(mimoc.InfantSpec.model_validate({**SPEC, "scene": {"kind": "crib"}}))
     assert bundle.manifest.plugins == {}
-    assert not any(key.startswith("plugins.") for key in json.loads(bundle.files["provenance.json"]))
+    assert not any(key.startswith("plugins.") for key in entries_of(bundle))

@@ -1,6 +1,5 @@
 """A sense is one folder and one line: here a tiny one is registered as others would, and used like mimoc's own."""
 
-import json
 from typing import Annotated, Literal
 
 import mujoco
@@ -12,7 +11,7 @@ from pydantic import Field
 import mimoc
 from mimoc.body import BodyTree
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.explain import explain
+from mimoc.compiler.explain import entries_of, explain
 from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.mjcf.infant import Sensor, Site
@@ -150,7 +149,7 @@ def test_its_numbers_are_explained():
     explained = explain(bundle, "height.max_m")
     assert explained.lines[0].endswith("1.5 m")
     assert [source.key for source in explained.sources] == ["spec.senses.height.max_m"]
-    assert json.loads(bundle.files["provenance.json"])["delays.height.ms"]["from"] == ["spec.delays.height_ms"]
+    assert entries_of(bundle)["delays.height.ms"]["from"] == ["spec.delays.height_ms"]
 
 
 def test_bad_input_is_told_like_any_other(tmp_path):

@@ -1,5 +1,6 @@
 import colorsys
 from collections import Counter
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -98,3 +99,9 @@ def test_a_toy_twice_as_large_weighs_eight_times_as_much(name):
 
 def test_the_radius_of_a_ball_is_half_its_size():
     assert Toy(BUILTIN_TOYS.load("ball"), 0.1, 0.0, {}).radius_m == pytest.approx(0.05, rel=0.02)
+
+
+def test_progress_counts_the_toys_that_are_loaded():
+    told: list[tuple[int, int]] = []
+    choose_toys(SIX, 1, replace(BUILTIN_TOYS, progress=lambda done, total: told.append((done, total))))
+    assert told == [(done, 6) for done in range(6)]

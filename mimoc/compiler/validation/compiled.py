@@ -14,6 +14,7 @@ from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.mjcf import printing
+from mimoc.mujoco_layout import SOLIDS_GROUP
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.units import ms_to_s
@@ -55,7 +56,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
 def own_solids(model: mujoco.MjModel) -> IntArray:
     """Return the indices of the solids of an infant's body, shape (n,): no clothes, toys or floor."""
     own = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
-    return np.flatnonzero(own & (model.geom_group == BODY_GROUP))
+    return np.flatnonzero(own & np.isin(model.geom_group, (BODY_GROUP, SOLIDS_GROUP)))
 
 
 def solid_extents(model: mujoco.MjModel, geoms: IntArray) -> Extents:

@@ -3,7 +3,7 @@
 import os
 import secrets
 import shutil
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from mimoc.errors import OutputError, RecordingError, UnknownNameError
@@ -12,18 +12,27 @@ from mimoc.recording.export.lerobot import export_lerobot
 from mimoc.recording.export.minari import export_minari
 from mimoc.recording.reading import Episode, ReadRecording, read_recording
 
-Export = Callable[[ReadRecording, Iterable[Episode], Path], Iterable[str]]
+Progress = Callable[[int, int], None]
+"""Called with how much is written, and how much there is."""
+Export = Callable[[ReadRecording, Sequence[Episode], Path, Progress], Iterable[str]]
 """Writes episodes into an empty folder, and returns what the format cannot hold, one line each."""
 FORMATS: Mapping[str, Export] = {"minari": export_minari, "lerobot": export_lerobot, "csv": export_csv}
 
 
-def export_recording(recording: ReadRecording | str | Path, to: str, out: str | Path) -> tuple[str, ...]:
+def export_recording(
+    recording: ReadRecording | str | Path,
+    to: str,
+    out: str | Path,
+    *,
+    progress: Progress = lambda done, total: None,
+) -> tuple[str, ...]:
     """Write a recording in another format, all or nothing; return what that cannot hold, one line each.
 
     Args:
         recording: The recording, or its folder.
         to: `minari`, `lerobot` or `csv`.
         out: A new or empty folder.
+        progress: Called with how much is written, and how much there is.
 
     Raises:
         UnknownNameError: If there is no such format.
@@ -44,7 +53,7 @@ def export_recording(recording: ReadRecording | str | Path, to: str, out: str | 
     staging = target.absolute().parent / f".{target.name}.mimoc-{secrets.token_hex(8)}"
     try:
         staging.mkdir(parents=True)
-        notes += FORMATS[to](found, episodes, staging)
+        notes += FORMATS[to](found, episodes, staging, progress)
         if target.is_dir():
             target.rmdir()
         os.rename(staging, target)

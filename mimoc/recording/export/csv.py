@@ -1,6 +1,6 @@
 """A recording as tables of text."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,17 @@ from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.tables import OBSERVATION
 
 
-def export_csv(recording: ReadRecording, episodes: Iterable[Episode], out: Path) -> list[str]:
+def export_csv(
+    recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Callable[[int, int], None]
+) -> list[str]:
     """Write a table for each episode, one of touch with a row for each number that is not zero, and a list of all.
 
     Returns:
         What a table cannot hold.
     """
     notes = dict[str, None]()
-    for episode in episodes:
+    for done, episode in enumerate(episodes):
+        progress(done, len(episodes))
         name = episode.files.stem.name
         _write(out / f"{name}.csv", episode.columns())
         for reading in episode.described.readings:

@@ -5,7 +5,7 @@ format (huggingface.co/docs/lerobot/lerobot-dataset-v3).
 """
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -29,26 +29,29 @@ STEP_COLUMNS |= {"task_index": "int64", "next.reward": "float32", "next.done": "
 """Columns with one number a row, with their types."""
 
 
-def export_lerobot(recording: ReadRecording, episodes: Iterable[Episode], out: Path) -> list[str]:
+def export_lerobot(
+    recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Callable[[int, int], None]
+) -> list[str]:
     """Write a data set of LeRobot's: a row for each control step, with what was observed before it.
 
     Returns:
         What it cannot hold.
     """
-    episodes = list(episodes)
     ends = list(accumulate(episode.steps for episode in episodes))
     starts = [0, *ends[:-1]]
     task = recording.bundle().manifest.task.kind
     readings = episodes[0].described.readings
+    passes = 1 + len(_pictures(readings))
     tables, stats = [], []
     for number, (episode, start) in enumerate(zip(episodes, starts, strict=True)):
+        progress(number, passes * len(episodes))
         columns = _columns(episode, number, start)
         stats.append({name: _stats(array) for name, array in columns.items()})
         tables.append(_table(columns))
     _write(out / "data" / f"{FILE}.parquet", pa.concat_tables(tables))
-    for reading in readings:
-        if reading.kind == "picture":
-            stats = _with_pictures(out, episodes, reading, stats)
+    for done, reading in enumerate(_pictures(readings), start=1):
+        progress(done * len(episodes), passes * len(episodes))
+        stats = _with_pictures(out, episodes, reading, stats)
     _write(out / "meta" / "tasks.parquet", _tasks(task))
     spans = [_span(number, *span, episodes, task) for number, span in enumerate(zip(starts, ends, strict=True))]
     _write(out / "meta" / "episodes" / f"{FILE}.parquet", _episodes(spans, stats))

@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,9 @@ HOME = "MINARI_DATASETS_PATH"
 """Environment variable that says where Minari's data sets are."""
 
 
-def export_minari(recording: ReadRecording, episodes: Iterable[Episode], out: Path) -> list[str]:
+def export_minari(
+    recording: ReadRecording, episodes: Sequence[Episode], out: Path, progress: Callable[[int, int], None]
+) -> list[str]:
     """Write the data set `mimoc/<name>-v0`; with this folder as MINARI_DATASETS_PATH, Minari loads it by this name.
 
     Returns:
@@ -30,18 +32,22 @@ def export_minari(recording: ReadRecording, episodes: Iterable[Episode], out: Pa
         from minari.data_collector import EpisodeBuffer
     except ImportError:
         raise MissingExtraError("minari", "minari") from None
-    episodes = list(episodes)
     bundle = recording.bundle()
     name = f"mimoc/{bundle.manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
     readings = episodes[0].described.readings
-    buffers = (EpisodeBuffer(id=number, **_buffer(episode)) for number, episode in enumerate(episodes))
+
+    def buffers() -> Iterator[EpisodeBuffer]:
+        for number, episode in enumerate(episodes):
+            progress(number, len(episodes))
+            yield EpisodeBuffer(id=number, **_buffer(episode))
+
     versions = episodes[-1].versions
     with _datasets_in(out), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # It misses an author and a link to the code, which are the user's to give.
         minari.create_dataset_from_buffers(
             dataset_id=name,
-            buffer=buffers,  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
+            buffer=buffers(),  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
             observation_space=spaces.Dict({each.name: _space(each) for each in readings}),
             action_space=spaces.Box(low, high, dtype=np.float32),
             data_format="parquet",

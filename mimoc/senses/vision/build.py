@@ -27,6 +27,7 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
         foveation=spec.foveation,
         foveation_radius=spec.foveation_radius,
         unseen=sensor_sites.UNSEEN,
+        body=spec.body,
     )
     return Placed(entry, cameras=cameras, origins=_origins(spec, entry))
 

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.render.renderer import Renderer
+from mimoc.render.renderer import Renderer, Shown
 from mimoc.render.shared import assets_of, shared_renderers
 from mimoc.render.visual_settings import Setting
 
@@ -23,15 +23,21 @@ the outline of a limb half as wide as the picture is then within a third of a pi
 STACKS_PER_SLICE = 2 / 3
 PLAIN = [int(mujoco.mjtRndFlag.mjRND_SHADOW), int(mujoco.mjtRndFlag.mjRND_REFLECTION)]
 """What eyes do without."""
-HIDDEN_GROUP = 5
-"""One of the groups of geoms that MuJoCo does not draw unless asked to."""
+HIDDEN_GROUP = 4
+"""A group of geoms that MuJoCo does not draw unless asked to, and eyes never ask for."""
 
 
 class Eyes:
     """Some cameras of one model, which draw as little as possible: no shadows, reflections, or smooth edges."""
 
     def __init__(
-        self, model: mujoco.MjModel, cameras: Sequence[str], width_px: int, height_px: int, unseen: Collection[str] = ()
+        self,
+        model: mujoco.MjModel,
+        cameras: Sequence[str],
+        width_px: int,
+        height_px: int,
+        unseen: Collection[str] = (),
+        shown: Shown = "solids",
     ):
         """Open an OpenGL context for pictures of this size.
 
@@ -41,6 +47,7 @@ class Eyes:
             width_px: Of a picture.
             height_px: Of a picture.
             unseen: Bodies that are not drawn.
+            shown: What is drawn of infants.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
@@ -50,6 +57,7 @@ class Eyes:
         self._shape = len(cameras), height_px, width_px, 3
         self._size_px, self._shared = (width_px, height_px * len(cameras)), shared_renderers()
         self._settings = partial(_lean, height_px=height_px)
+        self._shown: Shown = shown
         self._assets = b"" if self._shared is None else assets_of(model)
         self._model = model
         self._renderer = self._open()
@@ -92,27 +100,34 @@ class Eyes:
 
     def _open(self) -> Renderer:
         """Return a renderer of its own, or the shared one of this thread for the model's meshes and textures."""
-        make = partial(Renderer, self._model, *self._size_px, self._settings)
-        return make() if self._shared is None else self._shared.of(self._assets, self._size_px, make)
+        make = partial(Renderer, self._model, *self._size_px, self._settings, self._shown)
+        return make() if self._shared is None else self._shared.of(self._assets, self._size_px, self._shown, make)
 
     def _find_names(self, model: mujoco.MjModel) -> None:
         """Find cameras and unseen geoms in the model that is drawn now."""
-        self._groups = model.geom_group
+        self._groups, self._skin_groups = model.geom_group, model.skin_group
         self.fovy_deg = float(model.cam_fovy[model.camera(self._names[0]).id])
         """Vertical field of view."""
         self._cameras = [_fixed_camera(model.camera(name).id) for name in self._names]
         bodies = enumerate(model.geom_bodyid)
         self._unseen = [geom for geom, body in bodies if model.body(body).name in self._unseen_bodies]
+        self._unseen_skins = [skin for skin in range(model.nskin) if _bones(model, skin) <= set(self._unseen_bodies)]
 
     def _compose(self, renderer: Renderer, camera: mujoco.MjvCamera, data: mujoco.MjData) -> None:
         """Fill the scene for a camera, whose light goes with it."""
-        usual = self._groups[self._unseen]
-        self._groups[self._unseen] = HIDDEN_GROUP
+        usual, usual_skins = self._groups[self._unseen], self._skin_groups[self._unseen_skins]
+        self._groups[self._unseen] = self._skin_groups[self._unseen_skins] = HIDDEN_GROUP
         try:
             renderer.compose(data, camera)
             renderer.scene.flags[PLAIN] = 0
         finally:
-            self._groups[self._unseen] = usual
+            self._groups[self._unseen], self._skin_groups[self._unseen_skins] = usual, usual_skins
+
+
+def _bones(model: mujoco.MjModel, skin: int) -> set[str]:
+    """Return the names of the bodies that move a skin."""
+    first = model.skin_boneadr[skin]
+    return {model.body(body).name for body in model.skin_bonebodyid[first : first + model.skin_bonenum[skin]]}
 
 
 def _fixed_camera(index: int) -> mujoco.MjvCamera:

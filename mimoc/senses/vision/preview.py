@@ -65,7 +65,8 @@ def _require(kind: str, name: str, known: Collection[str]) -> None:
 
 def _draw(model: mujoco.MjModel, data: mujoco.MjData, entry: VisionEntry) -> Drawn:
     times = entry.supersample
-    with closing(Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen)) as eyes:
+    size_px = times * entry.width_px, times * entry.height_px
+    with closing(Eyes(model, entry.cameras, *size_px, entry.unseen, entry.body)) as eyes:
         return eyes(data)
 
 

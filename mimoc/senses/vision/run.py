@@ -70,7 +70,7 @@ def bind(entry: VisionEntry, model: mujoco.MjModel, bundle: Bundle) -> Vision:
     """
     times = entry.supersample
     ids = [model.camera(name).id for name in entry.cameras]
-    eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen)
+    eyes = Eyes(model, entry.cameras, times * entry.width_px, times * entry.height_px, entry.unseen, entry.body)
     return Vision(eyes, filters(entry, eyes.fovy_deg), entry, model.cam_bodyid[ids].astype(np.intp))
 
 

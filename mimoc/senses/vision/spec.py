@@ -8,6 +8,7 @@ from mimoc.schema.base import Model
 from mimoc.schema.quantities import CyclesPerDegree, Degrees, Months, Pixels, Real, Whole
 
 FoveationRadius = Literal["border", "corner", "edge"]
+Shown = Literal["skin", "solids"]
 
 
 class AcuitySpec(Model):
@@ -57,6 +58,8 @@ class VisionSpec(Model):
     supersample: Annotated[Whole, Field(ge=1, le=8)] = 1
     """Factor by which an image is rendered and blurred larger, in both directions, before it is averaged down: a
     grating of f cycles per degree requires more than 2 f x fovy_deg rendered pixels."""
+    body: Shown = "solids"
+    """What the eyes see of infants: their `solids`, which are drawn faster, or the `skin` over them (`body.skin`)."""
 
 
 class VisionEntry(Model):
@@ -80,3 +83,5 @@ class VisionEntry(Model):
     """Meaning of R in the foveation mapping."""
     unseen: tuple[str, ...]
     """Bodies that are hidden from the eyes: the infant's own head."""
+    body: Shown = "solids"
+    """What the eyes see of infants: their skins, or the solids under these."""

@@ -1,6 +1,5 @@
 """What drives an infant says where its numbers come from, and they are those in the model."""
 
-import json
 import re
 from graphlib import TopologicalSorter
 
@@ -9,6 +8,7 @@ from lxml import etree
 
 import mimoc
 from mimoc.actuation import ACTUATIONS
+from mimoc.compiler.explain import entries_of
 
 STRENGTH = {"strength": {"arms": 2, "left_arm": 3}, "strength_age_months": 18}
 PLACE = re.compile(r"(.+): (\w+)\[@name='(.+)'\]/@(\w+)")
@@ -29,7 +29,7 @@ def bundle(request):
 
 @pytest.fixture
 def entries(bundle):
-    return json.loads(bundle.files["provenance.json"])
+    return entries_of(bundle)
 
 
 def written(bundle, tag):

@@ -1,15 +1,14 @@
 """Each delay says where it comes from."""
 
-import json
-
 import mimoc
+from mimoc.compiler.explain import entries_of
 from mimoc.compiler.provenance.delays import PRESETS
 from mimoc.delays import presets
 
 
 def provenance(**keys) -> dict:
     spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **keys})
-    return json.loads(mimoc.build(spec).files["provenance.json"])
+    return entries_of(mimoc.build(spec))
 
 
 def test_every_preset_has_a_rule():

@@ -1,13 +1,11 @@
 """Every number of a world, and every number that `build` prints, can be explained and is the one that was built."""
 
-import json
-
 import numpy as np
 import pytest
 from lxml import etree
 
 import mimoc
-from mimoc.compiler.explain import contents, explain, find
+from mimoc.compiler.explain import contents, entries_of, explain, find
 from mimoc.compiler.provenance.child import who_percentiles
 
 SCENES = {
@@ -25,7 +23,7 @@ def bundle(request) -> mimoc.Bundle:
 
 @pytest.fixture(scope="module")
 def entries(bundle) -> dict:
-    return json.loads(bundle.files["provenance.json"])
+    return entries_of(bundle)
 
 
 def test_all_that_build_prints_can_be_asked_for(bundle, entries):
@@ -66,7 +64,7 @@ def test_what_chance_decides_names_its_stream_and_the_seed(entries):
 
 def test_a_room_tells_its_size_and_where_the_infant_is():
     bundle = mimoc.build(mimoc.InfantSpec(mimoc=1, name="x", age_months=9, scene=SCENES["room"]))
-    entries = json.loads(bundle.files["provenance.json"])
+    entries = entries_of(bundle)
     scene = etree.fromstring(bundle.files["scene.xml"])
     half = [float(number) for number in scene.xpath("//geom[@name='floor']/@size")[0].split()]
     assert entries["room.size"]["value"][:2] == pytest.approx([2 * half[0], 2 * half[1]])

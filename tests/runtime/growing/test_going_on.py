@@ -84,8 +84,8 @@ def test_an_expression_is_kept(live):
     env = live(6)
     env.set_expression("happy")
     env.grow(to=7)
-    head = env.model.geom("head")
-    assert env.model.material(int(head.matid[0])).name == env.manifest.face.materials["happy"]
+    material = env.model.skin_matid[env.model.skin("head").id]
+    assert env.model.material(material).name == env.manifest.face.materials["happy"]
 
 
 def test_acuity_is_that_of_the_new_age(live):

@@ -1,17 +1,16 @@
 """The acuity of an infant says where it comes from."""
 
-import json
-
 import pytest
 
 import mimoc
+from mimoc.compiler.explain import entries_of
 from mimoc.senses.vision import acuity_by_age
 from mimoc.senses.vision.build import PROFILES
 
 
 def provenance(**vision) -> dict:
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "senses": {"vision": vision}}
-    return json.loads(mimoc.build(mimoc.InfantSpec.model_validate(spec)).files["provenance.json"])
+    return entries_of(mimoc.build(mimoc.InfantSpec.model_validate(spec)))
 
 
 def test_every_profile_has_a_rule():

@@ -9,7 +9,9 @@ import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.errors import RenderingError
 from mimoc.render import opengl, renderer
+from mimoc.render.body_camera import BodyCamera
 from mimoc.senses.vision.blur import blur, contrast_gain
+from mimoc.senses.vision.eyes import HIDDEN_GROUP
 from mimoc.senses.vision.foveation import foveate, source_weights
 from mimoc.senses.vision.run import average_down, bind, filters, perceive
 from mimoc.senses.vision.spec import VisionEntry
@@ -132,6 +134,19 @@ def test_pictures_are_upright(infant, open_vision):
     assert rows[0, 2] > rows[0, 0]
 
 
+def test_toys_look_the_same_whatever_is_drawn_of_the_infant():
+    """The shapes that toys collide with stay hidden where the infant's solids are drawn."""
+    pictures = []
+    for skin, shown in ((True, "solids"), (False, "skin")):
+        scene = {"kind": "room", "seed": 1, "pose": "sitting", "toys": {"source": "builtin", "count": [3, 6]}}
+        bundle = seeing(body={"skin": skin}, scene=scene)
+        model, data = posed(bundle, {})
+        toys = [toy.body for toy in bundle.manifest.toys]
+        with closing(BodyCamera(model, toys, 64, 48, shown=shown)) as camera:
+            pictures.append(camera.render(data))
+    assert np.array_equal(*pictures)
+
+
 @pytest.mark.parametrize(("side", "columns"), [("left", slice(0, 24)), ("right", slice(24, 48))])
 def test_the_left_foot_is_on_the_left_and_the_right_one_on_the_right(side, columns, infant, open_vision):
     """A foot is where the picture of the eye on its side changes when it is hidden."""
@@ -139,7 +154,7 @@ def test_the_left_foot_is_on_the_left_and_the_right_one_on_the_right(side, colum
     vision = open_vision(infant, model)
     with_foot = vision.observe(vision(data))[f"eye_{side}"].astype(int)
     for name in ("foot", "toes"):
-        model.geom_group[model.geom_bodyid == model.body(f"{side}_{name}").id] = 5
+        model.geom_group[model.geom_bodyid == model.body(f"{side}_{name}").id] = HIDDEN_GROUP
     changed = np.abs(with_foot - vision.observe(vision(data))[f"eye_{side}"]).max(axis=-1) > 10
     assert changed[:, columns].sum() == changed.sum() > 20
 

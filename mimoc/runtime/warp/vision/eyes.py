@@ -8,6 +8,7 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
+from mimoc.mujoco_layout import SOLIDS_GROUP
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.vision.textures import Textures
 from mimoc.senses.sense import IntArray
@@ -64,6 +65,7 @@ class Eyes:
 def _without(model: mujoco.MjModel, bodies: Sequence[str]) -> mujoco.MjModel:
     """Return a copy of a model in which some bodies are not drawn."""
     shown = copy.copy(model)
+    shown.geom_group[shown.geom_group == SOLIDS_GROUP] = 0  # Its ray caster draws no skins.
     hidden = [model.body(body).id for body in bodies]
     shown.geom_group[np.isin(model.geom_bodyid, hidden)] = HIDDEN_GROUP
     return shown

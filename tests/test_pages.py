@@ -1,4 +1,4 @@
-"""Every block of README.md works as it is printed, one after the other, in a fresh copy of the checkout."""
+"""Every block of README and of the guides works as it is printed, one page at a time, in a copy of the checkout."""
 
 import os
 import re
@@ -10,7 +10,7 @@ from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from shutil import copytree, ignore_patterns
+from shutil import copytree, ignore_patterns, rmtree
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,31 @@ from support.commands import Outcome
 import mimoc
 
 CHECKOUT = Path(__file__).resolve().parents[1]
-README = CHECKOUT / "README.md"
+PAGES = (
+    "README.md",
+    "docs/tutorial.md",
+    "docs/for_researchers.md",
+    "docs/for_rl.md",
+    "docs/individuals.md",
+    "docs/muscles.md",
+    "docs/senses.md",
+    "docs/touch.md",
+    "docs/vision.md",
+    "docs/delays.md",
+    "docs/own_toys.md",
+    "docs/tasks.md",
+    "docs/pictures.md",
+    "docs/inverse_dynamics.md",
+    "docs/training.md",
+    "docs/container.md",
+    "docs/own_reward.md",
+    "docs/own_sense.md",
+    "docs/plain_mujoco.md",
+    "docs/growth.md",
+    "docs/from_mimo.md",
+)
+"""Those that are run here; test_docs.py has the others."""
+SLOW = {"README.md", "docs/tutorial.md", "docs/training.md", "docs/pictures.md"}
 PYTHON = shlex.quote(sys.executable)
 
 INSTEAD = {
@@ -36,6 +60,7 @@ INSTEAD = {
     # Many frames, and large ones.
     r"--steps 100 --video\b": "--steps 10 --size 64 --video",
     r"--size 200\b": "--size 40",
+    r"--seeds 0:12\b": "--seeds 0:3",
     r"\bsteps=100, eyes=True": "steps=10, eyes=True, height_px=64",
     # A window needs a screen.
     r"\bpython -m mujoco.viewer --mjcf=(\S+)": r"""python -c 'import mujoco; mujoco.MjModel.from_xml_path("\1")'""",
@@ -52,7 +77,7 @@ MISTAKEN = "mimoc: 1\nname: mine\nage_months: 99\nsenses: {}\nscene:\n  posse: s
 
 @dataclass(frozen=True)
 class Block:
-    """One block of README."""
+    """One block of a page."""
 
     line: int
     language: str
@@ -60,7 +85,7 @@ class Block:
 
 
 class Reader:
-    """Does what README says, in a folder where README's first commands have not been run yet."""
+    """Does what a page says, in a folder where nothing has been built yet."""
 
     def __init__(self, folder: Path, invoke: Callable[..., Outcome]):
         self.folder, self._invoke = folder, invoke
@@ -68,6 +93,7 @@ class Reader:
         """All that was printed so far."""
         self._session: dict[str, Any] = {}
         self._spec: dict[str, Any] = {}
+        """The page's first spec, of which those after it have some keys."""
 
     def follow(self, block: Block) -> None:
         """Do what a block says."""
@@ -106,18 +132,16 @@ class Reader:
     def _python(self, text: str) -> None:
         """Run a program that goes on from those before, as in one session."""
         with redirect_stdout(StringIO()) as printed:
-            exec(compile(text, "README.md", "exec"), self._session)
+            exec(compile(text, "page", "exec"), self._session)
         self.said += printed.getvalue()
 
     def _yaml(self, text: str) -> None:
-        """Build the spec, or the first one with these keys, and open what was built."""
+        """Build the spec, or the first one with these keys, and open what was built; keep it if it says its name."""
         keys = yaml.safe_load(text)
-        if "cohort" in keys:
-            (self.folder / "cohort.yaml").write_text(text)
-            assert len(mimoc.read_cohort("cohort.yaml").jobs()) == 100 * 7 * 2 * 5
-            return
         self._spec = self._spec or keys
         (self.folder / "fragment.yaml").write_text(yaml.safe_dump(self._spec | keys))
+        if "name" in keys:
+            (self.folder / f"{keys['name']}.yaml").write_text(text)
         env = mimoc.make("fragment.yaml")
         env.reset(seed=0)
         env.close()
@@ -128,44 +152,52 @@ class Reader:
             assert line in self.said
 
 
-def blocks() -> Iterator[Block]:
-    """Yield all of them, from the top."""
-    text = README.read_text(encoding="utf-8")
+def blocks(page: str) -> Iterator[Block]:
+    """Yield all of a page, from the top."""
+    text = (CHECKOUT / page).read_text(encoding="utf-8")
     for found in re.finditer(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         yield Block(text.count("\n", 0, found.start()) + 2, *found.groups())
 
 
-@pytest.fixture
-def reader(tmp_path, monkeypatch, invoke) -> Reader:
-    """Return someone in a fresh copy of the checkout, with what README takes for theirs."""
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory) -> Path:
+    """Return a fresh copy of the checkout, with what its pages take for their reader's."""
     built = [line.strip("/") for line in (CHECKOUT / ".gitignore").read_text().split()]
-    folder = tmp_path / "mimoc"
-    copytree(CHECKOUT, folder, ignore=ignore_patterns(*built, ".git"))
+    folder = tmp_path_factory.mktemp("pages") / "mimoc"
+    copytree(CHECKOUT, folder, ignore=ignore_patterns(*(Path(each).name for each in built), ".git"))
     (folder / ".venv").symlink_to(sys.prefix)
     (folder / "my_infant.yaml").write_text(MISTAKEN)
     (folder / "infant.yaml").write_text((folder / "configs" / "newborn.yaml").read_text())
     (folder / "my_program.py").write_text("import mimoc")
     (folder / "my_floors").mkdir()
     Image.fromarray(np.full((8, 8, 3), 200, np.uint8)).save(folder / "my_floors" / "wood.png")
-    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.fixture
+def reader(checkout, monkeypatch, invoke) -> Iterator[Reader]:
+    """Return someone in that copy, in which nothing has been built; what a page builds is not there for the next."""
+    monkeypatch.chdir(checkout)
     monkeypatch.setenv("COLUMNS", "200")
-    found = Reader(folder, invoke)
+    found = Reader(checkout, invoke)
     found.said = invoke("build", "my_infant.yaml", "-o", "out/mine").err
-    return found
+    yield found
+    rmtree(checkout / "out", ignore_errors=True)
 
 
-@pytest.mark.slow
-def test_every_block_works_as_it_is_printed_one_after_the_other(reader):
+@pytest.mark.parametrize("page", [pytest.param(page, marks=[pytest.mark.slow] * (page in SLOW)) for page in PAGES])
+def test_every_block_works_as_it_is_printed_one_after_the_other(reader, page):
     followed = []
-    for block in blocks():
+    for block in blocks(page):
         try:
             reader.follow(block)
         except Exception as error:
-            pytest.fail(f"README.md:{block.line}: {block.language}: {type(error).__name__}: {error}\n{block.text}")
+            pytest.fail(f"{page}:{block.line}: {block.language}: {type(error).__name__}: {error}\n{block.text}")
         followed.append(block.language)
-    assert {"sh", "python", "yaml", "text"} <= set(followed)
+    assert followed
 
 
 @pytest.mark.parametrize("pattern", INSTEAD)
 def test_what_is_run_instead_of_something_is_run_instead_of_something(pattern):
-    assert any(re.search(pattern, block.text) for block in blocks() if block.language in PROGRAMS)
+    here = (block for page in PAGES for block in blocks(page))
+    assert any(re.search(pattern, block.text) for block in here if block.language in PROGRAMS)

@@ -1,0 +1,42 @@
+"""`mimoc report`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mimoc.cli.infants import STDIN, load_spec
+
+EXAMPLE = "Example:  mimoc report out/nine_months -o nine_months.html"
+
+
+def report(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="BUNDLE|RUN|COHORT",
+            help="Folder written by `mimoc build`, `mimoc train` or `mimoc cohort run`; or a spec (.yaml, or `-` for "
+            "standard input) to build in memory.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE", help="Page to write: .html.")],
+    no_check: Annotated[
+        bool, typer.Option("--no-check", help="Leave out whether an infant's simulation is stable, as `check` finds.")
+    ] = False,
+    cohort: Annotated[
+        Path | None,
+        typer.Option("--cohort", metavar="YAML", help="File of the cohort, to count jobs that are not done yet, too."),
+    ] = None,
+) -> None:
+    """Write one HTML page on an infant, a training run or a cohort, which opens anywhere and needs no network."""
+    from mimoc.cli import console
+    from mimoc.reporting import report as write_report
+
+    study = None
+    if cohort is not None:
+        from mimoc.cohorts import read_cohort
+
+        study = read_cohort(cohort)
+    infant = load_spec(source) if source == STDIN else source
+    with console.progress("writing the page") as show:
+        print(write_report(infant, out, check=not no_check, cohort=study, progress=show))

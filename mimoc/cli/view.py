@@ -1,0 +1,124 @@
+"""`mimoc view`."""
+
+import sys
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from mimoc.cli.infants import load_infant
+from mimoc.errors import MimocError
+
+if TYPE_CHECKING:
+    from mimoc.bundle.io import Bundle
+
+EXAMPLE = "Example:  mimoc view configs/nine_months.yaml -o infant.html"
+
+Shown = Annotated[
+    Path,
+    typer.Argument(
+        metavar="INFANT|RECORDING", help="Bundle, spec (.yaml, or `-` for standard input) or recording to show."
+    ),
+]
+Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Show this one of several recorded infants.")]
+Number = Annotated[
+    int | None,
+    typer.Option("--episode", min=0, help="Show the recorded episode of this number; default: the first."),
+]
+
+
+def view(
+    shown: Shown,
+    file: Annotated[Path | None, typer.Option("-o", "--out", metavar="FILE", help="Page to write: .html.")] = None,
+    open_page: Annotated[
+        bool | None,
+        typer.Option("--open/--no-open", help="Open it in the browser; default: in a terminal with a display."),
+    ] = None,
+    physics: Annotated[
+        bool, typer.Option("--physics", help="Let it fall, be pulled and act: adds MuJoCo to the page (4 MB).")
+    ] = False,
+    infant: Infant = None,
+    episode: Number = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="Run it instead and serve what it does, until Ctrl-C (needs `mimoc[live]`).")
+    ] = False,
+    policy: Annotated[str, typer.Option("--policy", help="What it does with --live; see `mimoc run`.")] = "random",
+    port: Annotated[int, typer.Option("--port", min=1, max=65535, help="Port of this machine for --live.")] = 8080,
+) -> None:
+    """Write a page that shows the infant in 3D in any browser: one file, which needs no server and no network.
+
+    On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints.
+    The page of a recording replays an episode, with what the infant felt and saw.
+    """
+    from mimoc.viewer.viewing import checked_place, has_display
+
+    opens = has_display() and _in_a_terminal() if open_page is None else open_page
+    is_recording = (shown / "recording.json").is_file()
+    if not is_recording and (infant, episode) != (None, None):
+        raise MimocError(f"{shown}: this is no recording; --infant and --episode choose from one")
+    if live:
+        if is_recording:
+            raise MimocError(f"{shown}: --live runs an infant; name a bundle or a spec instead of a recording")
+        _serve(load_infant(shown), policy, port, opens)
+        return
+    if file is None:
+        raise MimocError("say where to write the page with -o FILE.html, or serve a running infant with --live")
+    checked_place(file)
+    page = _recorded(shown, physics, infant, episode) if is_recording else _grown(shown, physics)
+    _write(file, page, opens)
+
+
+def _in_a_terminal() -> bool:
+    return sys.stdout.isatty()
+
+
+def _write(file: Path, page: str, open_page: bool) -> None:
+    from mimoc.bundle.files import write_file
+
+    print(write_file(file, page.encode()))
+    if open_page:
+        webbrowser.open(file.resolve().as_uri())
+
+
+def _grown(path: Path, physics: bool) -> str:
+    """Return the page of an infant."""
+    from mimoc.cli import console
+    from mimoc.viewer.page import page_of
+
+    infant = load_infant(path)
+    with console.progress("growing") as show:
+        return page_of(infant, physics, show)
+
+
+def _recorded(path: Path, physics: bool, infant: int | None, episode: int | None) -> str:
+    """Return the page of an episode, and say if it did not come out again."""
+    from mimoc.cli import console
+    from mimoc.recording.reading import read_recording
+    from mimoc.viewer.replayed import page_of_recording
+
+    recording = read_recording(path)
+    with console.progress("replaying") as show:
+        page = page_of_recording(recording, infant, episode, physics, show)
+    if page.difference:
+        print(
+            f"the page shows what is simulated now, which differs from the recording: {page.difference}",
+            file=sys.stderr,
+        )
+    return page.text
+
+
+def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:
+    """Run an infant under a policy and serve what it does."""
+    from mimoc.runtime.env import InfantEnv
+    from mimoc.runtime.rollout import Run
+    from mimoc.viewer.live import LiveView
+
+    run = Run(InfantEnv(infant), policy, seed=0)
+    with LiveView(run.env, port) as live:
+        print(f"{live.address}   (Ctrl-C ends it)", flush=True)
+        if open_page:
+            webbrowser.open(live.address)
+        while True:
+            run.step()
+            live.show()

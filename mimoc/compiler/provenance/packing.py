@@ -1,0 +1,66 @@
+"""The provenance of a bundle as it stands in its file, where what many numbers share is written once.
+
+`phrases` are parts of rules, and places in MJCF, in which `'*'` is the name in the key of a number; `sources` are lists
+of keys. In `numbers`, `rule` are the phrases that it consists of, `xml` is a phrase and `from` one of these lists, by
+their indices.
+"""
+
+import re
+from collections.abc import Callable, Hashable, Mapping
+from typing import Any
+
+from mimoc.body.provenance import Entry
+
+NUMBERS, PHRASES, SOURCES = "numbers", "phrases", "sources"
+BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")
+"""Factors are what most rules differ in."""
+
+
+def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
+    """Return the provenance of numbers, by key, as it is written."""
+    phrases, sources = _Table(), _Table()
+    numbers = {}
+    for key in sorted(entries):
+        entry = dict(entries[key])
+        entry["rule"] = [phrases.index(part) for part in BETWEEN_PHRASES.split(entry["rule"])]
+        if "from" in entry:
+            entry["from"] = sources.index(tuple(entry["from"]))
+        if "xml" in entry:
+            entry["xml"] = phrases.index(entry["xml"].replace(f"'{_name(key)}'", "'*'"))
+        numbers[key] = entry
+    return {NUMBERS: numbers, PHRASES: phrases.values, SOURCES: sources.values}
+
+
+def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
+    """Return the provenance of numbers, by key, from what is written; older bundles have it as it is."""
+    if NUMBERS not in written:
+        return dict(written)
+    phrases, sources = written[PHRASES], written[SOURCES]
+    read: dict[str, Callable[[Any, str], Any]] = {
+        "rule": lambda parts, key: " ".join(phrases[part] for part in parts),
+        "from": lambda index, key: list(sources[index]),
+        "xml": lambda index, key: phrases[index].replace("'*'", f"'{_name(key)}'"),
+    }
+    return {
+        key: {name: read[name](value, key) if name in read else value for name, value in entry.items()}
+        for key, entry in written[NUMBERS].items()
+    }
+
+
+class _Table:
+    """Values, each once, in the order in which they are first asked for."""
+
+    def __init__(self):
+        self._indices: dict[Hashable, int] = {}
+
+    def index(self, value: Hashable) -> int:
+        return self._indices.setdefault(value, len(self._indices))
+
+    @property
+    def values(self) -> list[Any]:
+        return list(self._indices)
+
+
+def _name(key: str) -> str:
+    """Return what the second part of a key names: `head` in `geom.head.size`."""
+    return key.partition(".")[2].rpartition(".")[0]

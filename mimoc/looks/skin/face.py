@@ -1,0 +1,56 @@
+"""The head of a child, carried from the sculpture by its solid and its eyes, and by age."""
+
+import numpy as np
+
+from mimoc.body.head_surface import half_axes
+from mimoc.body.tree import BodyTree, Geom
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.skin.sculpture import SculptedHead
+
+NEWBORN_UNTIL, CHANGED_BY = 0.0, 6.0
+"""Ages between which the face of a newborn changes into that of a child, in months (D)."""
+AT_EYE, BESIDE_EYE = 1.35, 3.0
+"""Within so many radii of an eye the skin goes with the eyeball, and beyond so many it goes with the head."""
+SIDES = (("right", 1.0), ("left", -1.0))
+
+
+def newborn_share(age_months: float) -> float:
+    """Return how much a face is that of a newborn: 1 at birth, 0 from `CHANGED_BY` on."""
+    t = float(np.clip((age_months - NEWBORN_UNTIL) / (CHANGED_BY - NEWBORN_UNTIL), 0, 1))
+    return 1 - t * t * (3 - 2 * t)
+
+
+def carry_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
+    """Return the vertices of a child's head in the frame of its body, shape (n, 3), [m]."""
+    geoms = tree.geoms
+    head = geoms["head"]
+    share = newborn_share(tree.age_months)
+    shape_m = sculpted.verts_m + share * (sculpted.newborn_m - sculpted.verts_m)
+    found = shape_m * (np.array(half_axes(head)) / sculpted.half_axes_m)
+    eyes = {body.name: np.array(body.pos_m) for body in tree.bodies}
+    for side, sign in SIDES:
+        place = eyes.get(f"{side}_eye")
+        if place is None:
+            found = found + sculpted.closing_m[side] * (np.array(half_axes(head)) / sculpted.half_axes_m)
+        else:
+            found = _around_eye(found, shape_m, sculpted, head, sign, place, geoms[f"{side}_eye1"].size_m[0])
+    return found + np.array(head.pos_m)
+
+
+def _around_eye(
+    found: FloatArray,
+    shape_m: FloatArray,
+    sculpted: SculptedHead,
+    head: Geom,
+    sign: float,
+    place: FloatArray,
+    radius_m: float,
+) -> FloatArray:
+    """Return vertices of which those near an eye are as far from its middle as they were sculpted, by its size."""
+    own = sculpted.eye_m * (1, sign, 1)
+    from_eye = shape_m - own
+    t = (BESIDE_EYE - np.linalg.norm(from_eye, axis=1) / sculpted.eye_radius_m) / (BESIDE_EYE - AT_EYE)
+    t = np.clip(t, 0, 1)
+    near = (t * t * (3 - 2 * t))[:, None]
+    on_ball = place - np.array(head.pos_m) + from_eye * (radius_m / sculpted.eye_radius_m)
+    return found + near * (on_ball - found)

@@ -1,0 +1,150 @@
+"""The sculpted skin of a child of nine months, as it ships with mimoc; `make skin` makes it (see `sculpt/`)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.geometry.rotations import FloatArray
+
+IntArray = npt.NDArray[np.intp]
+FOLDER = Path(__file__).parent / "sculpted"
+LAYERS = ("body", "shirt", "trousers")
+"""What several bodies move."""
+HEAD = "head"
+"""What one body moves: the name of the layer, the body and the solid."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SculptedLayer:
+    """A mesh of n vertices on the reference child, in the pose that it is bound in."""
+
+    verts_m: FloatArray
+    """In the frame of the hip, shape (n, 3)."""
+    faces: IntArray
+    """Vertices of each triangle, seen from outside counterclockwise, shape (m, 3)."""
+    texcoords: FloatArray
+    """Place in the texture, shape (n, 2)."""
+    bones: IntArray
+    """Bodies that move each vertex, as indices of `Sculpture.parts`, shape (n, 4)."""
+    weights: FloatArray
+    """How much each of them does, shape (n, 4); each row sums to 1."""
+    solids: IntArray
+    """The solids near each vertex, as indices of `Sculpture.solids`, shape (n, 4)."""
+    offsets_m: FloatArray
+    """Height of each vertex above these, blended, shape (n,)."""
+    blend_m: FloatArray
+    """Width of that blend, shape (n,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SculptedHead:
+    """The mesh of the head on the reference child, in the frame of the head's solid."""
+
+    verts_m: FloatArray
+    """At nine months and more, shape (n, 3)."""
+    newborn_m: FloatArray
+    """At birth."""
+    closing_m: Mapping[str, FloatArray]
+    """How each vertex moves where an eye is missing, so that the lids close, by side; shape (n, 3)."""
+    faces: IntArray
+    texcoords: FloatArray
+    half_axes_m: FloatArray
+    """Of the head's solid, shape (3,)."""
+    eye_m: FloatArray
+    """Middle of the right eye, shape (3,)."""
+    eye_radius_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sculpture:
+    """The skin of a reference child with one kind of hands."""
+
+    parts: tuple[str, ...]
+    """Names of its bodies."""
+    parents: Mapping[str, str]
+    """Parent of each body but the hip."""
+    origins_m: FloatArray
+    """Of the bodies in the frame of the hip, shape (bodies, 3)."""
+    turns: FloatArray
+    """Hip from body, shape (bodies, 3, 3)."""
+    low_m: FloatArray
+    """Least corner of the box around a body's solids, in the frame of the body, shape (bodies, 3)."""
+    high_m: FloatArray
+    """The opposite corner."""
+    solids: tuple[str, ...]
+    """Names of its geoms."""
+    angles_rad: Mapping[str, float]
+    """The pose that the skin is bound in, by joint; others are at zero."""
+    head_radius_m: float
+    """Of a circle with the head's circumference."""
+    layers: Mapping[str, SculptedLayer]
+    head: SculptedHead
+
+
+@cache
+def sculpture(hands: str) -> Sculpture:
+    """Return the skin for a kind of hands: `mitten` or `five_finger`."""
+    with np.load(FOLDER / f"{hands}.npz") as archive, np.load(FOLDER / "head.npz") as head:
+        return assembled({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})
+
+
+def assembled(found: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
+    """Return a sculpture from its arrays, by their names in the files."""
+    parts = tuple(map(str, found["parts"]))
+    return Sculpture(
+        parts=parts,
+        parents=MappingProxyType({part: str(name) for part, name in zip(parts, found["parents"], strict=True) if name}),
+        origins_m=_real(found["origins_m"]),
+        turns=_real(found["turns"]),
+        low_m=_real(found["low_m"]),
+        high_m=_real(found["high_m"]),
+        solids=tuple(map(str, found["solids"])),
+        angles_rad=MappingProxyType(dict(zip(map(str, found["joints"]), found["angles_rad"].tolist(), strict=True))),
+        head_radius_m=float(found["head_radius_m"]),
+        layers=MappingProxyType({name: _layer(found, name) for name in LAYERS}),
+        head=_head(head),
+    )
+
+
+def _layer(found: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
+    return SculptedLayer(
+        verts_m=_real(found[f"{name}/verts_m"]),
+        faces=_whole(found[f"{name}/faces"]),
+        texcoords=_real(found[f"{name}/texcoords"]),
+        bones=_whole(found[f"{name}/bones"]),
+        weights=_real(found[f"{name}/weights"]) / 255,
+        solids=_whole(found[f"{name}/solids"]),
+        offsets_m=_real(found[f"{name}/offsets_m"]),
+        blend_m=_real(found[f"{name}/blend_m"]),
+    )
+
+
+def _head(found: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
+    return SculptedHead(
+        verts_m=_real(found["verts_m"]),
+        newborn_m=_real(found["newborn_m"]),
+        closing_m=MappingProxyType({side: _real(found[f"closing_{side}_m"]) for side in ("left", "right")}),
+        faces=_whole(found["faces"]),
+        texcoords=_real(found["texcoords"]),
+        half_axes_m=_real(found["half_axes_m"]),
+        eye_m=_real(found["eye_m"]),
+        eye_radius_m=float(found["eye_radius_m"]),
+    )
+
+
+def _real(array: npt.NDArray[Any]) -> FloatArray:
+    real = array.astype(np.float64)
+    real.flags.writeable = False
+    return real
+
+
+def _whole(array: npt.NDArray[Any]) -> IntArray:
+    whole = array.astype(np.intp)
+    whole.flags.writeable = False
+    return whole

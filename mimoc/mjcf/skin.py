@@ -1,0 +1,92 @@
+"""The skin of an infant in MJCF: meshes that several bodies move, seen but not felt."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.geometry.rotations import FloatArray, quaternion_from_matrix
+from mimoc.rounding import rounded_array
+
+NAME_BYTES = 40
+"""For the name of a body in MuJoCo's file."""
+
+
+@dataclass(frozen=True, eq=False)
+class SkinLayer:
+    """One mesh of a skin, of n vertices, bound to bodies in a pose."""
+
+    name: str
+    """`body`, `shirt`, `trousers` or `head`."""
+    verts_m: FloatArray
+    """In the frame of the hip, shape (n, 3)."""
+    faces: npt.NDArray[np.intp]
+    """Vertices of each triangle, counterclockwise as seen from outside, shape (m, 3)."""
+    texcoords: FloatArray
+    """Place in the texture of its material, from the lower left, shape (n, 2)."""
+    bones: tuple[str, ...]
+    """Names of the bodies that move it."""
+    origins_m: FloatArray
+    """Of these bodies in the pose, in the frame of the hip, shape (bones, 3)."""
+    turns: FloatArray
+    """Hip from body in the pose, shape (bones, 3, 3)."""
+    weights: FloatArray
+    """How much each body moves each vertex, shape (n, bones); each row sums to 1 and has at most four above 0."""
+
+    @property
+    def quats(self) -> FloatArray:
+        """Quaternions of these bodies in the pose, shape (bones, 4)."""
+        return np.array([quaternion_from_matrix(turn) for turn in self.turns])
+
+    @property
+    def file(self) -> str:
+        """Path of its file inside a bundle."""
+        return f"assets/{self.name}.skn"
+
+
+class Skin:
+    """The layers of a skin, made when they are first asked for: not everyone who builds an infant looks at it."""
+
+    def __init__(self, names: tuple[str, ...], make: Callable[[], tuple[SkinLayer, ...]]):
+        """Promise layers of these names, in the order that they are drawn in."""
+        self.names, self._make = names, make
+
+    @cached_property
+    def layers(self) -> tuple[SkinLayer, ...]:
+        """All layers."""
+        return self._make()
+
+    @cached_property
+    def files(self) -> Mapping[str, bytes]:
+        """MuJoCo's files, by path inside a bundle."""
+        return {layer.file: encode_skn(layer) for layer in self.layers}
+
+
+def encode_skn(layer: SkinLayer) -> bytes:
+    """Return MuJoCo's file of a layer: little-endian, single precision (XML reference, `deformable/skin/file`)."""
+    counts = len(layer.verts_m), len(layer.texcoords), len(layer.faces), len(layer.bones)
+    texcoords = layer.texcoords * (1, -1) + (0, 1)  # MuJoCo's begin at the upper left.
+    parts = [
+        np.array(counts, "<i4").tobytes(),
+        single(layer.verts_m).tobytes(),
+        single(texcoords).tobytes(),
+        layer.faces.astype("<i4").tobytes(),
+    ]
+    for index, (name, quat) in enumerate(zip(layer.bones, layer.quats, strict=True)):
+        (moved,) = np.nonzero(layer.weights[:, index])
+        parts += [
+            name.encode().ljust(NAME_BYTES, b"\0"),
+            single(layer.origins_m[index]).tobytes(),
+            single(quat).tobytes(),
+            np.array(len(moved), "<i4").tobytes(),
+            moved.astype("<i4").tobytes(),
+            single(layer.weights[moved, index]).tobytes(),
+        ]
+    return b"".join(parts)
+
+
+def single(values: FloatArray) -> npt.NDArray[np.float32]:
+    """Return numbers as they are in the file."""
+    return rounded_array(values).astype("<f4")

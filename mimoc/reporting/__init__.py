@@ -1,0 +1,98 @@
+"""Reports: one HTML page on an infant, a training run or a cohort, which needs nothing besides itself."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mimoc.bundle.files import write_file
+from mimoc.bundle.io import LOCK, Bundle, read_bundle
+from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
+from mimoc.compiler.pipeline import build
+from mimoc.errors import MimocError, OutputError
+from mimoc.reporting.html import render
+from mimoc.reporting.page import Page
+from mimoc.schema.infant import InfantSpec
+
+if TYPE_CHECKING:
+    from mimoc.cohorts import Cohort
+
+Progress = Callable[[int, int], None]
+"""Called with the number of steps done and their total."""
+SUFFIXES = (".html", ".htm")
+RUN, COHORT = "run.json", "cohort.json"
+"""Files that are in the folder of a training run, and of a cohort."""
+
+
+def report(
+    source: "Bundle | InfantSpec | str | Path",
+    path: str | Path,
+    *,
+    check: bool = True,
+    cohort: "Cohort | None" = None,
+    progress: Progress | None = None,
+) -> Path:
+    """Write a page on an infant, a training run or a cohort; return its path. The same source gives the same bytes.
+
+    Args:
+        source: A bundle, its folder, a spec or its file (.yaml, .yml); or the folder of a training run or of a cohort.
+        path: The page, which ends in .html; an existing one is replaced.
+        check: Whether to check that the simulation of an infant is stable, which takes a second or so.
+        cohort: The cohort in the folder, so that jobs which are not done yet are counted as well.
+        progress: Called with how much is done, and how much there is to do.
+
+    Raises:
+        OutputError: If the page cannot be written there.
+        SpecError: If a spec cannot be built.
+        BundleError: If a bundle is damaged.
+        TrainingError: If the folder of a training run is damaged.
+        MissingExtraError: If it is a training run, and `mimoc[train]` is not installed.
+        MimocError: If a folder is none of these.
+    """
+    place = Path(path).expanduser()
+    _check_place(place)
+    page = _page(source, check, cohort, progress or (lambda done, total: None))
+    return write_file(place, render(page))
+
+
+def _check_place(place: Path) -> None:
+    """Raise an OutputError, before anything takes time, if no page can be written there."""
+    if place.suffix.lower() not in SUFFIXES:
+        raise OutputError(f"{place}: not the name of a page; end it in .html")
+    if not place.parent.is_dir():
+        raise OutputError(f"{place}: there is no folder {place.parent}; make it, or choose another place")
+
+
+def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Cohort | None", progress: Progress) -> Page:
+    folder = None if isinstance(source, (Bundle, InfantSpec)) else Path(os.path.expanduser(source))
+    if cohort is not None and not (folder and (folder / COHORT).is_file()):
+        raise MimocError(
+            f"{folder or repr(source)}: not the folder of a cohort; name the one given to 'mimoc cohort run'"
+        )
+    if folder is not None and (folder / COHORT).is_file():
+        from mimoc.reporting.cohort import cohort_page
+
+        return cohort_page(folder, cohort, progress)
+    if folder is not None and (folder / RUN).is_file():
+        from mimoc.reporting.training import training_page
+
+        return training_page(folder)
+    from mimoc.reporting.infant import infant_page
+
+    return infant_page(_infant(source, progress), progress, check=check)
+
+
+def _infant(source: "Bundle | InfantSpec | str | Path", progress: Progress) -> Bundle:
+    if isinstance(source, Bundle):
+        return source
+    if isinstance(source, InfantSpec):
+        return build(source, progress=progress)
+    place = Path(os.path.expanduser(source))
+    if place.suffix.lower() in SPEC_SUFFIXES and not place.is_dir():
+        return build(load_spec(place), progress=progress)
+    kinds = "a folder written by 'mimoc build', 'mimoc train' or 'mimoc cohort run', or a spec that ends in .yaml"
+    if not place.exists():
+        raise MimocError(f"{place}: there is no such folder; name {kinds}")
+    if not (place / LOCK).is_file():
+        raise MimocError(f"{place}: neither an infant, a training run nor a cohort; name {kinds}")
+    return read_bundle(place)

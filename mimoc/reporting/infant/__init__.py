@@ -1,0 +1,61 @@
+"""The page of an infant."""
+
+from collections.abc import Callable
+
+import mujoco
+
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import load_model
+from mimoc.reporting import words
+from mimoc.reporting.infant.growth import growth
+from mimoc.reporting.infant.origin import origin
+from mimoc.reporting.infant.portrait import picture
+from mimoc.reporting.infant.proportions import proportions
+from mimoc.reporting.infant.senses import senses
+from mimoc.reporting.infant.sources import Sources
+from mimoc.reporting.infant.stability import stability, unchecked
+from mimoc.reporting.infant.strength import strength
+from mimoc.reporting.infant.who import described
+from mimoc.reporting.page import Page, Section
+from mimoc.version import __version__
+
+__all__ = ["infant_page", "infant_sections"]
+
+
+def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: bool) -> Page:
+    """Return the page of an infant.
+
+    Args:
+        bundle: The infant.
+        progress: Called with how much is done, and how much there is to do.
+        check: Whether to check that its simulation is stable.
+
+    Raises:
+        ModelError: If MuJoCo rejects its model.
+    """
+    steps = (len(bundle.manifest.poses) if check else 0) + 2  # Poses to check, the other sections, and the portrait.
+    progress(0, steps)
+    model, sources = load_model(bundle), Sources(bundle)
+    size, body, sensed = infant_sections(bundle, model, sources)
+    measured = proportions(model, bundle.manifest.child.age_months, sources)
+    progress(1, steps)
+    checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else unchecked()
+    pictures, missing = picture(bundle)
+    progress(steps, steps)
+    return Page(
+        kind="An infant, compiled by mimoc",
+        title=words.sentence(words.name(bundle.manifest.name)),
+        lead=(*described(bundle), *([missing] if missing else [])),
+        sections=(size, measured, body, sensed, checked, sources.section(), origin(bundle)),
+        made_by=f"Made by mimoc {__version__}.",
+        pictures=pictures,
+    )
+
+
+def infant_sections(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> tuple[Section, Section, Section]:
+    """Return the sections on size, on masses and strength, and on the senses of an infant."""
+    return (
+        growth(bundle.manifest.child, sources),
+        strength(bundle, model, sources),
+        senses(bundle, model, sources),
+    )

@@ -1,0 +1,160 @@
+"""What an infant senses, how late, and with how much noise."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import mujoco
+
+from mimoc.bundle.io import Bundle
+from mimoc.delays.spec import MOTOR
+from mimoc.errors import RenderingError
+from mimoc.noise.spec import noise_keys
+from mimoc.reporting import words
+from mimoc.reporting.infant.sources import Sources
+from mimoc.reporting.page import Block, Cell, Section, Text, table
+from mimoc.senses import SENSES
+from mimoc.senses.binding import bind_sense
+
+SNELLEN_CPD = 600.0
+"""20/20 is 30 cycles per degree, so 20/x is 600/x of them."""
+FELT = {
+    "velocity": "how fast each turns",
+    "torque": "the torques in its joints",
+    "limits": "how near each is to the end of its range",
+    "actuation": "how hard each is driven",
+}
+MOVED = {"accelerometer": "its acceleration (with gravity)", "gyro": "how fast it turns"}
+NONE = "This infant has no senses: its observation is a single zero."
+ABOUT = "Delays are whole physics steps of {step:g} ms; a control step takes {control:g} ms."
+
+
+def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
+    """Return the section on an infant's senses, the commands to its muscles included."""
+    manifest = bundle.manifest
+    entries = {name: entry for name, entry in manifest.senses if entry is not None}
+    rows = [
+        [
+            Cell(words.sentence(name)),
+            Cell(_about(name, entry, bundle, model)),
+            Cell(_observation(name, entry, bundle, model), "code"),
+            _delay(name, bundle, sources),
+            _noise(name, bundle, sources),
+        ]
+        for name, entry in entries.items()
+    ]
+    action = Cell(f"action: {_action_size(bundle)} numbers", "code")
+    late, noisy = _delay(MOTOR, bundle, sources), _motor_noise(bundle, sources)
+    rows.append([Cell("Commands"), Cell(_commands(bundle)), action, late, noisy])
+    about = Text(ABOUT.format(step=manifest.timestep_ms, control=manifest.step_ms))
+    blocks: tuple[Block, ...] = (about, table(("", "what it gives", "observation", "delay", "noise"), rows))
+    return Section("senses", "Senses and delays", blocks if entries else (Text(NONE), *blocks))
+
+
+def _about(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
+    if name in ABOUT_SENSES:
+        return ABOUT_SENSES[name](entry, model)
+    told = (SENSES[name].spec.__doc__ or "").strip().splitlines()
+    return words.sentence(told[0]) if told else ""
+
+
+def _about_proprioception(entry: Any, model: mujoco.MjModel) -> str:
+    felt = [f"the angles of {len(entry.joints)} joints", *(FELT.get(each, str(each)) for each in entry.include)]
+    return f"Feels its own posture: {words.listed(felt)}."
+
+
+def _about_balance(entry: Any, model: mujoco.MjModel) -> str:
+    felt = [about for name, about in MOVED.items() if getattr(entry, name)]
+    return f"Feels how its head moves: {words.listed(felt)}."
+
+
+def _about_touch(entry: Any, model: mujoco.MjModel) -> str:
+    skin = [each for each in entry.skin if each.points]
+    total = sum(each.points for each in skin)
+    if not skin:
+        return "Has no skin points."
+    finest, coarsest = min(skin, key=lambda s: s.spacing_m), max(skin, key=lambda s: s.spacing_m)
+    felt = "how hard it is pressed" if entry.quantity == "normal" else "the force, with its direction"
+    spread = f"from {1000 * finest.spacing_m:.1f} mm apart ({words.name(finest.body)})"
+    ends = f"to {1000 * coarsest.spacing_m:.1f} mm ({words.name(coarsest.body)})"
+    return f"Feels {felt}, at {total:,} points of its skin, {spread} {ends}."
+
+
+def _about_vision(entry: Any, model: mujoco.MjModel) -> str:
+    fovy_deg = float(model.camera(entry.cameras[0]).fovy[0]) if entry.cameras else 0.0
+    seen = f"{entry.width_px} {words.TIMES} {entry.height_px} pixels over {fovy_deg:g}° from top to bottom"
+    sharp = "as sharp as its pixels are"
+    if entry.acuity_cpd:
+        sharp = (
+            f"so sharp that it can just tell {entry.acuity_cpd:.2g} stripes in a degree "
+            f"(about 20/{SNELLEN_CPD / entry.acuity_cpd:.0f}; adults: 20/20)"
+        )
+    fovea = ", sharpest in the middle" if entry.foveation else ""
+    return f"Sees with {words.count(len(entry.cameras), 'eye')}: {seen}, {sharp}{fovea}."
+
+
+ABOUT_SENSES: Mapping[str, Callable[[Any, mujoco.MjModel], str]] = {
+    "proprioception": _about_proprioception,
+    "vestibular": _about_balance,
+    "touch": _about_touch,
+    "vision": _about_vision,
+}
+"""What is said of mimoc's own senses; of others, the first line of the help on them."""
+
+
+def _observation(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
+    """Return name and shape of the observations of a sense."""
+    if name == "vision":  # To be known without OpenGL as well.
+        shape = entry.height_px, entry.width_px, 3
+        return ", ".join(f"{camera}: {_product(shape)}" for camera in entry.cameras)
+    try:
+        sense = bind_sense(name, bundle, model)
+    except RenderingError:
+        return ""
+    shapes = {key: space.shape or () for key, space in sense.spaces.items()}
+    sense.close()
+    return ", ".join(f"{key}: {_product(shape)} numbers" for key, shape in shapes.items())
+
+
+def _product(shape: tuple[int, ...]) -> str:
+    return f" {words.TIMES} ".join(map(str, shape))
+
+
+def _delay(signal: str, bundle: Bundle, sources: Sources) -> Cell:
+    delay = getattr(bundle.manifest.delays, signal)
+    legs = f", {delay.legs_ms:g} ms to the legs" if delay.legs_ms is not None else ""
+    if signal != MOTOR:
+        legs = legs.replace("to the", "from the")
+    jitter_ms = bundle.manifest.noise.delay_jitter_ms
+    jitter = f", ± {jitter_ms:g} ms" if jitter_ms and (delay.ms or delay.legs_ms) else ""
+    text = f"{delay.ms:g} ms{legs}{jitter}" if delay.ms or delay.legs_ms else "none"
+    return Cell(text, links=sources.links(f"delays.{signal}.ms"))
+
+
+def _noise(name: str, bundle: Bundle, sources: Sources) -> Cell:
+    key = noise_keys().get(name)
+    amount = getattr(bundle.manifest.noise, key) if key else 0
+    if not key or not amount:
+        return Cell("none")
+    kind = SENSES[name].noise
+    unit = {"deg": "°", "n": " N"}.get(kind.unit, f" {kind.unit}") if kind else ""
+    return Cell(f"SD {amount:g}{unit}", links=sources.links(f"noise.{key}"))
+
+
+def _motor_noise(bundle: Bundle, sources: Sources) -> Cell:
+    share = bundle.manifest.noise.motor
+    return Cell(f"SD {100 * share:.3g} % of the command", links=sources.links("noise.motor")) if share else Cell("none")
+
+
+def _commands(bundle: Bundle) -> str:
+    actuation = bundle.manifest.actuation
+    joints = len({actuator.joint for actuator in actuation.actuators})
+    how = {
+        "torque": f"Torques at {joints} joints, as a share of their peak.",
+        "muscle": f"How hard each muscle pulls: two at each of {joints} joints.",
+        "position": f"The angle that each of {joints} joints is to take.",
+    }
+    return how.get(actuation.model, f"Commands to the actuators of {joints} joints ({actuation.model}).")
+
+
+def _action_size(bundle: Bundle) -> int:
+    return sum(actuator.commanded for actuator in bundle.manifest.actuation.actuators)

@@ -1,0 +1,185 @@
+"""What the parts of an infant weigh, and how strong its joints are."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.bundle.io import Bundle
+from mimoc.bundle.model import in_subtrees
+from mimoc.reporting import words
+from mimoc.reporting.drawing import Dot, Drawing, Label, Path, Point, dot, drawing, label, line
+from mimoc.reporting.infant.sources import Sources
+from mimoc.reporting.page import Cell, Details, Drawings, Section, number, table
+from mimoc.reporting.silhouette import Silhouette, silhouette
+from mimoc.runtime.limits import torque_limits
+from mimoc.units import rad_to_deg
+
+PARTS: Mapping[str, tuple[str, ...]] = {
+    "head": ("head", "left_eye", "right_eye"),
+    "trunk": ("upper_body", "hip", "lower_body", "chest"),
+    "upper arm": ("{side}_upper_arm",),
+    "forearm": ("{side}_lower_arm",),
+    "hand": ("{side}_hand",),
+    "thigh": ("{side}_upper_leg",),
+    "lower leg": ("{side}_lower_leg",),
+    "foot": ("{side}_foot",),
+}
+"""Bodies of each part, the one that is pointed at first; those of hands and feet with all that is attached to them."""
+WITH_ALL = ("hand", "foot")
+JOINTS: Mapping[str, str] = {
+    "neck, nodding": "head_tilt",
+    "shoulder, up and down": "{side}_shoulder_ad_ab",
+    "elbow": "{side}_elbow",
+    "trunk, bending": "hip_bend1",
+    "wrist": "{side}_hand2",
+    "hip, to and fro": "{side}_hip1",
+    "knee": "{side}_knee",
+    "ankle": "{side}_foot1",
+}
+"""Joints that are told in the picture."""
+WIDTH, HEIGHT = 540.0, 500.0
+TOP, FEET = 40.0, 470.0
+LEFT_TEXT, RIGHT_TEXT = 165.0, 375.0
+"""Where the texts at either side end and begin."""
+APART = 34.0
+"""Least distance of two texts."""
+CAPTION = (
+    "Left, the peak torque of a joint in either direction; right, the mass of a part and its share of the body. "
+    "The outline is drawn from the solids that the simulation uses, seen from the front."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A text beside the body, and the point that it is about."""
+
+    at: Point
+    name: str
+    text: str
+
+
+def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
+    """Return the section on the masses of an infant's parts and the strength of its joints."""
+    outline = silhouette(model)
+    figure = Drawings((_figure(bundle, model, outline),), CAPTION, "wide")
+    masses = table(("part", "mass [g]", "share of the body [%]", ""), _mass_rows(model, sources))
+    joints = list(_joint_rows(bundle, model, sources))
+    headings = ("joint", "peak torque [N m]", "range [°]", "")
+    listed = Details("All joints that muscles move", (table(headings, joints),))
+    return Section("body", "Masses and strength", (figure, masses, listed))
+
+
+def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawing:
+    scale = (FEET - TOP) / outline.height_m
+    foot = (WIDTH / 2, FEET)
+    joints = _spread(_joint_notes(bundle, model, outline, scale, foot))
+    parts = _spread(_part_notes(model, outline, scale, foot))
+    paths: list[Path] = [*outline.paths(scale, foot)]
+    dots: list[Dot] = []
+    labels: list[Label] = []
+    for notes, edge, side in ((joints, LEFT_TEXT, "end"), (parts, RIGHT_TEXT, "start")):
+        for note, y in notes:
+            turn = edge + (6 if side == "end" else -6)
+            paths.append(line([(turn, y), note.at], "leader"))
+            dots.append(dot(note.at, "mark", 2.2))
+            labels.append(label((edge, y - 1), note.name, f"strong {side}"))
+            labels.append(label((edge, y + 13), note.text, f"small {side}"))
+    return drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
+
+
+def _joint_notes(
+    bundle: Bundle, model: mujoco.MjModel, outline: Silhouette, scale: float, foot: Point
+) -> Iterator[Note]:
+    """Yield what is said of joints: of the infant's right side, which is on the left, unless it has only the other."""
+    limits = torque_limits(bundle)
+    for name, pattern in JOINTS.items():
+        for side in ("right", "left"):
+            joint = f"robot:{pattern.format(side=side)}"
+            if joint in limits:
+                at = outline.at(outline.figure.data.joint(joint).xanchor, scale, foot)
+                yield Note(at, words.sentence(name), _torques(limits[joint]))
+                break
+
+
+def _part_notes(model: mujoco.MjModel, outline: Silhouette, scale: float, foot: Point) -> Iterator[Note]:
+    """Yield what is said of parts: of the infant's left side, which is on the right, unless it has only the other."""
+    total_kg = float(model.body("hip").subtreemass[0])
+    for name, sides in _masses(model).items():
+        side = next(iter(sides))
+        masses_kg = list(sides.values())
+        body = PARTS[name][0].format(side=side)
+        at = outline.at(outline.figure.data.body(body).xipos, scale, foot)
+        each = " each" if len(sides) == 2 else ""
+        share = 100 * masses_kg[0] / total_kg
+        yield Note(at, words.sentence(name), f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{each}")
+
+
+def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:
+    """Return the notes of one side, from above, each with the height of its text, so that texts do not overlap."""
+    ordered = sorted(notes, key=lambda note: note.at[1])
+    heights = np.array([note.at[1] for note in ordered])
+    for _ in range(200):
+        gaps = np.diff(heights) - APART
+        if not (gaps < -0.01).any():
+            break
+        push = np.minimum(gaps, 0.0) / 2
+        heights[:-1] += push
+        heights[1:] -= push
+        heights = np.clip(heights, TOP - 20, HEIGHT - 20)
+    return list(zip(ordered, heights.tolist(), strict=True))
+
+
+def _masses(model: mujoco.MjModel) -> dict[str, dict[str, float]]:
+    """Return the mass of each part that an infant has, in [kg], by side; the left one first, the middle is empty."""
+    bodies = {model.body(number).name: number for number in range(model.nbody)}
+    found: dict[str, dict[str, float]] = {}
+    for part, patterns in PARTS.items():
+        for side in ("left", "right") if "{side}" in patterns[0] else ("",):
+            ids = [bodies[name] for each in patterns if (name := each.format(side=side)) in bodies]
+            if ids:
+                own = in_subtrees(model, ids) if part in WITH_ALL else ids
+                found.setdefault(part, {})[side] = float(model.body_mass[own].sum())
+    return found
+
+
+def _mass_rows(model: mujoco.MjModel, sources: Sources) -> Iterator[tuple[Cell, ...]]:
+    total_kg = float(model.body("hip").subtreemass[0])
+    for part, sides in _masses(model).items():
+        alike = len({f"{mass:.6g}" for mass in sides.values()}) == 1 and len(sides) == 2
+        for side, mass_kg in list(sides.items())[: 1 if alike else None]:
+            name = f"{words.sentence(part)}, each" if alike else words.sentence(f"{side} {part}".strip())
+            links = sources.links(*(f"body.{body.format(side=side)}.mass" for body in PARTS[part]))
+            share = 100 * mass_kg / total_kg
+            yield Cell(name), number(f"{1000 * mass_kg:.0f}"), number(f"{share:.1f}"), Cell("", links=links)
+    yield Cell("The whole body"), number(f"{1000 * total_kg:.0f}"), number("100"), Cell("")
+
+
+def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iterator[tuple[Cell, ...]]:
+    """Yield a row for each joint, one for both sides where they are alike."""
+    actuators: dict[str, list[str]] = {}
+    for actuator in bundle.manifest.actuation.actuators:
+        actuators.setdefault(actuator.joint, []).append(actuator.name)
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for joint, limits_nm in torque_limits(bundle).items():
+        low, high = (rad_to_deg(float(limit)) for limit in model.joint(joint).range)
+        unsided = joint.removeprefix("robot:").replace("left_", "").replace("right_", "")
+        told = (unsided, _torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
+        rows.setdefault(told, []).append(joint)
+    for (name, torques, reach), joints in rows.items():
+        sides = "" if len(joints) == 2 else next((s for s in ("left ", "right ") if f"{s[:-1]}_" in joints[0]), "")
+        keys = [f"actuator.{actuator}.gear" for actuator in actuators.get(joints[0], ())]
+        links = sources.links(*keys, f"joint.{joints[0]}.range")
+        yield Cell(words.sentence(sides + words.name(name))), number(torques), number(reach), Cell("", links=links)
+
+
+def _torques(limits_nm: tuple[float, float]) -> str:
+    """Return the peak torques in either direction."""
+    low, high = (words.figure(abs(limit), 2) for limit in limits_nm)
+    told = low if low == high else f"{low} / {high}"
+    return f"{told}{words.THIN_SPACE}N{words.THIN_SPACE}m"
+
+
+def _grams(mass_kg: float) -> str:
+    return words.quantity(mass_kg, "kg") if mass_kg >= 1 else f"{1000 * mass_kg:.0f}{words.THIN_SPACE}g"

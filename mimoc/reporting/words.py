@@ -1,0 +1,98 @@
+"""Numbers and names as readers know them."""
+
+import math
+
+THIN_SPACE, MINUS, TIMES, NOTHING = "\u202f", "\u2212", "\u00d7", "\u2013"
+FEW, MANY = 3.0, 97.0
+"""Percentiles between which WHO's charts draw the usual range."""
+LOW, HIGH = 15.0, 85.0
+"""Percentiles between which 7 of 10 children are, the inner band of those charts."""
+
+INDICATORS = {
+    "length_cm": ("Length", "cm", "shorter", "short", "long"),
+    "weight_kg": ("Weight", "kg", "lighter", "light", "heavy"),
+    "head_circumference_cm": ("Head circumference", "cm", "smaller", "small", "large"),
+    "arm_circumference_cm": ("Upper-arm circumference", "cm", "thinner", "thin", "thick"),
+}
+"""Of each of WHO's indicators: its name, its unit, what a child that has less of it is, and the words for little and
+much of it."""
+CHILDREN = {"male": "boys", "female": "girls", None: "children"}
+
+
+def figure(value: float, digits: int = 3) -> str:
+    """Return a number with some significant digits, and never with an exponent that a reader need not see."""
+    if not math.isfinite(value):
+        return NOTHING
+    if value == 0:
+        return "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value)) + 1e-12))
+    return f"{value:,.{min(decimals, 9)}f}".replace("-", MINUS) if abs(value) >= 1e-6 else f"{value:.{digits}g}"
+
+
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """Return a number with its unit."""
+    return f"{figure(value, digits)}{THIN_SPACE}{unit}"
+
+
+def signed(value: float, decimals: int = 1) -> str:
+    """Return a number with its sign."""
+    return f"{round(value, decimals) + 0.0:+.{decimals}f}".replace("-", MINUS)
+
+
+def age(age_months: float) -> str:
+    """Return an age as it is said: `newborn`, `9 months`."""
+    if age_months == 0:
+        return "newborn"
+    return "1 month" if age_months == 1 else f"{age_months:.4g} months"
+
+
+def of_age(age_months: float) -> str:
+    """Return the end of a phrase such as `girls of 9 months`."""
+    return "at birth" if age_months == 0 else f"of {age(age_months)}"
+
+
+def rank(indicator: str, percentile: float, sex: str | None, age_months: float) -> str:
+    """Return where a child stands among others, in words: how many of a hundred have less."""
+    _, _, less, little, much = INDICATORS[indicator]
+    if percentile < FEW:
+        verdict = f"unusually {little}"
+    elif percentile < LOW:
+        verdict = f"rather {little}"
+    elif percentile <= HIGH:
+        verdict = "usual"
+    elif percentile <= MANY:
+        verdict = f"rather {much}"
+    else:
+        verdict = f"unusually {much}"
+    among = f"100 {CHILDREN[sex]} {of_age(age_months)}"
+    return f"{verdict}: {_share(percentile)} of {among} {'is' if _is_one(percentile) else 'are'} {less}"
+
+
+def name(identifier: str) -> str:
+    """Return an identifier as words: `crown_rump_length` is `crown rump length`."""
+    return " ".join(identifier.replace("_", " ").split())
+
+
+def sentence(text: str) -> str:
+    """Return a text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+def listed(items: list[str]) -> str:
+    """Return some things as a list in a sentence."""
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}" if items else "none"
+
+
+def count(number: int, one: str, many: str = "") -> str:
+    """Return how many of something there are: `1 job`, `3 jobs`."""
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
+def _is_one(percentile: float) -> bool:
+    return round(percentile) == 1 or percentile < 1
+
+
+def _share(percentile: float) -> str:
+    if percentile < 1:
+        return "fewer than 1"
+    return "more than 99" if percentile > 99 else f"about {percentile:.0f}"

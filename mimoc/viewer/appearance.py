@@ -1,0 +1,98 @@
+"""Materials, pictures and skins of a model, for a page."""
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from mimoc.bundle.variants import Variant
+from mimoc.viewer.growth import own_parts
+from mimoc.viewer.packing import Packed
+from mimoc.viewer.skins import rows_of, skin_of
+
+BONES = 4
+"""Bodies that move a vertex, at most."""
+
+
+def describe_materials(packed: Packed, model: mujoco.MjModel) -> dict[str, Any]:
+    """Return the materials of a model and their pictures as PNGs; those of a cube are six, one below the other."""
+    textures = model.mat_texid[:, mujoco.mjtTextureRole.mjTEXROLE_RGB]
+    used = sorted({int(texture) for texture in textures if texture >= 0})
+    return {
+        "materials": [
+            {
+                "name": model.mat(index).name,
+                "rgba": model.mat_rgba[index].tolist(),
+                "texture": used.index(textures[index]) if textures[index] >= 0 else None,
+                "repeat": model.mat_texrepeat[index].tolist(),
+            }
+            for index in range(model.nmat)
+        ],
+        "textures": [
+            {
+                "cube": bool(model.tex_type[index] == mujoco.mjtTexture.mjTEXTURE_CUBE),
+                "png": packed.put(np.frombuffer(_png(model, index), np.uint8)),
+            }
+            for index in used
+        ],
+    }
+
+
+def _png(model: mujoco.MjModel, index: int) -> bytes:
+    height, width, channels = model.tex_height[index], model.tex_width[index], model.tex_nchannel[index]
+    first = model.tex_adr[index]
+    pixels = model.tex_data[first : first + height * width * channels].reshape(height, width, channels)
+    file = io.BytesIO()
+    Image.fromarray(pixels[..., 0] if channels == 1 else pixels).save(file, "PNG", compress_level=9)
+    return file.getvalue()
+
+
+def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+    """Return the skins of an infant at some ages, which have the same vertices at each; None if it has none."""
+    models = [variant.model for variant in variants]
+    if not models[0].nskin:
+        return None
+    own = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
+    return {
+        "ages_months": list(ages_months),
+        "layers": [_layer(packed, models, index, own) for index in range(models[0].nskin)],
+    }
+
+
+def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: list[int]) -> dict[str, Any]:
+    """Return one skin; its bones are bound to a pose of their own at each age."""
+    model = models[0]
+    verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))
+    first, _ = model.skin_texcoordadr[index], model.skin_vertnum[index]
+    texcoords = model.skin_texcoord[first : first + model.skin_vertnum[index]] if first >= 0 else None
+    moved_by, weights = _strongest(skin_of(model, index).weights)
+    return {
+        "name": model.skin(index).name,
+        "material": int(model.skin_matid[index]),
+        "faces": packed.put(model.skin_face[faces].astype(np.uint32)),
+        "texcoords": None if texcoords is None else packed.put(texcoords),
+        "bones": packed.put(np.array([own.index(body) for body in model.skin_bonebodyid[bones]])),
+        "moved_by": packed.put(moved_by.astype(np.uint8)),
+        "weights": packed.put(weights),
+        "verts": packed.put_places(np.stack([each.skin_vert[verts] for each in models])),
+        "bind_pos": packed.put(np.stack([each.skin_bonebindpos[bones] for each in models])),
+        "bind_quat": packed.put(np.stack([each.skin_bonebindquat[bones] for each in models])),
+    }
+
+
+def _strongest(weights: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+    """Return the bones that move each vertex most, as numbers within the skin, and their weights, shapes (n, 4).
+
+    Weights are bytes whose sum is 255 for each vertex: where it is not, a vertex is pulled towards the origin.
+    """
+    width = max(BONES, weights.shape[1])
+    weights = np.pad(weights, ((0, 0), (0, width - weights.shape[1])))
+    order = np.argsort(-weights, axis=1, kind="stable")[:, :BONES]
+    chosen = np.take_along_axis(weights, order, 1)
+    shares = np.rint(255 * chosen / chosen.sum(axis=1, keepdims=True)).astype(int)
+    shares[:, 0] += 255 - shares.sum(axis=1)
+    return order, shares.astype(np.uint8)

@@ -1,0 +1,179 @@
+"""A page that shows an environment while it runs, served by viser to browsers on this machine."""
+
+import time
+from types import TracebackType
+from typing import Any, Self
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.errors import MimocError, MissingExtraError
+from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
+from mimoc.runtime.env import InfantEnv
+from mimoc.viewer.skins import coloured_faces, skin_of, texture_of
+from mimoc.viewer.solids import mesh_of
+
+HOST = "localhost"
+"""Others on the network see nothing."""
+PORT = 8080
+CAMERA_M = (0.9, 0.6, 0.5)
+"""From where browsers look at first, relative to the infant."""
+PICTURE_S = 0.04
+"""Simulated time between what browsers are sent; moving a skin takes some milliseconds."""
+PAUSE_S = 0.02
+"""How often a paused page looks whether it goes on."""
+COLOURS = 6
+"""Of the pictures on a skin: faces of each are a mesh of their own."""
+
+
+class LiveView:
+    """Serves what an environment does, in real time.
+
+    with LiveView(env) as live:
+        print(live.address)
+        for _ in range(1000):
+            env.step(env.action_space.sample())
+            live.show()
+    """
+
+    def __init__(self, env: InfantEnv, port: int = PORT):
+        """Serve an environment, which has been reset.
+
+        Args:
+            env: The environment.
+            port: Port of this machine; the next free one if it is taken.
+
+        Raises:
+            MissingExtraError: If viser is not installed.
+            MimocError: If no port is free.
+        """
+        self._env = env
+        self._server: Any = _serve(port, env.manifest.name)
+        self._server.gui.configure_theme(show_share_button=False)  # It would ask a server elsewhere.
+        self._bodies = self._add_bodies(env.model)
+        self._skins = self._add_skins(env.model)
+        self._pause = self._server.gui.add_checkbox("Pause", initial_value=False)
+        self._told = self._server.gui.add_markdown("")
+        root = env.data.body(env.manifest.root_body).xpos
+        self._server.initial_camera.look_at = tuple(root)
+        self._server.initial_camera.position = tuple(root + np.array(CAMERA_M))
+        self._start_s, self._shown_s = self._ahead_s(), -PICTURE_S
+        self.show()
+
+    @property
+    def address(self) -> str:
+        """Address to open in a browser."""
+        return f"http://{HOST}:{self._server.get_port()}"
+
+    def show(self) -> None:
+        """Show the environment as it is now, when its time has come; wait while the page is paused."""
+        while self._pause.value:
+            time.sleep(PAUSE_S)
+            self._start_s = self._ahead_s()
+        early_s = self._ahead_s() - self._start_s
+        if early_s < 0:  # Slower than real time, or reset: count from now on.
+            self._start_s += early_s
+        time.sleep(max(early_s, 0.0))
+        if 0 <= self._env.data.time - self._shown_s < PICTURE_S - 1e-6:
+            return
+        self._shown_s = self._env.data.time
+        self._send()
+
+    def _send(self) -> None:
+        data = self._env.data
+        with self._server.atomic():
+            for body, frame in self._bodies.items():
+                frame.position, frame.wxyz = data.xpos[body], data.xquat[body]
+            for mesh, bodies in self._skins:
+                for bone, body in zip(mesh.bones, bodies, strict=True):
+                    bone.position, bone.wxyz = data.xpos[body], data.xquat[body]
+        self._told.content = f"{data.time:.1f} s"
+
+    def close(self) -> None:
+        """Stop serving; closing twice is fine."""
+        self._server.stop()
+
+    def __enter__(self) -> Self:
+        """Return this."""
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        """Stop serving."""
+        self.close()
+
+    def _add_bodies(self, model: mujoco.MjModel) -> dict[int, Any]:
+        """Add all geoms, and return the frame of each body that has any."""
+        scene = self._server.scene
+        scene.set_up_direction("+z")
+        frames: dict[int, Any] = {}
+        for geom in np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP).tolist():
+            if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
+                scene.add_grid(f"/{model.geom(geom).name}", width=4, height=4, cell_size=0.1)
+                continue
+            body = int(model.geom_bodyid[geom])
+            name = f"/{model.body(body).name}"
+            if body not in frames:
+                frames[body] = scene.add_frame(name, show_axes=False)
+            vertices_m, faces = mesh_of(model, geom)
+            scene.add_mesh_simple(
+                f"{name}/{model.geom(geom).name}",
+                vertices_m,
+                faces,
+                color=_colour(model, geom),
+                position=model.geom_pos[geom],
+                wxyz=model.geom_quat[geom],
+            )
+        return frames
+
+    def _add_skins(self, model: mujoco.MjModel) -> list[tuple[Any, list[int]]]:
+        """Add all skins, and return their meshes, each with the bodies that move it."""
+        found = []
+        for index in range(model.nskin):
+            skin = skin_of(model, index)
+            for colour, faces in coloured_faces(model, index, COLOURS):
+                used, renumbered = np.unique(faces, return_inverse=True)
+                movers = np.flatnonzero(skin.weights[used].any(axis=0))
+                mesh = self._server.scene.add_mesh_skinned(
+                    f"/skins/{model.skin(index).name}/{len(found)}",
+                    skin.vertices_m[used],
+                    renumbered.reshape(-1, 3),
+                    bone_wxyzs=skin.bind_quat[movers],
+                    bone_positions=skin.bind_pos[movers],
+                    skin_weights=skin.weights[np.ix_(used, movers)],
+                    color=colour,
+                    side="double",
+                )
+                found.append((mesh, skin.bodies[movers].tolist()))
+        return found
+
+    def _ahead_s(self) -> float:
+        """Return how far the simulation's clock is ahead of the wall's, but for a constant."""
+        return self._env.data.time - time.monotonic()
+
+
+def _serve(port: int, name: str) -> Any:
+    try:
+        import viser
+    except ImportError:
+        raise MissingExtraError("viser", "live") from None
+    try:
+        return viser.ViserServer(host=HOST, port=port, label=name, verbose=False)
+    except OSError as error:
+        raise MimocError(
+            f"port {port} cannot be used ({error.strerror or error}); choose another with --port"
+        ) from None
+
+
+def _colour(model: mujoco.MjModel, geom: int) -> tuple[int, int, int]:
+    """Return the colour of a geom, 0 to 255; of a textured one, the mean of its texture."""
+    material = model.geom_matid[geom]
+    if material < 0:
+        return _whole(255 * model.geom_rgba[geom, :3])
+    pixels = texture_of(model, material)
+    return _whole(model.mat_rgba[material, :3] * (255 if pixels is None else pixels.mean(axis=(0, 1))))
+
+
+def _whole(rgb: npt.NDArray[Any]) -> tuple[int, int, int]:
+    red, green, blue = np.rint(rgb).astype(int).tolist()
+    return red, green, blue

@@ -1,0 +1,81 @@
+"""Skins of a model for what draws no textures: bound vertices, weights, and faces by colour."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+Array = npt.NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class BoundSkin:
+    """One skin as it is bound to bodies."""
+
+    vertices_m: Array
+    """Shape (n, 3)."""
+    weights: Array
+    """Shape (n, bodies); they sum to 1 for each vertex."""
+    bodies: Array
+    """Those that move it, shape (bodies,)."""
+    bind_pos: Array
+    """Where they are when the vertices are as above, shape (bodies, 3), [m]."""
+    bind_quat: Array
+    """Shape (bodies, 4)."""
+
+
+def skin_of(model: mujoco.MjModel, index: int) -> BoundSkin:
+    """Return a skin by its number."""
+    verts, bones = rows_of(model, "vert", index), rows_of(model, "bone", index)
+    weights = np.zeros((verts.stop - verts.start, bones.stop - bones.start))
+    for bone in range(bones.start, bones.stop):
+        first = model.skin_bonevertadr[bone]
+        rows = slice(first, first + model.skin_bonevertnum[bone])
+        weights[model.skin_bonevertid[rows], bone - bones.start] = model.skin_bonevertweight[rows]
+    return BoundSkin(
+        model.skin_vert[verts],
+        weights / weights.sum(axis=1, keepdims=True),
+        model.skin_bonebodyid[bones],
+        model.skin_bonebindpos[bones],
+        model.skin_bonebindquat[bones],
+    )
+
+
+def rows_of(model: mujoco.MjModel, kind: str, index: int) -> slice:
+    """Return the rows of a skin in the model's arrays of a kind: `vert`, `face` or `bone`."""
+    first = getattr(model, f"skin_{kind}adr")[index]
+    return slice(first, first + getattr(model, f"skin_{kind}num")[index])
+
+
+def coloured_faces(model: mujoco.MjModel, index: int, colours: int) -> Iterator[tuple[tuple[int, int, int], Array]]:
+    """Yield the colours of a skin, 0 to 255, at most so many, each with its faces, shape (m, 3)."""
+    faces, material = model.skin_face[rows_of(model, "face", index)], model.skin_matid[index]
+    rgba = model.mat_rgba[material] if material >= 0 else model.skin_rgba[index]
+    pixels, first = texture_of(model, material), model.skin_texcoordadr[index]
+    if pixels is None or first < 0:
+        red, green, blue = np.rint(255 * rgba[:3]).astype(int).tolist()
+        yield (red, green, blue), faces
+        return
+    across, down = (model.skin_texcoord[first + faces].mean(axis=1) * model.mat_texrepeat[material] % 1.0).T
+    height, width = pixels.shape[:2]
+    seen = pixels[(down * height).astype(int), (across * width).astype(int)] * rgba[:3]
+    few = Image.fromarray(seen[None].astype(np.uint8), "RGB").quantize(colours, Image.Quantize.MEDIANCUT)
+    palette, chosen = np.array(few.getpalette()).reshape(-1, 3), np.asarray(few)[0]
+    for number in np.unique(chosen).tolist():
+        red, green, blue = palette[number].tolist()
+        yield (red, green, blue), faces[chosen == number]
+
+
+def texture_of(model: mujoco.MjModel, material: int) -> Array | None:
+    """Return the picture of a material, shape (height, width, 3), 0 to 255; None if it has none."""
+    texture = model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB] if material >= 0 else -1
+    if texture < 0:
+        return None
+    height, width, channels = model.tex_height[texture], model.tex_width[texture], model.tex_nchannel[texture]
+    first = model.tex_adr[texture]
+    pixels = model.tex_data[first : first + height * width * channels].reshape(height, width, channels)
+    return np.broadcast_to(pixels[..., :3], (height, width, 3)) if channels == 1 else pixels[..., :3]

@@ -1,0 +1,31 @@
+// What the page knows: plain data in which arrays stand as {values, shape, unit}; see packing.py.
+
+const KINDS = { f4: Float32Array, i2: Int16Array, u4: Uint32Array, u1: Uint8Array };
+
+export async function readData(document) {
+  const text = (id) => document.getElementById(id).textContent;
+  const { arrays, ...data } = JSON.parse(text("data"));
+  const { buffer } = await unzip(bytesOf(text("block")));
+  return withArrays(data, arrays.map((each) => arrayOf(buffer, each)));
+}
+
+export function bytesOf(base64) {
+  return Uint8Array.from(atob(base64.trim()), (letter) => letter.charCodeAt(0));
+}
+
+export async function unzip(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+function arrayOf(buffer, { at, kind, shape }) {
+  const count = shape.reduce((product, size) => product * size, 1);
+  return { values: new KINDS[kind](buffer, at, count), shape };
+}
+
+function withArrays(value, arrays) {
+  if (Array.isArray(value)) return value.map((each) => withArrays(each, arrays));
+  if (value === null || typeof value !== "object") return value;
+  if ("array" in value) return { ...arrays[value.array], unit: value.unit ?? 1 };
+  return Object.fromEntries(Object.entries(value).map(([key, each]) => [key, withArrays(each, arrays)]));
+}

@@ -1,0 +1,132 @@
+"""Which bodies move each vertex, and how much."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from fields import Array, Solid
+from figure import folded
+from meshing import edges_of
+from scipy.sparse import coo_matrix, diags, eye
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
+
+BONES = 4
+"""Bodies that move a vertex, at most."""
+SPREAD = {
+    "upper_arm": 14.0,
+    "lower_arm": 8.5,
+    "upper_leg": 15.0,
+    "lower_leg": 10.0,
+    "foot": 8.0,
+    "toes": 3.3,
+    "big_toe": 3.3,
+}
+"""How far the hold of a body fades out along the skin, [mm]; of a hand's parts below, of the trunk 16."""
+HANDS = {"hand": 4.0, "fingers": 3.6, "lfmetacarpal": 3.0, "thbase": 3.4}
+TRUNK, FINGER = 16.0, 2.1
+LUMBAR = (("hip", -99.0, 23.0), ("lower_body", 23.0, 104.0), ("upper_body", 104.0, 226.0), ("chest", 226.0, 999.0))
+"""Bodies of the trunk, from height to height, [mm]."""
+
+
+def weights(verts: Array, faces: np.ndarray, solids: Sequence[Solid], names: Sequence[str]) -> Array:
+    """Return the weight of each body for each vertex, shape (vertices, names); at most four, which sum to 1."""
+    owner = owners(verts, solids)
+    index = {name: number for number, name in enumerate(names)}
+    start = np.zeros((len(verts), len(names)))
+    start[np.arange(len(verts)), [index[name] for name in owner]] = 1
+    spread = np.array([_spread(name) for name in owner])
+    return quantized(_diffused(verts, faces, start, spread))
+
+
+def owners(verts: Array, solids: Sequence[Solid]) -> np.ndarray:
+    """Return the body whose shape is nearest to each vertex; of the trunk, the one at its height."""
+    own = [solid for solid in solids if solid.group not in ("sole",)]
+    distances = np.column_stack([solid.field(folded(verts)) + _late(solid) for solid in own])
+    nearest = distances.argmin(axis=1)
+    side = np.where(verts[:, 1] > 0, "left", "right")
+    found = [own[each].part.format(side=which) for each, which in zip(nearest, side, strict=True)]
+    levels = np.searchsorted([high for _, _, high in LUMBAR], verts[:, 2])
+    trunk = {"hip", "chest"}
+    return np.array([LUMBAR[level][0] if name in trunk else name for name, level in zip(found, levels, strict=True)])
+
+
+def _late(solid: Solid) -> float:
+    """Return how much farther a shape counts as, so that webs between fingers belong to the palm."""
+    return {"finger": 1.3, "toe": 1.2, "neck": 2.0}.get(solid.group, 0.0)
+
+
+def _spread(name: str) -> float:
+    part = name.removeprefix("left_").removeprefix("right_")
+    if part in ("hip", "lower_body", "upper_body", "chest", "head"):
+        return TRUNK
+    return SPREAD.get(part) or HANDS.get(part) or FINGER
+
+
+def _diffused(verts: Array, faces: np.ndarray, start: Array, spread: Array) -> Array:
+    """Return weights that fade out along the skin over a distance: the solution of (1 - spread² Laplace) w = start."""
+    edges = edges_of(faces)
+    count = len(verts)
+    lengths = np.linalg.norm(verts[edges[:, 0]] - verts[edges[:, 1]], axis=1)
+    ones = coo_matrix((np.ones(len(edges)), edges.T), shape=(count,) * 2)
+    ones = (ones + ones.T).tocsr()
+    degree = np.maximum(np.asarray(ones.sum(axis=1)).ravel(), 1)
+    size = np.bincount(edges.ravel(), np.repeat(lengths, 2), minlength=count) / degree
+    average = diags(1 / degree) @ ones
+    for _ in range(6):
+        spread = 0.5 * spread + 0.5 * (average @ spread)
+    share = 4 * (spread / size) ** 2
+    half = splu((eye(count) + diags(share / 2) @ (eye(count) - average)).tocsc())
+    return half.solve(half.solve(start))
+
+
+def quantized(values: Array) -> Array:
+    """Return weights of at most four bodies for each vertex, as 255ths that sum to 1."""
+    order = np.argsort(-values, axis=1)[:, :BONES]
+    top = np.take_along_axis(values, order, axis=1)
+    top = np.where(top < 0.05, 0, top)
+    top /= top.sum(axis=1, keepdims=True)
+    parts = np.floor(top * 255)
+    parts[:, 0] += 255 - parts.sum(axis=1)
+    found = np.zeros_like(values)
+    np.put_along_axis(found, order, parts / 255, axis=1)
+    return found
+
+
+CLOTH = 6.0
+"""How much farther the hold of a body fades out along cloth, [mm]."""
+
+
+def carried_over(verts: Array, own: Array, other: Array, faces: np.ndarray, twins: np.ndarray) -> Array:
+    """Return the weights of a layer on the skin, from those of the four nearest vertices of the skin.
+
+    Args:
+        verts: Of the skin.
+        own: Weights of the skin.
+        other: Vertices of the layer.
+        faces: Of the layer.
+        twins: The vertex of the layer that each one moves with.
+    """
+    far, near = cKDTree(verts).query(other, k=4)
+    share = 1 / np.maximum(far, 0.3) ** 2
+    share /= share.sum(axis=1, keepdims=True)
+    start = np.einsum("nk,nkb->nb", share, own[near])
+    return quantized(_diffused(other, faces, start, np.full(len(other), CLOTH))[twins])
+
+
+HANGING = 0.45
+"""Share of a thigh's hold that the hem of a shirt takes over, and the trousers under it; the rest is the hip's."""
+UNDER_SHIRT = (-16.0, 6.0)
+"""Heights from where trousers begin to hang to where they do as the shirt does, [mm]."""
+
+
+def eased(held: Array, names: Sequence[str], cloth: str, verts: Array) -> Array:
+    """Return the weights that a piece of clothing takes over from the skin below, whose vertices are given."""
+    found, share = held.copy(), np.full(len(verts), HANGING)
+    if cloth == "trousers":
+        share = np.interp(verts[:, 2], UNDER_SHIRT, (1.0, HANGING))
+    hip = list(names).index("hip")
+    for side in ("left", "right"):
+        thigh = list(names).index(f"{side}_upper_leg")
+        found[:, hip] += (1 - share) * found[:, thigh]
+        found[:, thigh] *= share
+    return found

@@ -1,0 +1,201 @@
+"""The skin: one mesh for each kind of hands, carried to every child by its solids."""
+
+import json
+from functools import cache
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from support.skin_bodies import child, children
+
+from mimoc.body.kinematics import frames, frames_in_world
+from mimoc.body.poses import POSES, resting_state
+from mimoc.looks.skin.carrying import skin_of
+from mimoc.looks.skin.face import newborn_share
+from mimoc.looks.skin.sculpture import sculpture
+from mimoc.looks.skin.unwrapping import unwrapped, wrapped
+from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
+
+HANDS = ("mitten", "five_finger")
+AGES_MONTHS = (0, 9, 24)
+FARTHEST_STRETCH = 4
+RIM = 1.12
+"""The rims of the lids are within so many radii of an eyeball."""
+BELOW_FLOOR_M = 0.002
+"""How far skin may be below the floor that the solids rest on, or above it where it rests."""
+
+
+@cache
+def layers(age_months: float, hands: str) -> tuple[SkinLayer, ...]:
+    return skin_of(child(age_months, hands)).layers
+
+
+def edges(layer: SkinLayer) -> np.ndarray:
+    return np.unique(np.sort(layer.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+
+
+def posed(layer: SkinLayer, placed) -> np.ndarray:
+    """Return where bodies take the vertices of a layer, as MuJoCo does it."""
+    found = np.zeros_like(layer.verts_m)
+    for index, bone in enumerate(layer.bones):
+        origin, turn = placed[bone]
+        (moved,) = np.nonzero(layer.weights[:, index])
+        own = (layer.verts_m[moved] - layer.origins_m[index]) @ (turn @ layer.turns[index].T).T + origin
+        found[moved] += layer.weights[moved, index, None] * own
+    return found
+
+
+def lengths(verts: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(verts[pairs[:, 0]] - verts[pairs[:, 1]], axis=1)
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_all_ages_have_the_same_faces_textures_and_weights(hands):
+    for young, old in zip(layers(0, hands), layers(24, hands), strict=True):
+        assert (young.name, young.bones) == (old.name, old.bones)
+        for array in ("faces", "texcoords", "weights"):
+            assert np.array_equal(getattr(young, array), getattr(old, array))
+        assert young.verts_m.shape == old.verts_m.shape
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_weights_of_a_vertex_sum_to_one_and_are_of_at_most_four_bodies(hands):
+    for layer in layers(9, hands):
+        assert np.allclose(layer.weights.sum(axis=1), 1, atol=1e-12)
+        assert (layer.weights >= 0).all()
+        assert (layer.weights > 0).sum(axis=1).max() <= 4
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_no_edge_is_stretched_more_than_four_times_in_random_poses(hands):
+    random = np.random.default_rng(16)
+    for age_months in AGES_MONTHS:
+        tree = child(age_months, hands)
+        kept = [(layer, edges(layer)) for layer in layers(age_months, hands)]
+        for _ in range(30):
+            placed = frames(
+                tree, {name: np.radians(random.uniform(*joint.range_deg)) for name, joint in tree.joints.items()}
+            )
+            for layer, pairs in kept:
+                longer = lengths(posed(layer, placed), pairs) / lengths(layer.verts_m, pairs)
+                assert longer.max() <= FARTHEST_STRETCH, (layer.name, age_months)
+
+
+@pytest.mark.parametrize("hands", HANDS)
+@pytest.mark.parametrize("age_months", [0, 6, 9, 18, 24])
+def test_skin_rests_on_the_floor_where_solids_do(age_months, hands):
+    tree = child(age_months, hands)
+    for name, pose in POSES.items():
+        placed = frames_in_world(tree, resting_state(tree, pose))
+        lowest = min(posed(layer, placed)[:, 2].min() for layer in layers(age_months, hands))
+        assert -BELOW_FLOOR_M < lowest < BELOW_FLOOR_M, name
+
+
+@settings(max_examples=8)
+@given(tree=children())
+def test_every_child_has_a_skin_that_is_near_its_solids(tree):
+    """However long, stout or one-sided: each vertex is as near to them as on the reference child, and a bit."""
+    average = {layer.name: layer for layer in layers(9, tree.hands)}
+    for layer in skin_of(tree).layers:
+        assert np.isfinite(layer.verts_m).all()
+        ratio = lengths(layer.verts_m, edges(layer)) / np.maximum(
+            lengths(average[layer.name].verts_m, edges(layer)), 1e-4
+        )
+        assert np.quantile(ratio, 0.999) < 4
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_who_misses_a_limb_has_a_closed_stump(hands):
+    whole, stump = layers(9, hands), skin_of(child(hands=hands, remove=["left_upper_arm", "right_lower_leg"])).layers
+    for one, other in zip(whole, stump, strict=True):
+        assert not [bone for bone in other.bones if bone.startswith(("left_upper_arm", "left_lower_arm", "left_hand"))]
+        assert len(other.faces) <= len(one.faces)
+        assert np.isfinite(other.verts_m).all()
+        assert np.allclose(other.weights.sum(axis=1), 1)
+    body, trunk = stump[0], {bone: index for index, bone in enumerate(stump[0].bones)}
+    left = body.verts_m[body.weights[:, trunk["right_upper_leg"]] > 0.5]
+    assert len(left)
+
+
+def test_who_misses_an_eye_has_its_lids_closed():
+    def opening_m(**body) -> float:
+        """Return how far apart the lids of the left eye are."""
+        tree = child(9, **body)
+        head, reference = skin_of(tree).layers[-1], sculpture("mitten").head
+        place = reference.eye_m * (1, -1, 1)
+        rim = np.linalg.norm(reference.verts_m - place, axis=1) < RIM * reference.eye_radius_m
+        middle = rim & (np.abs(reference.verts_m[:, 1] - place[1]) < 0.003)
+        return float(np.ptp(head.verts_m[middle][:, 2]))
+
+    assert opening_m(remove=["left_eye"]) < 0.6 * opening_m()
+
+
+def test_newborns_have_a_flatter_nose_and_a_smaller_chin():
+    reference = sculpture("mitten").head
+    older, newborn = reference.verts_m / reference.half_axes_m, reference.newborn_m / reference.half_axes_m
+    middle = np.abs(older[:, 1]) < 0.2
+    for part in (middle & (np.abs(older[:, 2] + 0.27) < 0.1), middle & (older[:, 2] < -0.7)):
+        assert newborn[part, 0].max() < 0.96 * older[part, 0].max()
+
+
+def test_the_face_of_a_newborn_changes_until_six_months():
+    assert [newborn_share(age) for age in (0, 3, 6, 24)] == pytest.approx([1, 0.5, 0, 0])
+
+
+def test_places_in_the_picture_of_a_face_show_their_directions():
+    directions = np.random.default_rng(0).normal(size=(200, 3))
+    again = wrapped(unwrapped(directions))
+    assert np.allclose(again, directions / np.linalg.norm(directions, axis=1, keepdims=True), atol=1e-9)
+
+
+@pytest.mark.matrix
+@pytest.mark.parametrize("hands", HANDS)
+def test_mujoco_reads_what_is_written(built, hands):
+    from mimoc.bundle.model import load_model
+
+    bundle = built(body={"hands": hands})
+    model = load_model(bundle)
+    assert [model.skin(index).name for index in range(model.nskin)] == ["body", "shirt", "trousers", "head"]
+    for layer in layers(9, hands):
+        index = model.skin(layer.name).id
+        first, count = model.skin_vertadr[index], model.skin_vertnum[index]
+        assert np.array_equal(model.skin_vert[first : first + count], single(layer.verts_m))
+        assert model.skin_facenum[index] == len(layer.faces)
+        assert len(encode_skn(layer)) == len(bundle.files[layer.file])
+
+
+def test_names_of_bodies_fit_into_the_file():
+    assert max(len(bone) for hands in HANDS for layer in layers(9, hands) for bone in layer.bones) < NAME_BYTES
+
+
+def test_skin_changes_neither_names_nor_physics(built):
+    """Four hundred steps under random commands are equal to the bit."""
+    from mimoc.bundle.model import load_model
+
+    models = [load_model(built(body={"skin": skin}, scene={"pose": "sitting"})) for skin in (True, False)]
+    datas = [mujoco.MjData(model) for model in models]
+    for model, data in zip(models, datas, strict=True):
+        mujoco.mj_resetDataKeyframe(model, data, model.key("sitting").id)
+    for kind in ("body", "jnt", "geom", "site", "cam", "actuator", "sensor", "key"):
+        names = [
+            [model.names[address : address + 40].split(b"\0")[0] for address in getattr(model, f"name_{kind}adr")]
+            for model in models
+        ]
+        assert names[0] == names[1]
+    random = np.random.default_rng(1)
+    for _ in range(400):
+        command = random.uniform(-1, 1, models[0].nu)
+        for model, data in zip(models, datas, strict=True):
+            data.ctrl[:] = command
+            mujoco.mj_step(model, data)
+    assert np.array_equal(datas[0].qpos, datas[1].qpos)
+    assert np.array_equal(datas[0].sensordata, datas[1].sensordata)
+
+
+@pytest.mark.parametrize("hands", HANDS)
+def test_skin_adds_less_than_a_megabyte_to_a_bundle(built, hands):
+    with_skin, without = (built(body={"hands": hands, "skin": skin}).files for skin in (True, False))
+    assert sum(map(len, with_skin.values())) - sum(map(len, without.values())) < 1_000_000
+    assert json.loads(with_skin["manifest.json"])["face"]["skin"] == "head"
+    assert json.loads(without["manifest.json"])["face"]["skin"] is None

@@ -1,0 +1,47 @@
+"""What is drawn of infants: the skin, or the solids under it."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from mimoc.bundle.model import load_posed
+from mimoc.render.portrait import lineup, portrait
+from mimoc.senses.vision.eyes import Eyes
+
+SIZE = {"width": 96, "height": 72}
+OWN = ("head", "left_eye", "right_eye")
+
+
+@pytest.fixture(scope="module")
+def both(built):
+    """Return an infant with a skin, and the same without."""
+    return tuple(built(body={"skin": skin}, scene={"pose": "sitting"}) for skin in (True, False))
+
+
+def test_solids_under_a_skin_look_as_they_do_without(both):
+    clothed, bare = both
+    under, solids, skin = portrait(clothed, **SIZE, shown="solids"), portrait(bare, **SIZE), portrait(clothed, **SIZE)
+    assert np.array_equal(under, solids)
+    assert (np.abs(skin.astype(int) - solids).max(axis=2) > 20).mean() > 0.02
+
+
+def test_infants_in_a_row_are_drawn_either_way(both):
+    skins, solids = (lineup([both[0]] * 2, **SIZE, shown=shown) for shown in ("skin", "solids"))
+    assert not np.array_equal(skins, solids)
+
+
+def drawn(bundle, shown: str) -> np.ndarray:
+    model, data = load_posed(bundle, "sitting")
+    data.qpos[model.joint("robot:head_tilt").qposadr] = model.joint("robot:head_tilt").range[1]
+    mujoco.mj_forward(model, data)
+    eyes = Eyes(model, ("eye_left", "eye_right"), 48, 48, OWN, shown)
+    try:
+        return eyes(data).astype(int)
+    finally:
+        eyes.close()
+
+
+def test_eyes_see_solids_or_skin(both):
+    clothed, bare = both
+    assert np.array_equal(drawn(clothed, "solids"), drawn(bare, "solids"))
+    assert (np.abs(drawn(clothed, "skin") - drawn(clothed, "solids")).max(axis=-1) > 20).mean() > 0.01

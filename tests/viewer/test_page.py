@@ -1,0 +1,141 @@
+"""What pages know of an infant is what mimoc builds, at every age; and they ask nothing of anybody else."""
+
+import hashlib
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from support.pages import at_age, few_ages, read_page
+
+import mimoc
+from mimoc import fits
+from mimoc.bundle.model import load_model
+from mimoc.compiler.variants import SpecVariants
+from mimoc.errors import MimocError
+from mimoc.fits.who import percentile
+from mimoc.viewer import program
+from mimoc.viewer.packing import Packed
+from mimoc.viewer.page import describe, fill, page_of
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+CHANGING = {
+    "bodies": {"pos": "body_pos"},
+    "joints": {"pos": "jnt_pos"},
+    "geoms": {"pos": "geom_pos", "size": "geom_size"},
+}
+"""What places and sizes a page has by age, and MuJoCo's names of them."""
+
+
+@pytest.fixture(scope="module")
+def variants() -> SpecVariants:
+    return SpecVariants(mimoc.load_spec(CONFIGS / "nine_months.yaml").with_(senses={"touch": {}}))
+
+
+@pytest.fixture(scope="module")
+def described(variants) -> tuple[Packed, dict]:
+    packed = Packed()
+    return packed, describe(packed, variants.own)
+
+
+@pytest.fixture(scope="module")
+def page(described) -> str:
+    return fill(*described)
+
+
+@pytest.fixture(scope="module")
+def known(page) -> dict:
+    return read_page(page)
+
+
+@given(age_months=st.floats(0, 24))
+@hypothesis_settings(max_examples=12)
+def test_between_its_ages_a_page_is_off_by_less_than_a_quarter_of_a_millimetre(known, variants, age_months):
+    model = variants(float(np.round(age_months, 6)), 0).model
+    for kind, arrays in CHANGING.items():
+        for name, of_mujoco in arrays.items():
+            whole = getattr(model, of_mujoco)
+            theirs = whole[-len(known[kind]["names"]) :]  # The infant comes after the world, and so do its parts.
+            found = at_age(known["ages_months"], known[kind][name], age_months)
+            assert np.abs(found - theirs).max() < 0.25e-3, (kind, name)
+    limits = at_age(known["ages_months"], known["joints"]["range"], age_months)
+    assert np.degrees(np.abs(limits - model.jnt_range[1:])).max() < 0.1
+
+
+@given(age_months=st.floats(0, 24))
+@hypothesis_settings(max_examples=5)
+def test_touch_points_are_off_by_less_than_a_millimetre_and_a_half(known, variants, age_months):
+    bundle = variants(float(np.round(age_months, 6)), 0).bundle
+    found = at_age(known["touch"]["ages_months"], known["touch"]["points"], age_months)
+    assert np.linalg.norm(found - bundle.arrays["touch/points_m"], axis=1).max() < 1.5e-3
+
+
+def test_curves_are_whos_and_the_dot_is_the_child(known, variants):
+    standard = fits.load_tables().who["length_cm"]
+    curves, measure = known["standards"], known["standards"]["measures"]["length_cm"]
+    for column, share in enumerate(curves["percentiles"]):
+        scores = [
+            standard.z_score(float(measure["curves"][row, column]), curves["ages_months"][row], "mean")
+            for row in (0, 18, 48)
+        ]
+        assert [percentile(z) for z in scores] == pytest.approx([share] * 3, abs=0.01)
+    at_nine = known["ages_months"].index(9)
+    child = variants.own.manifest.child
+    assert measure["child"][at_nine] == pytest.approx(child.length_cm)
+    assert measure["percentile"][at_nine] == pytest.approx(
+        percentile(standard.z_score(child.length_cm, 9, "mean")), abs=1e-3
+    )
+
+
+def test_a_page_asks_nothing_of_the_network(page):
+    """Its own policy forbids it, and no address stands where something could be loaded from."""
+    assert "default-src 'none'" in page
+    assert not re.search(r"""(src|href)=["'](?!data:)|@import|url\((?!data:)""", page.partition("<script")[0])
+
+
+def test_the_same_infant_gives_the_same_page(variants):
+    with few_ages():
+        assert page_of(variants.own) == page_of(variants.own)
+
+
+def test_a_page_without_physics_is_smaller_than_four_megabytes(page):
+    """Of which the program is less than one."""
+    assert len(page.encode()) < 4e6
+    assert len(program.built("viewer.js")) < 1e6
+
+
+def test_the_program_of_pages_was_built_from_its_present_source():
+    """`make pages` builds it again and compares every byte."""
+    names = sorted(entry.name for entry in (program.FOLDER / "source").iterdir())
+    sources = [program.source(name) for name in names if name.endswith((".js", ".mjs", ".json"))]
+    digest = hashlib.sha256("".join(sources).encode()).hexdigest()
+    assert f"SHA-256 {digest} " in program.built("viewer.js")[:200].decode()
+
+
+def test_a_name_cannot_break_out_of_its_page(described):
+    packed, data = described
+    wicked = "</script><b>{{block}}"
+    page = fill(packed, {**data, "name": wicked})
+    assert wicked not in page
+    assert read_page(page)["name"] == wicked
+
+
+@pytest.mark.parametrize("config", ["one_arm", "playroom"])
+def test_limbs_and_surroundings_are_those_of_the_spec(config):
+    bundle = mimoc.build(CONFIGS / f"{config}.yaml")
+    with few_ages():
+        known = read_page(page_of(bundle))
+    model = load_model(bundle)
+    names = known["geoms"]["names"] + known["surroundings"]["geoms"]["names"]
+    shown = [model.geom(index).name for index in range(model.ngeom) if model.geom_group[index] <= 2]
+    assert set(shown) <= set(names)
+    assert len(names) == len(set(names))
+
+
+def test_a_program_that_was_not_built_is_one_clear_error(variants, monkeypatch, tmp_path):
+    monkeypatch.setattr(program, "FOLDER", tmp_path)
+    with pytest.raises(MimocError, match=r"mimoc/viewer/.* is missing; in a checkout, `make viewer` builds it"):
+        page_of(variants.own)

@@ -1,0 +1,88 @@
+"""A page moves skins as MuJoCo does."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.bundle.variants import Variant
+from mimoc.viewer.appearance import describe_skins
+from mimoc.viewer.growth import own_parts
+from mimoc.viewer.packing import FINE_M, Packed
+from mimoc.viewer.skins import coloured_faces, rows_of, skin_of
+
+SKIN = """<deformable><skin name="sleeve" vertex="{vertex}" face="0 1 2 1 3 2 2 3 4">
+<bone body="left_upper_arm" bindpos="0.1 0.2 0.3" bindquat="0.8 0.6 0 0" vertid="0 1 2 3" vertweight="1 0.5 0.7 0.2"/>
+<bone body="left_lower_arm" bindpos="0.1 0.2 0.2" bindquat="0.6 0.8 0 0" vertid="1 2 3 4" vertweight="0.5 0.3 0.8 1"/>
+</skin></deformable>"""
+VERTICES_M = np.array([[0.1, 0.2, 0.3], [0.12, 0.2, 0.26], [0.1, 0.24, 0.25], [0.13, 0.2, 0.22], [0.1, 0.22, 0.18]])
+
+
+def with_skin(bundle: mimoc.Bundle) -> Variant:
+    """Return an infant with a skin of five vertices on its left arm, and no other."""
+    skin = SKIN.format(vertex=" ".join(map(str, VERTICES_M.ravel())))
+    scene = bundle.files["scene.xml"].decode().replace("</mujoco>", skin + "</mujoco>")
+    changed = mimoc.Bundle({**bundle.files, "scene.xml": scene.encode()}, bundle.manifest, None)
+    return Variant(changed, load_model(changed))
+
+
+def test_vertices_go_where_mujoco_moves_them(bundle_at):
+    """By the formula of the page, to half a millimetre, as weights are bytes."""
+    variant = with_skin(bundle_at(9))
+    model, data = variant.model, mujoco.MjData(variant.model)
+    packed = Packed()
+    described = describe_skins(packed, [variant, variant], [0, 24])
+    layer = described["layers"][-1]
+
+    def array(name):
+        return packed.arrays[layer[name]["array"]]
+
+    data.qpos[7:] = np.random.default_rng(0).uniform(-0.5, 0.5, model.nq - 7)
+    mujoco.mj_forward(model, data)
+    scene = mujoco.MjvScene(model, 200)
+    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, scene)
+    bodies = own_parts(model, variant.bundle.manifest).bodies[array("bones")]
+    found = np.zeros_like(VERTICES_M)
+    for vertex, (movers, weights) in enumerate(zip(array("moved_by"), array("weights") / 255, strict=True)):
+        for bone, weight in zip(movers, weights, strict=True):
+            if weight:
+                found[vertex] += weight * moved(
+                    model,
+                    data,
+                    bodies[bone],
+                    array("bind_pos")[0, bone],
+                    array("bind_quat")[0, bone],
+                    array("verts")[0, vertex] * FINE_M,
+                )
+    assert np.abs(found - np.asarray(scene.skinvert).reshape(-1, 3)[-5:]).max() < 5e-4  # Weights are bytes.
+    assert np.ptp(found, axis=0).max() > 0.05
+
+
+def moved(model, data, body, bind_pos, bind_quat, vertex_m) -> np.ndarray:
+    """Return where a body takes a vertex that was bound to it."""
+    bind = np.zeros(9)
+    mujoco.mju_quat2Mat(bind, bind_quat.astype(float))
+    return data.xpos[body] + data.xmat[body].reshape(3, 3) @ bind.reshape(3, 3).T @ (vertex_m - bind_pos)
+
+
+def test_an_infant_without_skins_has_none(bundle_at):
+    bundle = bundle_at(9)
+    model = load_model(bundle)
+    assert model.nskin or describe_skins(Packed(), [Variant(bundle, model)], [9]) is None
+
+
+def test_without_textures_a_skin_has_every_face_once_in_colours_near_those_of_its_picture():
+    model = load_model(mimoc.build(Path(__file__).parents[2] / "configs" / "nine_months.yaml"))
+    for index in range(model.nskin):
+        parts = list(coloured_faces(model, index, 6))
+        assert 1 <= len(parts) <= 6
+        together = np.concatenate([faces for _, faces in parts])
+        theirs = model.skin_face[rows_of(model, "face", index)]
+        assert np.array_equal(np.unique(together, axis=0), np.unique(theirs, axis=0))
+        assert len(together) == len(theirs)
+        assert np.allclose(skin_of(model, index).weights.sum(axis=1), 1)
+    shirt = [model.skin(index).name for index in range(model.nskin)].index("shirt")
+    shades = np.array([colour for colour, _ in coloured_faces(model, shirt, 6)])
+    assert np.ptp(shades[:, 2]) > 40  # Yellow and white stripes.

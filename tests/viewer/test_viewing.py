@@ -1,0 +1,83 @@
+"""`mimoc.view`: whatever can be shown is the page that the command writes."""
+
+import re
+import webbrowser
+from collections.abc import Iterator
+from html import unescape
+
+import numpy as np
+import pytest
+from support.pages import few_ages, read_page
+
+import mimoc
+from mimoc.errors import MimocError, OutputError
+from mimoc.viewer.growth import own_parts
+from mimoc.viewer.viewing import has_display
+
+SPEC = {"mimoc": 1, "name": "shown", "age_months": 9, "scene": {"pose": "supine"}, "body": {"skin": False}}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def pages_of_few_ages() -> Iterator[None]:
+    with few_ages():
+        yield
+
+
+@pytest.fixture(scope="module")
+def spec() -> mimoc.InfantSpec:
+    return mimoc.InfantSpec.model_validate(SPEC)
+
+
+@pytest.fixture(scope="module")
+def shown(spec) -> mimoc.View:
+    return mimoc.view(spec)
+
+
+def test_an_environment_is_shown_as_it_is_now(spec):
+    env = mimoc.make(spec)
+    env.reset(seed=0)
+    for _ in range(20):
+        env.step(env.action_space.sample())
+    known = read_page(mimoc.view(env).html)
+    at_nine = known["ages_months"].index(9)
+    inner = env.unwrapped
+    now = inner.data.qpos[own_parts(inner.model, inner.manifest).qpos]
+    assert known["pose"] == "now"
+    assert known["poses"]["now"][at_nine] == pytest.approx(now, abs=1e-6)
+    heights_m = known["poses"]["now"][:, 2]
+    assert (np.diff(heights_m) * np.sign(now[2]) > 0).all()
+
+
+def test_a_notebook_shows_the_page_in_a_frame_of_its_own(shown):
+    (inside,) = re.findall(r'sandbox="allow-scripts" .*srcdoc="([^"]*)"', shown._repr_html_(), re.DOTALL)
+    assert unescape(inside) == shown.html
+
+
+def test_it_is_saved_and_opened_where_it_was_saved(shown, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", lambda address: opened.append(address) or True)
+    assert shown.save(tmp_path / "infant.html").read_text(encoding="utf-8") == shown.html
+    assert shown.open()
+    assert opened == [(tmp_path / "infant.html").as_uri()]
+
+
+def test_what_cannot_be_shown_or_written_is_refused_before_anything_is_built(spec, tmp_path):
+    with pytest.raises(OutputError, match=r"end it in \.html"):
+        mimoc.view(spec, tmp_path / "page.png")
+    with pytest.raises(MimocError, match="a dict cannot be shown; give a bundle, a spec, a recording or an env"):
+        mimoc.view({})
+    with pytest.raises(MimocError, match="'infant' and 'episode' choose from a recording"):
+        mimoc.view(spec, episode=2)
+
+
+@pytest.mark.parametrize(
+    ("platform", "display", "expected"),
+    [("linux", None, False), ("linux", ":0", True), ("win32", None, True), ("darwin", None, True)],
+)
+def test_a_browser_is_opened_only_where_it_could_show_something(platform, display, expected, monkeypatch):
+    monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    if display:
+        monkeypatch.setenv("DISPLAY", display)
+    assert has_display() == expected
