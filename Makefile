@@ -25,19 +25,21 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
-demo: $(DEMO) opengl ## Build, validate, check, run and render an infant of nine months, and let it reach.
+demo: $(DEMO) opengl ## Build, validate, check, run, render and show an infant of nine months, and let it reach.
 	$(BIN)/mimoc build configs/nine_months.yaml -o $(INFANT) --force
 	$(BIN)/mimoc validate --against who --plot $(OUT)/growth.png
 	$(BIN)/mimoc check $(INFANT)
 	$(BIN)/mimoc run $(INFANT) --policy random
 	$(BIN)/mimoc run $(INFANT) --policy reach --steps 600
 	$(BIN)/mimoc render $(INFANT) -o $(OUT)/nine_months.png
+	$(BIN)/mimoc view $(INFANT) -o $(OUT)/nine_months.html --no-open
 	$(BIN)/mimoc rooms configs/playroom.yaml --seeds $(ROOMS) -o $(OUT)/rooms.png
 	$(BIN)/mimoc build configs/playroom.yaml --seed 1 -o $(OUT)/playroom --force
 	$(BIN)/mimoc see $(OUT)/playroom -o $(OUT)/seen.png
 	@echo
 	@echo "the infant   $(INFANT)/scene.xml   ($(BIN)/python -m mujoco.viewer --mjcf=$(INFANT)/scene.xml)"
 	@echo "its image    $(OUT)/nine_months.png"
+	@echo "its page     $(OUT)/nine_months.html   (open it in a browser: it grows, and can be moved)"
 	@echo "rooms        $(OUT)/rooms.png"
 	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"

@@ -6,7 +6,7 @@ import tempfile
 import webbrowser
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import gymnasium
 import numpy as np
@@ -16,14 +16,15 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
 from mimoc.errors import MimocError, OutputError
-from mimoc.recording.reading import ReadRecording, read_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import Packed
 from mimoc.viewer.page import describe, fill, page_of
-from mimoc.viewer.replayed import page_of_recording
 from mimoc.viewer.surroundings import describe_surroundings
+
+if TYPE_CHECKING:  # What reads recordings needs an extra.
+    from mimoc.recording.reading import ReadRecording
 
 SUFFIXES = (".html", ".htm")
 """What the name of a page ends in."""
@@ -31,8 +32,6 @@ HEIGHT_PX = 620
 """Of a page in a notebook."""
 NOW = "now"
 """The pose that an environment is in, on its page."""
-
-Shown = Bundle | InfantSpec | ReadRecording | gymnasium.Env | str | Path
 
 
 class View:
@@ -77,7 +76,7 @@ class View:
 
 
 def view(
-    shown: Shown,
+    shown: "Bundle | InfantSpec | ReadRecording | gymnasium.Env | str | Path",
     path: str | Path | None = None,
     *,
     physics: bool = False,
@@ -106,7 +105,9 @@ def view(
     """
     place = path and checked_place(Path(path).expanduser())
     source = _opened(shown)
-    if isinstance(source, ReadRecording):
+    if _is_recording(source):
+        from mimoc.viewer.replayed import page_of_recording
+
         page = page_of_recording(source, infant, episode, physics)
         made = View(page.text, page.difference)
     elif (infant, episode) != (None, None):
@@ -134,15 +135,25 @@ def has_display() -> bool:
     return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
-def _opened(shown: Shown) -> Bundle | ReadRecording | InfantEnv:
+def _is_recording(source: object) -> "TypeGuard[ReadRecording]":
+    """Return whether this is a recording, which only what has been imported can have read."""
+    reading = sys.modules.get("mimoc.recording.reading")
+    return reading is not None and isinstance(source, reading.ReadRecording)
+
+
+def _opened(shown: object) -> "Bundle | ReadRecording | InfantEnv":
     if isinstance(shown, (str, Path)):
         place = Path(shown).expanduser()
         if place.suffix.lower() in SPEC_SUFFIXES:
             return build(load_spec(place))
-        return read_recording(place) if (place / "recording.json").is_file() else read_bundle(place)
+        if not (place / "recording.json").is_file():
+            return read_bundle(place)
+        from mimoc.recording.reading import read_recording
+
+        return read_recording(place)
     if isinstance(shown, InfantSpec):
         return build(shown)
-    if isinstance(shown, (Bundle, ReadRecording)):
+    if isinstance(shown, Bundle) or _is_recording(shown):
         return shown
     if isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
         return shown.unwrapped

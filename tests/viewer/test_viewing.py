@@ -1,6 +1,8 @@
 """`mimoc.view`: whatever can be shown is the page that the command writes."""
 
 import re
+import subprocess
+import sys
 import webbrowser
 from collections.abc import Iterator
 from html import unescape
@@ -81,3 +83,9 @@ def test_a_browser_is_opened_only_where_it_could_show_something(platform, displa
     if display:
         monkeypatch.setenv("DISPLAY", display)
     assert has_display() == expected
+
+
+def test_the_page_of_an_infant_needs_no_extra():
+    """What reads recordings is imported for a recording only."""
+    program = "import sys; sys.modules['pyarrow'] = None; import mimoc.cli.view, mimoc.viewer.viewing"
+    subprocess.run([sys.executable, "-c", program], check=True)
