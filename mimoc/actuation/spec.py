@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from mimoc.actuation import ACTUATIONS
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.entries import Actuator, Hinge, Label, Number
 from mimoc.schema.groups import GroupName, Groups
 from mimoc.schema.names import STRENGTH_GROUPS, single_groups
 from mimoc.schema.quantities import Age, Real, keys_among
@@ -54,15 +55,15 @@ class ActuationSpec(Model):
 class ActuatorEntry(Model):
     """One actuator of the model."""
 
-    name: str
+    name: Actuator
     """Name in the model."""
-    mimo_actuator: str
+    mimo_actuator: Label
     """The actuator of MIMo that it replaces, alone or with others."""
-    joint: str
+    joint: Hinge
     """The hinge joint that it drives."""
-    action_low: float
+    action_low: Number
     """Smallest command."""
-    action_high: float
+    action_high: Number
     """Largest command."""
     commanded: bool = True
     """Whether the action has an entry for it; otherwise it stays at rest."""

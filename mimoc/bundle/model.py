@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.poses import pose_of
+from mimoc.bundle.strangers import check_files, check_model
 from mimoc.errors import ModelError
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
@@ -28,12 +29,15 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
     """Return the compiled scene of a bundle.
 
     Raises:
+        BundleError: If it is one that mimoc does not write; MuJoCo reads nothing of it then.
         ModelError: If MuJoCo rejects it.
     """
+    check_files(bundle)
     try:
         model = mujoco.MjModel.from_xml_string(*mjcf_of(bundle.files, bundle.manifest.scene))
-    except ValueError as error:
+    except (ValueError, mujoco.FatalError) as error:
         raise ModelError(f"MuJoCo {mujoco.__version__} rejects the bundle: {' '.join(str(error).split())}") from None
+    check_model(bundle, model)
     prepare(model)
     return model
 

@@ -3,6 +3,7 @@
 from typing import Annotated, Literal
 
 from mimoc.schema.base import Model
+from mimoc.schema.entries import Hinge, Sensor
 from mimoc.schema.quantities import Distinct
 
 ProprioceptiveQuantity = Literal["velocity", "torque", "limits", "actuation"]
@@ -22,7 +23,7 @@ class ProprioceptionEntry(Model):
     """Name of the sense."""
     include: tuple[ProprioceptiveQuantity, ...]
     """Quantities that are observed besides joint angles, in this order."""
-    joints: tuple[str, ...]
+    joints: tuple[Hinge, ...]
     """Hinge joints, in the order of the observation."""
-    torque_sensors: tuple[str, ...]
+    torque_sensors: tuple[Sensor, ...]
     """Three-axis torque sensors, in the order of the observation."""
