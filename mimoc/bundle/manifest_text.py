@@ -40,7 +40,7 @@ def read_manifest(content: bytes) -> Manifest:
 def _told(error: ValidationError) -> str:
     """Return what is wrong with a manifest, in one line."""
     found = [
-        f"{'.'.join(map(str, each['loc'])) or 'it'}: {each['msg'].removeprefix('Value error, ')}"
+        ": ".join([".".join(map(str, each["loc"])), each["msg"].removeprefix("Value error, ")]).removeprefix(": ")
         for each in error.errors(include_url=False, include_context=False, include_input=False)
     ]
     text = "; ".join(found[:_SHOWN] + ([f"and {len(found) - _SHOWN} more"] if len(found) > _SHOWN else []))

@@ -62,8 +62,8 @@ def _words(words: str) -> Words:
 
 
 def _file(suffix: str) -> Shaped:
-    """Relative, without `..`, blanks or anything else that two programs could read in two ways."""
-    return Shaped(re.compile(rf"(?!\.)(?:[\w-][\w.+-]*/){{0,4}}[\w-][\w.+-]{{0,200}}\.{suffix}", re.ASCII))
+    """Among the assets, without `..`, blanks or anything else that two programs could read in two ways."""
+    return Shaped(re.compile(rf"assets/(?:[\w-][\w.+-]*/){{0,4}}[\w-][\w.+-]{{0,200}}\.{suffix}", re.ASCII))
 
 
 NUMBERS = Text(frozenset("0123456789-+.e "), re.compile(r"e(?:\+?0*[1-9][0-9]|-[0-9]{4})"), 100_000)

@@ -22,7 +22,7 @@ def check_names(manifest: Model, model: mujoco.MjModel) -> None:
         BundleError: If it does not; the message says which names, and where they stand.
     """
     missing = [
-        f"{where}: the model has no {kind} '{name[:60]}'"
+        f"{where}: the model has no {kind} {name[:60]!r}"
         for where, kind, name in names_in(manifest)
         if not _has(model, kind, name)
     ]
