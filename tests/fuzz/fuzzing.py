@@ -1,6 +1,6 @@
 """What tries to break mimoc with input from strangers: many tries, each known by a seed and a number.
 
-A fuzzer is one module with `FUZZER`, listed in `FUZZERS`. `make fuzz` runs all of them for minutes, `make test` for seconds.
+A fuzzer is one module with `FUZZER`, listed in `FUZZERS`. `make fuzz` runs all for minutes, `make test` for seconds.
 """
 
 import resource
