@@ -55,7 +55,10 @@ class TrainedPolicy:
         inputs = {
             name: self._normalize(name, part) if name in self.normalized else part for name, part in observation.items()
         }
-        action = self.network.predict(inputs, deterministic=True)[0]
+        try:
+            action = self.network.predict(inputs, deterministic=True)[0]
+        except ValueError:  # A distribution of numbers that are not finite.
+            action = np.array(np.nan)
         if not np.isfinite(action).all():
             raise PolicyError("this policy gives commands that are not finite; train it again")
         return action
@@ -121,7 +124,8 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, 
     if about["policy"] != VERSION:
         raise PolicyError(f"{path}: this policy was saved by an incompatible version of mimoc")
     known, weights = dict(read_arrays(archive.read(SCALE))), read_tensors(archive.read(WEIGHTS))
-    if not _is_description(about) or not all_finite(known.values()) or not all_finite(weights.values()):
+    are_tensors = all(isinstance(each, torch.Tensor) for each in weights.values())
+    if not _is_description(about) or not are_tensors or not all_finite([*known.values(), *weights.values()]):
         raise ValueError("it describes itself in a way that mimoc never does")
     return about, known, weights
 
