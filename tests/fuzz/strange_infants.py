@@ -36,7 +36,12 @@ CANARIES = {
 
 
 @cache
-def honest_files(number: int) -> dict[str, bytes]:
-    """Return the files of one of the honest bundles."""
+def honest_bundle(number: int) -> mimoc.Bundle:
+    """Return one of the honest bundles."""
     spec = {**SPEC, **VARIATIONS[number]}
-    return dict(mimoc.build(mimoc.InfantSpec.model_validate(spec)).files)
+    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+
+
+def honest_files(number: int) -> dict[str, bytes]:
+    """Return its files."""
+    return dict(honest_bundle(number).files)
