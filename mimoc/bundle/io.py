@@ -61,6 +61,12 @@ class Bundle:
             return self.files.arrays
         return MappingProxyType(unpack_arrays(self.files[ARRAYS]) if ARRAYS in self.files else {})
 
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of the software that made it, by name."""
+        found = json.loads(self.files[LOCK]).get("versions")
+        return {str(name): str(version) for name, version in found.items()} if isinstance(found, dict) else {}
+
     def __repr__(self) -> str:
         """Return name, age, size and folder in one line."""
         size_kb = sum(map(len, self.files.values())) / 1000

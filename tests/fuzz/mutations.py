@@ -92,7 +92,8 @@ def changed_data(generator: Generator, data: Any) -> Any:
         if kind == 0:
             del inside[key]
         elif kind == 1:
-            inside[key] = pick(generator, [held[at] for held, at in places])
+            held, at = pick(generator, places)
+            inside[key] = copy.deepcopy(held[at])
         elif kind == 2 and isinstance(inside[key], (int, float)):
             inside[key] = inside[key] * pick(generator, (-1, 0, 1e-6, 0.3, 3, 1e3, 1e6))
         elif kind == 3 and isinstance(inside, list):

@@ -21,9 +21,9 @@ class ProprioceptionEntry(Model):
 
     kind: Literal["proprioception"] = "proprioception"
     """Name of the sense."""
-    include: tuple[ProprioceptiveQuantity, ...]
+    include: Annotated[tuple[ProprioceptiveQuantity, ...], *Distinct]
     """Quantities that are observed besides joint angles, in this order."""
-    joints: tuple[Hinge, ...]
+    joints: Annotated[tuple[Hinge, ...], *Distinct]
     """Hinge joints, in the order of the observation."""
-    torque_sensors: tuple[Sensor, ...]
+    torque_sensors: Annotated[tuple[Sensor, ...], *Distinct]
     """Three-axis torque sensors, in the order of the observation."""

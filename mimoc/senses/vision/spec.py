@@ -6,7 +6,7 @@ from pydantic import Discriminator, Field, Tag
 
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Amount, Body, Camera
-from mimoc.schema.quantities import CyclesPerDegree, Degrees, Months, Pixels, Real, Whole
+from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
@@ -68,7 +68,7 @@ class VisionEntry(Model):
 
     kind: Literal["vision"] = "vision"
     """Name of the sense."""
-    cameras: tuple[Camera, ...]
+    cameras: Annotated[tuple[Camera, ...], *Distinct]
     """Cameras of the eyes, which are also the names of their observations."""
     width_px: Annotated[int, Field(ge=1, le=2048)]
     """Width of an image."""
