@@ -2,7 +2,8 @@
 
 import logging
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import mujoco
 import numpy as np
@@ -63,6 +64,20 @@ def prepare(model: mujoco.MjModel) -> None:
     _keep_mujoco_quiet()
 
 
+@contextmanager
+def bounded() -> Iterator[None]:
+    """Turn MuJoCo's lack of memory, for contacts that no infant has, into an error of mimoc's.
+
+    Raises:
+        ModelError: If the physics needs more memory than the model has.
+    """
+    try:
+        yield
+    except mujoco.FatalError as error:
+        reason = str(error).split("\n")[0].split(",")[0]
+        raise ModelError(f"MuJoCo {mujoco.__version__} cannot go on with this model ({reason})") from None
+
+
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Return the compiled scene of a bundle and its state in a pose, all that is derived from it included.
 
@@ -76,9 +91,10 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
     """
     pose = pose_of(bundle.manifest, pose)
     model = load_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-    mujoco.mj_forward(model, data)
+    with bounded():
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+        mujoco.mj_forward(model, data)
     return model, data
 
 
@@ -89,8 +105,9 @@ def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
         ModelError: If MuJoCo rejects the model.
     """
     model = load_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    with bounded():
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
     return model, data
 
 
