@@ -12,10 +12,10 @@ MOST_SIDE_PX = 4096
 """Pixels along a side of a picture; those of infants have 256."""
 MOST_PIXELS = 2**26
 """Pixels of all pictures of a bundle, which take three bytes each once they are decoded."""
-MOST_FACES = 100_000
+MOST_FACES = 20_000
 """Triangles of a mesh; toys have at most 5,000."""
-MOST_MESH_BYTES = 2**25
-"""Of all meshes of a bundle together; fifty toys of 5,000 triangles each have a third of it."""
+MOST_MESH_BYTES = 10 * 2**20
+"""Of all meshes of a bundle together; fifty toys of 5,000 triangles each have 8 MB."""
 MOST_VERTICES = 200_000
 """Vertices of all skins of a bundle; an infant has 7,000."""
 SURELY_SMALL = 2**16

@@ -17,6 +17,8 @@ from mimoc.errors import ModelError
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
+MOST_CONTACTS = 3000
+"""At the start of an episode; an infant with ten fingers and fifty toys in a room have some hundreds."""
 NOT_MJCF = (".json", ".yaml", ".md", ".npz")
 """Endings of the files of a bundle that are not MuJoCo's."""
 BREAKDOWNS = tuple(
@@ -74,8 +76,24 @@ def bounded() -> Iterator[None]:
     try:
         yield
     except mujoco.FatalError as error:
-        reason = str(error).split("\n")[0].split(",")[0]
-        raise ModelError(f"MuJoCo {mujoco.__version__} cannot go on with this model ({reason})") from None
+        raise out_of_memory(error) from None
+
+
+def out_of_memory(error: Exception) -> ModelError:
+    """Return the error that says that MuJoCo cannot go on, as a rule because of too many contacts."""
+    reason = str(error).split("\n")[0].split(",")[0]
+    return ModelError(f"MuJoCo {mujoco.__version__} cannot go on with this model ({reason})")
+
+
+def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Derive all quantities of a state that an episode begins in.
+
+    Raises:
+        ModelError: If there are more contacts than in any scene, so that physics would take very long.
+    """
+    mujoco.mj_forward(model, data)
+    if data.ncon > MOST_CONTACTS:
+        raise ModelError(f"the model has {data.ncon:,} contacts at the start, which no scene of mimoc's has")
 
 
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:

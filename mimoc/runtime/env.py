@@ -14,7 +14,7 @@ import numpy.typing as npt
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import bounded, broke_down
+from mimoc.bundle.model import begin, bounded, broke_down
 from mimoc.bundle.poses import pose_of
 from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
@@ -92,9 +92,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._variants = variants
         self._custom_task, self._custom_senses = task, dict(senses)
         self._noise = NoiseStreams(self.np_random_seed)
-        with bounded():
-            self._bind()
-            self._start(self.manifest.pose)
+        self._bind()
+        self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
         self.action_space = action_space(self._act)
         self.observation_space = observation_space(self._senses, self._task)
@@ -199,8 +198,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._noise.restart(seed)
         if variant:
             self._become(variant)
-        with bounded():
-            observation = self._start(pose)
+        observation = self._start(pose)
         if variant:
             self._renderer.close()
             self._renderer = self._open_renderer()
@@ -241,8 +239,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the action has the wrong shape or is not finite.
         """
         self.journal.stepping()
-        with bounded():
-            self._schedule.step(action, self.data)
+        self._schedule.step(action, self.data)
         judged = self.judge(action, unstable=broke_down(self.data))
         observation = self._observe()
         if judged[-1]["unstable"]:
@@ -375,13 +372,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._renderer.follow(self.model, self.data)
             raise
 
+    @bounded()
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""
         self._steps = 0
         mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.key(pose).id)
         mujoco.mj_kinematics(self.model, self.data)
         self._constraints.keep(self.data)
-        mujoco.mj_forward(self.model, self.data)
+        begin(self.model, self.data)
         self._task.start(self.data, self.np_random)
         self._schedule.reset(self.data)
         return self._observe()
