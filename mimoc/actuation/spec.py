@@ -68,6 +68,12 @@ class ActuatorEntry(Model):
     commanded: bool = True
     """Whether the action has an entry for it; otherwise it stays at rest."""
 
+    @model_validator(mode="after")
+    def _is_a_range(self) -> Self:
+        if self.action_low > self.action_high:
+            raise ValueError(f"the range of the command, [{self.action_low:g}, {self.action_high:g}], is reversed")
+        return self
+
 
 @composed(lambda: {"model": choice_field(ACTUATIONS, "torque", "Actuation model.")})
 class ActuationEntry(Model):
