@@ -10,8 +10,9 @@ from xml.parsers import expat
 from mimoc.bundle.mjcf_rules import ELEMENTS, MOST, MOST_BYTES, MOST_DEPTH, MOST_ELEMENTS, REFERRING, Values
 from mimoc.errors import BundleError
 
-_BEYOND_ELEMENTS = re.compile(rb"<[!?]|&#")
-"""Where comments, declarations and numbered characters begin: mimoc writes none, and parsers differ in them."""
+_BEYOND_ELEMENTS = re.compile(rb"<[!?]|&#|>\s*+[^<\s]")
+"""Where comments, declarations, numbered characters and text between elements begin: mimoc writes none, and parsers
+differ in them."""
 _SHOWN = 60
 
 
@@ -64,9 +65,7 @@ class _Reader:
         """What takes the values of each attribute, by element."""
         self._file, self._at_once, self._depth, self._muscles = file, at_once, 0, False
         self._parser: Any = expat.ParserCreate("utf-8")
-        self._parser.buffer_text = True
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._begin, self._end
-        self._parser.CharacterDataHandler = self._between
 
     def read(self, content: bytes) -> None:
         """Read the whole file."""
@@ -81,10 +80,9 @@ class _Reader:
         self._depth += 1
         if self._depth > MOST_DEPTH:
             self._refuse(f"more than {MOST_DEPTH} elements within each other")
-        if not attributes.keys() <= sinks.keys():
-            name = min(attributes.keys() - sinks.keys())
-            self._refuse(f"{name[:_SHOWN]!r} is not an attribute that mimoc gives <{element}>")
         for name, value in attributes.items():
+            if name not in sinks:
+                self._refuse(f"{name[:_SHOWN]!r} is not an attribute that mimoc gives <{element}>")
             sinks[name](value)
         if self._at_once:
             self._check(element, attributes)
@@ -114,10 +112,6 @@ class _Reader:
 
     def _end(self, element: str) -> None:
         self._depth -= 1
-
-    def _between(self, text: str) -> None:
-        if not text.isspace():
-            self._refuse("mimoc writes nothing but elements")
 
     def _refuse(self, reason: str) -> NoReturn:
         raise BundleError(f"{self._file}:{self._parser.CurrentLineNumber}: {reason}")

@@ -1,6 +1,6 @@
 """What a manifest names, looked up in the model."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, get_args
 
@@ -21,11 +21,14 @@ def check_names(manifest: Model, model: mujoco.MjModel) -> None:
     Raises:
         BundleError: If it does not; the message says which names, and where they stand.
     """
-    missing = [
-        f"{where}: the model has no {kind} {name[:60]!r}"
-        for where, kind, name in names_in(manifest)
-        if not _has(model, kind, name)
-    ]
+    fitting, known = _fitting(model), dict[tuple[NameKind, str], bool]()
+    missing = []
+    for where, kind, name in names_in(manifest):
+        if (kind, name) not in known:
+            index = _found(model, kind, name)
+            known[kind, name] = index >= 0 and (kind not in fitting or index in fitting[kind])
+        if not known[kind, name]:
+            missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
     if missing:
         rest = [f"and {len(missing) - _SHOWN} more"] if len(missing) > _SHOWN else []
         raise BundleError(f"its manifest does not fit its model: {'; '.join([*missing[:_SHOWN], *rest])}")
@@ -78,36 +81,40 @@ def _has_sections(annotation: Any) -> bool:
     return any(map(_has_sections, get_args(annotation)))
 
 
-def _has(model: mujoco.MjModel, kind: NameKind, name: str) -> bool:
-    object_type, fits = _LOOK_UPS[kind]
-    index = -1 if "\0" in name else mujoco.mj_name2id(model, object_type, name)
-    return index >= 0 and (fits is None or bool(fits(model, index)))
+def _found(model: mujoco.MjModel, kind: NameKind, name: str) -> int:
+    return -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
 
 
-def _is_joint(kind: mujoco.mjtJoint) -> Callable[[mujoco.MjModel, int], bool]:
-    return lambda model, joint: model.jnt_type[joint] == kind
+def _fitting(model: mujoco.MjModel) -> dict[NameKind, set[int]]:
+    """Return, for kinds of names that not every object of a type will do for, those that do."""
+    joints, equalities = (kinds.tolist() for kinds in (model.jnt_type, model.eq_type))
+    sensors = zip(model.sensor_dim.tolist(), model.sensor_objtype.tolist(), strict=True)
+    return {
+        "hinge": _indices(joints, mujoco.mjtJoint.mjJNT_HINGE),
+        "free joint": _indices(joints, mujoco.mjtJoint.mjJNT_FREE),
+        "sensor of three numbers": _indices(sensors, (3, int(mujoco.mjtObj.mjOBJ_SITE))),
+        "lock": _indices(equalities, mujoco.mjtEq.mjEQ_JOINT),
+        "weld": _indices(equalities, mujoco.mjtEq.mjEQ_WELD),
+    }
 
 
-def _is_vector_at_a_site(model: mujoco.MjModel, sensor: int) -> bool:
-    return model.sensor_dim[sensor] == 3 and model.sensor_objtype[sensor] == mujoco.mjtObj.mjOBJ_SITE
+def _indices(kinds: Iterable[Any], wanted: Any) -> set[int]:
+    wanted = wanted if isinstance(wanted, tuple) else int(wanted)
+    return {index for index, kind in enumerate(kinds) if kind == wanted}
 
 
-def _is_equality(kind: mujoco.mjtEq) -> Callable[[mujoco.MjModel, int], bool]:
-    return lambda model, equality: model.eq_type[equality] == kind
-
-
-_LOOK_UPS: Mapping[NameKind, tuple[mujoco.mjtObj, Callable[[mujoco.MjModel, int], bool] | None]] = {
-    "body": (mujoco.mjtObj.mjOBJ_BODY, None),
-    "hinge": (mujoco.mjtObj.mjOBJ_JOINT, _is_joint(mujoco.mjtJoint.mjJNT_HINGE)),
-    "free joint": (mujoco.mjtObj.mjOBJ_JOINT, _is_joint(mujoco.mjtJoint.mjJNT_FREE)),
-    "geom": (mujoco.mjtObj.mjOBJ_GEOM, None),
-    "sensor of three numbers": (mujoco.mjtObj.mjOBJ_SENSOR, _is_vector_at_a_site),
-    "actuator": (mujoco.mjtObj.mjOBJ_ACTUATOR, None),
-    "camera": (mujoco.mjtObj.mjOBJ_CAMERA, None),
-    "keyframe": (mujoco.mjtObj.mjOBJ_KEY, None),
-    "material": (mujoco.mjtObj.mjOBJ_MATERIAL, None),
-    "skin": (mujoco.mjtObj.mjOBJ_SKIN, None),
-    "lock": (mujoco.mjtObj.mjOBJ_EQUALITY, _is_equality(mujoco.mjtEq.mjEQ_JOINT)),
-    "weld": (mujoco.mjtObj.mjOBJ_EQUALITY, _is_equality(mujoco.mjtEq.mjEQ_WELD)),
+_OBJECTS: Mapping[NameKind, mujoco.mjtObj] = {
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "hinge": mujoco.mjtObj.mjOBJ_JOINT,
+    "free joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "sensor of three numbers": mujoco.mjtObj.mjOBJ_SENSOR,
+    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+    "camera": mujoco.mjtObj.mjOBJ_CAMERA,
+    "keyframe": mujoco.mjtObj.mjOBJ_KEY,
+    "material": mujoco.mjtObj.mjOBJ_MATERIAL,
+    "skin": mujoco.mjtObj.mjOBJ_SKIN,
+    "lock": mujoco.mjtObj.mjOBJ_EQUALITY,
+    "weld": mujoco.mjtObj.mjOBJ_EQUALITY,
 }
-"""Where things are looked up by name, and whether what is found will do."""
+"""Types of objects that names are looked up among."""
