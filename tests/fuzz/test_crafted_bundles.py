@@ -1,5 +1,7 @@
 """Every bundle that was ever made to do harm is refused in one line, and nothing outside of it is opened."""
 
+from pathlib import Path
+
 import pytest
 from fuzz.canaries import Canaries
 from fuzz.crafted_bundles import CRAFTED, PLANTED
@@ -8,7 +10,10 @@ from fuzz.sealing import write_resealed
 from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files
 
 import mimoc
+from mimoc.bundle.model import load_model
 from mimoc.errors import MimocError
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 
 
 @pytest.fixture
@@ -55,3 +60,9 @@ def test_an_honest_bundle_of_any_kind_is_opened(number, tmp_path):
     env.reset(seed=0)
     env.step(env.action_space.sample())
     env.close()
+
+
+@pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_the_bundle_of_each_config_is_one_that_mimoc_could_have_written(config, tmp_path):
+    folder = mimoc.write_bundle(mimoc.build(config), tmp_path / "bundle")
+    assert load_model(mimoc.read_bundle(folder)).nbody > 10
