@@ -9,7 +9,7 @@ import mujoco
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.bundle.model import in_subtrees
+from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
@@ -97,10 +97,14 @@ class Schedule:
 
         Raises:
             ValueError: If the action is not one number for each actuator.
+            ModelError: If the physics needs more memory than the model has.
         """
         for segment in self.begin(action, data):
             self.command(segment, data)
-            mujoco.mj_step(self._model, data, segment.physics_steps)
+            try:
+                mujoco.mj_step(self._model, data, segment.physics_steps)
+            except mujoco.FatalError as error:
+                raise out_of_memory(error) from None
             for name, delayed in segment.samples:
                 sample = self.read(name, data)
                 for each in delayed:

@@ -23,6 +23,8 @@ WHOLE, PART = ".parquet", ".arrow"
 FORMAT = 1
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"^(\d{4,})-(\d{6,})(?:\.part(\d{4,}))?\.json$")
+DIGEST = re.compile("sha256:[0-9a-f]{64}")
+"""Of a bundle."""
 DIGITS = 16
 """Of a bundle's digest in the name of its folder."""
 
@@ -261,7 +263,7 @@ def _is_description(told: Mapping[str, Any]) -> bool:
     if not (isinstance(infants, list) and isinstance(sessions, list) and isinstance(told.get("step_ms"), (int, float))):
         return False
     if not infants or not all(
-        isinstance(each, dict) and isinstance(each.get("name"), str) and isinstance(each.get("bundle"), str)
+        isinstance(each, dict) and isinstance(each.get("name"), str) and DIGEST.fullmatch(str(each.get("bundle")))
         for each in infants
     ):
         return False

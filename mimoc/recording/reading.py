@@ -140,12 +140,13 @@ class Episode:
         """
         reading = self.reading(name)
         if reading.kind != "picture":
-            return tables.array_of(self.table, OBSERVATION + name, reading)
+            with tables.damage_told(self.files.tables[0]):
+                return tables.array_of(self.table, OBSERVATION + name, reading)
         count = len(self.step)
         if len(self.files.stems) == 1:
-            return frames.read_pictures(self.files.pictures(name, frames.LOSSLESS)[0], count)
-        parts = [frames.read_pictures(path) for path in self.files.pictures(name, frames.LOSSLESS)]
-        return np.concatenate(parts)[:count]
+            return frames.read_pictures(self.files.pictures(name, frames.LOSSLESS)[0], count, reading.shape)
+        paths = self.files.pictures(name, frames.LOSSLESS)
+        return np.stack([picture for path in paths for picture in frames.some_pictures(path, reading.shape, count)])
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
@@ -222,7 +223,8 @@ class Episode:
 
     def column(self, name: str) -> Array:
         """Return a column of the file as an array of k + 1 rows."""
-        return tables.array_of(self.table, name)
+        with tables.damage_told(self.files.tables[0]):
+            return tables.array_of(self.table, name)
 
     def reading(self, name: str) -> Reading:
         """Return what is known of an array of the observation.

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import broke_down
+from mimoc.bundle.model import begin, bounded, broke_down
 from mimoc.bundle.poses import pose_of
 from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
@@ -373,13 +373,14 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._renderer.follow(self._infant.bare, self.data)
             raise
 
+    @bounded()
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""
         self._steps = 0
         mujoco.mj_resetDataKeyframe(self._infant.bare, self.data, self._infant.bare.key(pose).id)
         mujoco.mj_kinematics(self._infant.bare, self.data)
         self._constraints.keep(self.data)
-        mujoco.mj_forward(self._infant.bare, self.data)
+        begin(self._infant.bare, self.data)
         self._task.start(self.data, self.np_random)
         self._schedule.reset(self.data)
         return self._observe()

@@ -1,5 +1,6 @@
 """Types of the numbers in a spec, each with its unit and its widest range."""
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Annotated, TypeVar
 
@@ -36,7 +37,7 @@ def _rising(ends: tuple[Number, Number]) -> tuple[Number, Number]:
 
 
 def _distinct(names: Sequence[str]) -> Sequence[str]:
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = sorted(name for name, count in Counter(names).items() if count > 1)
     if repeated:
         raise ValueError(f"{', '.join(map(repr, repeated))} more than once; name each once")
     return names
