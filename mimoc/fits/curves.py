@@ -72,7 +72,7 @@ def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weigh
     """
     points = _Points(_array(ages_months), _array(values), _array(weights), is_steady=True)
     b = _best_shift(points, B_MAX_COUNT_MONTHS)
-    return fit_log_curve(ages_months, values) if b is None else _curve(points, b)
+    return fit_log_curve(ages_months, values) if math.isnan(b) else _curve(points, b)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +119,8 @@ def _fits(points: _Points, b: FloatArray) -> _Fits:
     return _Fits(a[:, 0], d[:, 0], left[:, 0], slope[:, 0])
 
 
-def _best_shift(points: _Points, largest_months: float) -> float | None:
-    """Return the b with which least is left; None if every curve falls.
+def _best_shift(points: _Points, largest_months: float) -> float:
+    """Return the b with which least is left; NaN if every curve falls.
 
     This searches along log b: a grid over the whole range for the best point, then ever finer ones beside it for where
     what is left begins to rise, which is known to many more digits than where it is least. It cannot diverge.
@@ -128,7 +128,7 @@ def _best_shift(points: _Points, largest_months: float) -> float | None:
     grid = np.linspace(math.log(B_MIN_MONTHS), math.log(largest_months), _GRID_POINTS)
     left = _fits(points, np.exp(grid)).left
     if not np.isfinite(left).any():
-        return None
+        return math.nan
     low, high = _neighbours(grid, int(left.argmin()) - 1, 2)
     for _ in range(_ROUNDS):
         grid = np.linspace(low, high, _GRID_POINTS)
