@@ -71,7 +71,7 @@ skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image);
 	$(BIN)/pip install 'scikit-image>=0.22'
 	$(BIN)/python sculpt/make.py
 
-matrix: ## Test several versions of MuJoCo and Python, each pair in its own environment in .matrix (7 GB, half an hour).
+matrix: ## Test several versions of MuJoCo and Python, and the oldest of all else, in .matrix (9 GB, an hour).
 	@$(PYTHON) .ci/matrix.py
 
 bench: $(TEST) ## Run the benchmarks (minutes).
