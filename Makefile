@@ -77,7 +77,7 @@ skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image);
 	$(BIN)/pip install 'scikit-image>=0.22'
 	$(BIN)/python sculpt/make.py
 
-matrix: ## Test several versions of MuJoCo and Python, each pair in its own environment in .matrix (7 GB, half an hour).
+matrix: ## Test several versions of MuJoCo and Python, and the oldest of all else, in .matrix (9 GB, an hour).
 	@$(PYTHON) .ci/matrix.py
 
 fuzz: $(TEST) opengl ## Try to break mimoc with bundles, policies and recordings of strangers (MINUTES=10, SEED=0); docs/trust.md.

@@ -55,7 +55,7 @@ LAYERS = {
     "spec": layer("", "errors units language kinds composition", "pydantic"),
     "schema": layer("schema schema.* schema.cohort_file schema.cohort_steps plugins", LANGUAGE, "pydantic"),
     "bundle": layer("bundle bundle.*", f"{LANGUAGE} schema", "pydantic mujoco"),
-    "fits": layer("fits fits.*", "errors units language"),
+    "fits": layer("fits fits.*", "errors units geometry language"),
     "body": layer("body body.*", f"{LANGUAGE} schema fits parts"),
     "mjcf": layer("mjcf mjcf.*", f"{BASE} language body", "jinja2 lxml"),
     "looks": layer("looks looks.*", f"{BASE} body mjcf", "PIL"),

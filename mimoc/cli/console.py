@@ -55,11 +55,12 @@ def progress(what: str) -> Iterator[Callable[[int, int], None]]:
     Yields:
         The function to call with the steps done and their total.
     """
+    if not sys.stderr.isatty():
+        yield lambda done, total: None
+        return
     columns = (TextColumn("{task.description}"), BarColumn(), _Steps(), TimeRemainingColumn())
-    shown = sys.stderr.isatty()
-    # What is printed meanwhile goes above the bar, but only if it goes to the terminal as well.
-    above, console = shown and sys.stdout.isatty(), Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not shown, redirect_stdout=above) as bar:
+    above = sys.stdout.isatty()  # What is printed meanwhile goes above the bar, if it goes to the terminal as well.
+    with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
         task = bar.add_task(what, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 

@@ -15,7 +15,7 @@ Shown = Literal["skin", "solids"]
 class AcuitySpec(Model):
     """A measured visual acuity."""
 
-    cpd: Annotated[CyclesPerDegree, Field(le=60)]
+    cpd: Annotated[CyclesPerDegree, Field(ge=0.01, le=60)]
     """Spatial frequency of the finest grating that is resolved."""
 
 

@@ -1,5 +1,6 @@
 """Processing of a mesh file into the shape of a toy."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -82,7 +83,7 @@ def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
 
 def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
     """Return the volume of a closed mesh, or of its convex parts if the mesh is open, a thin shell or overlapping."""
-    of_parts = sum(map(mesh_volume, parts))
+    of_parts = math.fsum(map(mesh_volume, parts))
     within = mesh_volume(closed) if closed else 0.0
     return min(within, of_parts) if within >= LEAST_FILLED * of_parts else of_parts
 
