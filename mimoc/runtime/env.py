@@ -1,7 +1,8 @@
 """The Gymnasium environment around a compiled infant."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -27,8 +28,9 @@ from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
 from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.keypoints import Keypoints
-from mimoc.runtime.physics_state import check_physics, physics_of, set_physics
+from mimoc.runtime.living import Living
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
+from mimoc.runtime.state_form import checked_state
 from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.sense import Observation, Sense
@@ -265,13 +267,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         return copy.deepcopy(
             {
-                "physics": physics_of(self.model, self.data),
-                "signals": self._schedule.state,
-                "model": self._model_fields.state,
-                "task": self._task.state,
+                **self._living().state,
                 "steps": self._steps,
                 "random": self.np_random.bit_generator.state,
-                "noise": self._noise.state,
                 growing.SEED: self.manifest.seed,
                 growing.AGE: self.age_months,
             }
@@ -286,18 +284,16 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         The age of the state is restored, and in an environment made from a spec, so is its scene.
 
         Raises:
-            ValueError: If the state is that of a different infant, or of an age or scene that cannot be restored here.
+            ValueError: If the state is none, is that of a different infant, or of an age or scene that cannot be restored
+                here; nothing has changed then.
             MimocError: If there is no such infant.
         """
         variant = growing.variant_of_state(self._variants, self.manifest, state)
-        check_physics(state["physics"], variant.model if variant else self.model)
-        if variant:
-            self._become(variant)
-        state = copy.deepcopy(state)
-        self._model_fields.state, self._task.state, self._steps = state["model"], state["task"], state["steps"]
-        set_physics(self.model, self.data, state["physics"])
-        self._schedule.state = state["signals"]
-        self.np_random.bit_generator.state, self._noise.state = state["random"], state["noise"]
+        with self._undone_on_failure():
+            if variant:
+                self._become(variant)
+            with checked_state(state, self.get_state()):
+                self._restore(copy.deepcopy(state))
         if variant:
             self._renderer.close()
             self._renderer = self._open_renderer()
@@ -329,7 +325,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.__dict__.update(kept)
         self._noise, self.journal = NoiseStreams(self.np_random_seed), UNTOLD
         self._bind()
-        self.set_state(state)
+        self._restore(state)
         self._renderer = self._open_renderer()
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
@@ -353,24 +349,36 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _open_renderer(self) -> EnvRenderer:
         return EnvRenderer(self.render_mode, self.model, self.data, self.manifest.root_body, self._picture_size)
 
-    def _living(self) -> growing.Living:
+    def _living(self) -> Living:
         """Return what lives of the infant."""
-        parts = self._constraints, self._model_fields, self._task, self._schedule
-        return growing.Living(self.manifest, self.model, self.data, *parts)
+        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
+        return Living(self.manifest, self.model, self.data, *parts)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""
-        former, fields, state = self.bundle, self._model_fields, self.get_state()
-        try:
+        with self._undone_on_failure():
             self.bundle, self.model = variant.bundle, variant.model
             self._bind(self._senses)
             check_same_space(self.observation_space, observation_space(self._senses, self._task))
-        except Exception:  # Whatever failed, be it in a sense of the caller's own: the infant goes on as it was.
-            self.bundle, self.model = former, fields.model_as_built()
-            self._bind(self._senses)
-            self.set_state(state)
-            self._renderer.follow(self.model, self.data)
+
+    @contextmanager
+    def _undone_on_failure(self) -> Iterator[None]:
+        """Let the infant go on as it was if anything fails, be it in a sense of the caller's own."""
+        former, model, fields, state = self.bundle, self.model, self._model_fields, self.get_state()
+        try:
+            yield
+        except Exception:
+            if self.model is not model:
+                self.bundle, self.model = former, fields.model_as_built()
+                self._bind(self._senses)
+                self._renderer.follow(self.model, self.data)
+            self._restore(state)
             raise
+
+    def _restore(self, state: dict[str, Any]) -> None:
+        """Restore a state of the infant that is bound."""
+        self._living().restore(state)
+        self._steps, self.np_random.bit_generator.state = state["steps"], state["random"]
 
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""

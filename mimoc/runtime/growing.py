@@ -1,9 +1,7 @@
 """An infant that gets another age while it lives: what of its present it takes along."""
 
 import copy
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -12,14 +10,12 @@ import numpy as np
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.delays.schedule import Schedule
 from mimoc.errors import MimocError, UnknownNameError
-from mimoc.model_fields import WORLD, ModelFields
+from mimoc.model_fields import WORLD
 from mimoc.rounding import rounded
-from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.living import Living
 from mimoc.runtime.physics_state import STATE, physics_of
 from mimoc.runtime.settling import clip_angles, depths_of, settle
-from mimoc.tasks.task import Task
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""
@@ -27,26 +23,16 @@ AGE, SEED, POSE = "age_months", "scene_seed", "pose"
 """Options of a reset."""
 
 
-@dataclass(frozen=True, slots=True)
-class Living:
-    """What lives of an infant in its environment."""
-
-    manifest: Manifest
-    model: mujoco.MjModel
-    data: mujoco.MjData
-    constraints: Constraints
-    fields: ModelFields
-    task: Task
-    schedule: Schedule
-
-
 def check_options(options: Mapping[str, Any], variants: Variants | None) -> None:
     """Check the names of the options of a reset.
 
     Raises:
+        TypeError: If this is no dictionary.
         UnknownNameError: If there is no such option in an environment with these variants.
     """
     known = [POSE, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
+    if not isinstance(options, Mapping):
+        raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
     for key in options.keys() - known:
         raise UnknownNameError("reset option", str(key), known)
 
@@ -79,16 +65,18 @@ def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mappi
     """Return the infant that a state is of, or None if it is of the present one.
 
     Raises:
-        ValueError: If this environment cannot make that infant.
+        ValueError: If this is not a state, or this environment cannot make that infant.
         MimocError: If there is no such infant.
     """
+    if not isinstance(state, Mapping) or not {AGE, SEED} <= state.keys():
+        raise ValueError("this is not a state of an environment; give one that get_state returned")
     age_months, seed = manifest.child.age_months, manifest.seed
-    if state[SEED] != seed and not (variants and variants.has_other_scenes):
+    if _seed(state[SEED]) != seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {state[SEED]}, but this environment has {seed} and was not made from a spec, so it"
             " cannot change its scene"
         )
-    if state[AGE] != age_months and variants is None:
+    if _age(state[AGE]) != age_months and variants is None:
         raise ValueError(
             f"state has age_months {state[AGE]:g}, but this environment has {age_months:g} and cannot change it; open"
             " it with mimoc.make"
@@ -132,13 +120,13 @@ def carry_on(former: Living, now: Living) -> None:
 
 def _age(age_months: Any) -> float:
     """Return an age as files have it."""
-    if isinstance(age_months, bool) or not isinstance(age_months, (Real, np.number)) or not _is_age(float(age_months)):
+    if isinstance(age_months, bool) or not isinstance(age_months, Real) or not _is_age(age_months):
         raise ValueError(f"expected an age from 0 to {OLDEST_MONTHS:g} months, got {age_months!r}")
     return rounded(float(age_months))
 
 
-def _is_age(age_months: float) -> bool:
-    return math.isfinite(age_months) and 0.0 <= age_months <= OLDEST_MONTHS
+def _is_age(age_months: Any) -> bool:
+    return bool(0.0 <= age_months <= OLDEST_MONTHS)  # Not for a NaN, either.
 
 
 def _seed(seed: Any) -> int:
