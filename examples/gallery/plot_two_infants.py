@@ -6,12 +6,14 @@ Two infants in one MuJoCo model
 """
 
 import tempfile
+from contextlib import closing
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import mujoco
 
 import mimoc
+from mimoc.render.body_camera import BodyCamera
 
 OPTIONS = ["timestep", "integrator", "cone", "jacobian", "solver", "iterations", "ls_iterations", "tolerance"]
 OPTIONS += ["disableflags"]
@@ -22,7 +24,8 @@ host.visual.headlight.ambient = [0.5] * 3
 host.worldbody.add_light(pos=[0, 0, 3], diffuse=[0.7] * 3)
 host.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 1], rgba=[0.5, 0.6, 0.6, 1])
 with tempfile.TemporaryDirectory() as folder:
-    mimoc.write_bundle(mimoc.build(spec), Path(folder) / "twin")
+    bundle = mimoc.build(spec)
+    mimoc.write_bundle(bundle, Path(folder) / "twin")
     for prefix, y in (("anna_", -0.25), ("ben_", 0.25)):
         infant = mujoco.MjSpec.from_file(str(Path(folder) / "twin" / "infant.xml"))
         for option in OPTIONS:
@@ -33,11 +36,9 @@ with tempfile.TemporaryDirectory() as folder:
 
 data = mujoco.MjData(model)
 mujoco.mj_forward(model, data)
-camera = mujoco.MjvCamera()
-camera.lookat, camera.distance, camera.azimuth, camera.elevation = (0, 0, 0.4), 1.6, 160, -12
-with mujoco.Renderer(model, 300, 400) as renderer:
-    renderer.update_scene(data, camera)
-    picture = renderer.render()
-plt.imshow(picture)
+with closing(
+    BodyCamera(model, [prefix + bundle.manifest.root_body for prefix in ("anna_", "ben_")], 400, 300)
+) as camera:
+    plt.imshow(camera.render(data))
 plt.axis("off")
 plt.show()

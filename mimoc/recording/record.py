@@ -87,8 +87,8 @@ def filming(
     body: Shown = "skin",
 ) -> Iterator[Capture]:
     """Record a run, as `record` does; yield the function to call after each step."""
-    options: Any = {"eyes": eyes, "rate_hz": rate_hz, "height_px": height_px, "body": body}
-    with film_of(file, run.env.manifest.step_ms, **options) as watch:
+    step_ms = run.env.manifest.step_ms
+    with film_of(file, step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as watch:
         watch(run.env, run.observation)
         yield lambda: watch(run.env, run.observation)
 

@@ -22,7 +22,7 @@ def test_both_sides_are_as_heavy(hands, apart):
 def test_mujoco_finds_no_joint_less_than_a_third_as_heavy_in_any_pose():
     """Few poses are looked at; the diagonal of the mass matrix of others stays near what they give."""
     spec = mimoc.InfantSpec(mimoc=1, name="x", age_months=9)
-    model = mujoco.MjModel.from_xml_string(mimoc.build(spec).files["infant.xml"].decode(), assets=_pictures(spec))
+    model = mujoco.MjModel.from_xml_string(mimoc.build(spec).files["infant.xml"].decode(), assets=_assets(spec))
     data, generator = mujoco.MjData(model), np.random.default_rng(0)
     found = inertias(grow(measure(9), assemble("mitten", False)))
     joints = [model.joint(name) for name in found]
@@ -35,8 +35,8 @@ def test_mujoco_finds_no_joint_less_than_a_third_as_heavy_in_any_pose():
         assert (inertia > least / 3).all()
 
 
-def _pictures(spec: mimoc.InfantSpec) -> dict[str, bytes]:
-    return {name: content for name, content in mimoc.build(spec).files.items() if name.endswith(".png")}
+def _assets(spec: mimoc.InfantSpec) -> dict[str, bytes]:
+    return {name: content for name, content in mimoc.build(spec).files.items() if name.startswith("assets/")}
 
 
 def _inertia(model: mujoco.MjModel, data: mujoco.MjData, dof: int) -> float:

@@ -142,7 +142,7 @@ def test_with_its_file_the_missing_jobs_of_a_cohort_are_counted(cohort, study, t
 def test_what_is_in_the_folder_is_what_the_cohort_knows(cohort, study):
     store = Store(cohort)
     jobs, damaged = kept_jobs(store)
-    known = [job.key for job in study.jobs() if store.is_done(job)]
+    known = [job.key for job in study.jobs() if store.read(job) is not None]
     assert (sorted(job.key for job in jobs), damaged) == (sorted(known), ())
     rows = {row["job"]: row for row in study.rows(cohort)}
     for row in rows_of(jobs, store, ()):

@@ -117,7 +117,7 @@ def test_a_copy_keeps_what_was_changed_in_the_model_for_itself(bundle):
     twin = copy.deepcopy(env)
     env.set_expression("happy")
     face = env.manifest.face
-    assert twin.model.geom(face.geom).matid == twin.model.material(face.materials["sad"]).id
+    assert twin.model.skin(face.skin).matid == twin.model.material(face.materials["sad"]).id
     twin.close()
     env.close()
 
