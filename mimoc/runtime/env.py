@@ -19,10 +19,11 @@ from mimoc.bundle.model import broke_down
 from mimoc.bundle.poses import pose_of
 from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
-from mimoc.errors import UnknownNameError
+from mimoc.errors import check_name
 from mimoc.model_fields import ModelFields
 from mimoc.noise.streams import NoiseStreams
-from mimoc.render.environment import MODES, EnvRenderer, available_modes
+from mimoc.random_streams import checked_seed
+from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
@@ -82,10 +83,10 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ModelError: If MuJoCo rejects its model.
             RenderingError: If vision or the render mode needs OpenGL or a display that is not available.
             UnknownNameError: If there is no such render mode.
+            ValueError: If the images have no size that images can have.
             KindError: If an added sense has the name of an existing one.
         """
-        if render_mode not in (None, *MODES):
-            raise UnknownNameError("render mode", str(render_mode), MODES)
+        check_rendering(render_mode, width, height)
         own = opened(bundle)
         self.bundle, self.model = own.bundle, own.model
         self.render_mode = render_mode
@@ -146,7 +147,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If this infant has no such sense.
         """
-        return self._sense(sense).layout
+        check_name("sense of this infant", sense, self._senses)
+        return self._senses[sense].layout
 
     @property
     def skin(self) -> "SkinState":
@@ -155,7 +157,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If this infant has no sense of touch.
         """
-        touch: Any = self._sense("touch")
+        check_name("sense of this infant", "touch", self._senses)
+        touch: Any = self._senses["touch"]
         return touch.skin_state(self.data)
 
     def set_expression(self, expression: str) -> None:
@@ -187,11 +190,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
         Raises:
             UnknownNameError: If there is no such pose or option.
+            TypeError: If the options are no dictionary.
             ValueError: If the seed is not a non-negative integer, or the age is not one from 0 to 24.
             MimocError: If there is no such infant; nothing has changed then.
         """
-        options = options or {}
+        options = growing.options_given(options)
         growing.check_options(options, self._variants)
+        seed = None if seed is None else checked_seed(seed)
         variant = growing.find_variant(self._variants, self.manifest, options)
         pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
         self.journal.resetting()
@@ -202,8 +207,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._become(variant)
         observation = self._start(pose)
         if variant:
-            self._renderer.close()
-            self._renderer = self._open_renderer()
+            self._renderer.start_again(self.model, self.data)
         self._renderer.show()
         info = {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
         self.journal.was_reset(seed, options, observation, info)
@@ -284,19 +288,18 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         The age of the state is restored, and in an environment made from a spec, so is its scene.
 
         Raises:
-            ValueError: If the state is none, is that of a different infant, or of an age or scene that cannot be restored
-                here; nothing has changed then.
+            ValueError: If it is no state of this infant, or one that cannot be restored here; nothing has changed then.
             MimocError: If there is no such infant.
         """
         variant = growing.variant_of_state(self._variants, self.manifest, state)
         with self._undone_on_failure():
             if variant:
                 self._become(variant)
+                self._start(self.manifest.pose)
             with checked_state(state, self.get_state()):
                 self._restore(copy.deepcopy(state))
         if variant:
-            self._renderer.close()
-            self._renderer = self._open_renderer()
+            self._renderer.start_again(self.model, self.data)
         self.journal.restored()
         return self._observe()
 
@@ -336,12 +339,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._constraints = Constraints(self.manifest.constraints, self.model)
         own = self._custom_task
         self._task = bind_task(self.bundle, self.model) if own is None else CustomTask(own, self.model, self.bundle)
-        fields = (
-            *self._constraints.model_fields,
-            *self._task.model_fields,
-            *expression_fields(self.manifest, self.model),
-        )
-        self._model_fields = ModelFields(self.model, fields)
+        fields = (*self._constraints.model_fields, *self._task.model_fields)
+        self._model_fields = ModelFields(self.model, (*fields, *expression_fields(self.manifest, self.model)))
         timing = timing_of(self.manifest, self._senses)
         self._schedule = Schedule(self._senses, self._act, self.model, timing, self._noise)
         self._keypoints = Keypoints(self.manifest.keypoints, self.model)
@@ -393,13 +392,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def _observe(self) -> Observation:
         """Return what the senses and the task give, as fresh arrays."""
-        observation = self._schedule.observe()
-        return {**observation, **self._task.observe()} if self._task.spaces else observation
-
-    def _sense(self, name: str) -> Sense:
-        if name not in self._senses:
-            raise UnknownNameError("sense of this infant", name, self._senses)
-        return self._senses[name]
+        return {**self._schedule.observe(), **self._task.observe()}
 
 
 PARTS = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}

@@ -12,6 +12,7 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.errors import MimocError, UnknownNameError
 from mimoc.model_fields import WORLD
+from mimoc.random_streams import checked_seed
 from mimoc.rounding import rounded
 from mimoc.runtime.living import Living
 from mimoc.runtime.physics_state import STATE, physics_of
@@ -23,16 +24,24 @@ AGE, SEED, POSE = "age_months", "scene_seed", "pose"
 """Options of a reset."""
 
 
+def options_given(options: Any) -> dict[str, Any]:
+    """Return the options of a reset, none for None.
+
+    Raises:
+        TypeError: If they are no dictionary.
+    """
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
+    return dict(options or {})
+
+
 def check_options(options: Mapping[str, Any], variants: Variants | None) -> None:
     """Check the names of the options of a reset.
 
     Raises:
-        TypeError: If this is no dictionary.
         UnknownNameError: If there is no such option in an environment with these variants.
     """
     known = [POSE, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
-    if not isinstance(options, Mapping):
-        raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
     for key in options.keys() - known:
         raise UnknownNameError("reset option", str(key), known)
 
@@ -50,7 +59,7 @@ def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[
         MimocError: If there is no such infant.
     """
     age_months = manifest.child.age_months
-    age_months, seed = _age(wanted.get(AGE, age_months)), _seed(wanted.get(SEED, manifest.seed))
+    age_months, seed = _age(wanted.get(AGE, age_months)), checked_seed(wanted.get(SEED, manifest.seed), SEED)
     if (age_months, seed) == (manifest.child.age_months, manifest.seed):
         return None
     if variants is None:
@@ -71,7 +80,7 @@ def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mappi
     if not isinstance(state, Mapping) or not {AGE, SEED} <= state.keys():
         raise ValueError("this is not a state of an environment; give one that get_state returned")
     age_months, seed = manifest.child.age_months, manifest.seed
-    if _seed(state[SEED]) != seed and not (variants and variants.has_other_scenes):
+    if checked_seed(state[SEED], SEED) != seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {state[SEED]}, but this environment has {seed} and was not made from a spec, so it"
             " cannot change its scene"
@@ -127,12 +136,6 @@ def _age(age_months: Any) -> float:
 
 def _is_age(age_months: Any) -> bool:
     return bool(0.0 <= age_months <= OLDEST_MONTHS)  # Not for a NaN, either.
-
-
-def _seed(seed: Any) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise ValueError(f"expected a non-negative integer as scene_seed, got {seed!r}")
-    return int(seed)
 
 
 def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:

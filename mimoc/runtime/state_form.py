@@ -39,7 +39,7 @@ def _check(given: Any, own: Any, where: str) -> None:
     elif isinstance(own, (bool, str)) or own is None:
         _demand(own is None or type(given) is type(own), where, given)
     elif isinstance(own, (int, np.integer)):
-        _demand(isinstance(given, (int, np.integer)) and not isinstance(given, bool) and given >= 0, where, given)
+        _demand(isinstance(given, (int, np.integer)) and not isinstance(given, bool), where, given)
     else:
         _demand(isinstance(given, (int, float, np.floating)) and given < math.inf, where, given)  # -inf: never yet.
 
