@@ -29,7 +29,10 @@ class Commands:
         Raises:
             ValueError: If the action is none of numbers, has the wrong shape, or contains a NaN or an infinity.
         """
-        given = np.asarray(action)
+        try:
+            given = np.asarray(action)
+        except ValueError:  # Lists of different lengths.
+            given = np.array(None)
         if given.dtype.kind not in "fiub":
             raise ValueError(f"expected an action of numbers, got {action!r:.60}")
         if given.shape != self.low.shape:

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import RecordingPath
+from mimoc.cli.shown import shown
 
 EXAMPLE = "Example:  mimoc export recordings/random --to csv -o out/random_csv"
 
@@ -20,5 +21,5 @@ def export(
     from mimoc.recording.export import export_recording
 
     for note in export_recording(recording, to, out):
-        print(f"note: {note}", file=sys.stderr)
-    print(out)
+        print(shown(f"note: {note}"), file=sys.stderr)
+    print(shown(out))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.cli.shown import shown
 from mimoc.errors import MimocError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -66,7 +67,9 @@ def new(
     if spec == STDOUT:
         print(text, end="")
         return
-    print(f"{write_file(spec, text.encode())}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}")
+    print(
+        shown(f"{write_file(spec, text.encode())}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}")
+    )
 
 
 def _name(spec: Path) -> str:

@@ -49,4 +49,4 @@ def render(
         (bundle,) = bundles
         markers = skin_markers(bundle, *load_posed(bundle, pose)) if skin else None
         picture = portrait(bundle, pose, width, height, markers, shown)
-    print(write_picture(file, picture))
+    print(shown(write_picture(file, picture)))

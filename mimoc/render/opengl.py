@@ -58,8 +58,8 @@ def make_current(context: Any) -> None:
         context.make_current()
     except Exception as error:  # Each OpenGL library fails with errors of its own.
         raise RenderingError(
-            f"OpenGL cannot draw in this thread ({type(error).__name__}), as another one is drawing with the same context;"
-            " use an environment in one thread at a time"
+            f"OpenGL cannot draw in this thread ({type(error).__name__}), as another one is drawing with the same"
+            " context; use an environment in one thread at a time"
         ) from None
 
 
