@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.cli.exit_codes import FAILED_CHECK, resumable
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Cohort, Status
@@ -119,9 +119,9 @@ def status(cohort: CohortPath, out: Out) -> None:
 def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     found = _read(cohort)
-    print(shown(found.table(out, parquet=False)[0]))
+    print(printable(found.table(out, parquet=False)[0]))
     if not csv:
-        print(shown(found.table(out)[1]))
+        print(printable(found.table(out)[1]))
 
 
 def _read(path: Path) -> "Cohort":
@@ -141,6 +141,6 @@ def _end(status: "Status", cohort: Path, out: Path) -> None:
 
     cohort_tables.print_status(status)
     if status.failures:
-        print(shown(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
+        print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
         raise typer.Exit(FAILED_CHECK)
-    print(shown(f"{out}: gather the table with: mimoc cohort table {cohort} -o {out}"))
+    print(printable(f"{out}: gather the table with: mimoc cohort table {cohort} -o {out}"))

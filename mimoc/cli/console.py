@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
@@ -101,7 +101,7 @@ def print_toys(manifest: Manifest) -> None:
         for heading in ("longest side [cm]", "weight [g]"):
             table.add_column(heading, justify="right")
         for toy in manifest.toys:
-            table.add_row(shown(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
+            table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
     for note in manifest.notes:
         console.print(Text(f"note: {note}", style="yellow"))
@@ -212,7 +212,7 @@ def print_training(training: Training, out: Path) -> None:
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
     tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}"
-    print(shown(f"{out}: {tried}"))
+    print(printable(f"{out}: {tried}"))
 
 
 def _number_text(value: float) -> str:

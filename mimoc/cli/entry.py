@@ -8,7 +8,7 @@ import traceback
 from typing import TextIO
 
 from mimoc.cli.exit_codes import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
 from mimoc.interruption import ending_orderly
 
@@ -34,14 +34,14 @@ def _run() -> None:
 
         app(standalone_mode=True)
     except MimocError as error:
-        print(shown(error), file=sys.stderr)
+        print(printable(error), file=sys.stderr)
         sys.exit(BAD_INPUT)
     except Exception as error:
         backend = os.environ.get("MUJOCO_GL")
         if backend is None or not _is_of_loading_mujoco(error):
             raise
         problem = f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it or choose another"
-        print(shown(problem), file=sys.stderr)
+        print(printable(problem), file=sys.stderr)
         sys.exit(BAD_INPUT)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import RecordingPath
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc export recordings/random --to csv -o out/random_csv"
 
@@ -21,5 +21,5 @@ def export(
     from mimoc.recording.export import export_recording
 
     for note in export_recording(recording, to, out):
-        print(shown(f"note: {note}"), file=sys.stderr)
-    print(shown(out))
+        print(printable(f"note: {note}"), file=sys.stderr)
+    print(printable(out))

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 from mimoc.errors import OutputError
 
 EXAMPLE = "Example:  mimoc import babybench configs/babybench.yml -o self_touch.yaml"
@@ -28,5 +28,5 @@ def import_config(
         raise OutputError(f"{file}: already exists; choose another file, or replace it with --force")
     written = files.write_file(file, imported.text.encode())
     for note in imported.notes:
-        print(shown(note))
-    print(f"{shown(written)}: try it with: mimoc build {shown(written)} -o out/{imported.spec['name']}")
+        print(printable(note))
+    print(f"{printable(written)}: try it with: mimoc build {printable(written)} -o out/{imported.spec['name']}")

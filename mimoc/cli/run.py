@@ -10,7 +10,7 @@ import typer
 
 from mimoc.cli.arguments import Body, InfantPath, ShownBody
 from mimoc.cli.infants import load_infant
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
 from mimoc.kinds import announced
 from mimoc.policies import POLICIES
@@ -79,7 +79,7 @@ def run(
     console.print_run(rollout.summary())
     for written in (video, record):
         if written:
-            print(shown(written))
+            print(printable(written))
 
 
 def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
@@ -111,7 +111,7 @@ def _interruptible(written: Sequence[Path]) -> Iterator[None]:
     except KeyboardInterrupt:
         if written:
             shows = "shows" if len(written) == 1 else "show"
-            kept = shown(" and ".join(map(str, written)))
+            kept = printable(" and ".join(map(str, written)))
             print(f"stopped; {kept} {shows} the run up to this point", file=sys.stderr)
         raise
 

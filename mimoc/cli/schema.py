@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc schema -o infant.schema.json"
 
@@ -24,4 +24,4 @@ def schema(
     if out is None:
         print(text, end="")
     else:
-        print(shown(write_file(out, text.encode())))
+        print(printable(write_file(out, text.encode())))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.cli.infants import load_infant
-from mimoc.cli.shown import shown
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError, OutputError
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def view(
 def _write(file: Path, page: str, open_page: bool) -> None:
     from mimoc.bundle.files import write_file
 
-    print(shown(write_file(file, page.encode())))
+    print(printable(write_file(file, page.encode())))
     if open_page:
         typer.launch(str(file.resolve()))
 

@@ -11,12 +11,13 @@ import mimoc
 from mimoc.errors import MimocError
 
 SENSES = {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.1}}
+NOISE = {"motor": 0.2, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10.0}
 NONSENSE = [None, "a", float("nan"), -1, [], {}, 10**30, np.full(3, np.nan)]
 
 
 @pytest.fixture
 def env(open_env) -> mimoc.InfantEnv:
-    env = open_env(senses=SENSES, delays="infant", noise={"preset": "infant"})
+    env = open_env(senses=SENSES, delays={"preset": "physiological"}, noise=NOISE)
     env.reset(seed=1)
     env.step(np.zeros(env.action_space.shape))
     return env
@@ -64,11 +65,10 @@ def test_a_state_with_anything_wrong_in_it_is_refused_whole_or_is_one(env):
     """Whatever is left out or replaced, wherever it is: either the infant lives on in it, or as before."""
     action = np.zeros(env.action_space.shape)
     state = env.get_state()
-    refused = 0
+    env.reset(seed=2)
+    before, refused = env.get_state(), 0
     for path in places(state):
         for value in (places, *NONSENSE):
-            env.reset(seed=2)
-            before = env.get_state()
             try:
                 env.set_state(changed(state, path, value))
             except (ValueError, MimocError):
@@ -76,6 +76,7 @@ def test_a_state_with_anything_wrong_in_it_is_refused_whole_or_is_one(env):
                 assert same(env.get_state(), before), path
             else:
                 env.step(action)
+                before = env.get_state()
     assert refused > 100
 
 
@@ -85,7 +86,7 @@ def test_numbers_that_are_none_are_refused(env):
         value = state
         for name in path:
             value = value[name]
-        if isinstance(value, np.ndarray) and value.dtype.kind == "f" and path[0] != "task":
+        if isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.size and path[0] != "task":
             with pytest.raises(ValueError, match="NaN or an infinity"):
                 env.set_state(changed(state, path, np.full_like(value, np.nan)))
 
@@ -137,7 +138,7 @@ def test_a_picture_has_a_size(bundle, size):
 
 @pytest.mark.parametrize("mode", [3, [], "rgb", b"human"])
 def test_a_render_mode_has_a_name(bundle, mode):
-    with pytest.raises(MimocError, match="is not a render mode; choose from human, rgb_array"):
+    with pytest.raises(MimocError, match="is not a render mode"):
         mimoc.make(bundle, render_mode=mode)
 
 

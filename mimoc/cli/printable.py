@@ -1,7 +1,7 @@
 """Names of files and other foreign text, as they can be shown in a terminal."""
 
 
-def shown(text: object) -> str:
+def printable(text: object) -> str:
     r"""Return a text with all that is not to be printed escaped, such as `\x1b`; line breaks stay."""
     return "".join(each if each.isprintable() or each == "\n" else _escaped(each) for each in str(text))
 
