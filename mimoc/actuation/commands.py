@@ -27,11 +27,17 @@ class Commands:
         """Return the control of each actuator as a new array, shape (n,).
 
         Raises:
-            ValueError: If the action has the wrong shape, or contains a NaN or an infinity.
+            ValueError: If the action is none of numbers, has the wrong shape, or contains a NaN or an infinity.
         """
-        if np.shape(action) != self.low.shape:
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {np.shape(action)}")
-        controls = np.array(action, dtype=np.float64)
+        try:
+            given = np.asarray(action)
+        except ValueError:  # Lists of different lengths.
+            given = np.array(None)
+        if given.dtype.kind not in "fiub":
+            raise ValueError(f"expected an action of numbers, got {action!r:.60}")
+        if given.shape != self.low.shape:
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {given.shape}")
+        controls = given.astype(np.float64)
         if not np.isfinite(controls).all():
             wrong = controls[~np.isfinite(controls)][0]
             raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")

@@ -113,6 +113,12 @@ def read_bundle(path: str | Path) -> Bundle:
         BundleError: If the folder is not a bundle, or files are missing or changed; the error names each of them.
     """
     folder = Path(os.path.expanduser(path))
+    try:
+        os.stat(folder)
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:  # A name that is too long, or has a null byte.
+        raise BundleError(f"{str(folder)[:100]}: the folder cannot be read ({error})") from None
     while True:
         with _watch_for_replacement(folder) as replaced:
             try:

@@ -15,6 +15,8 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
+from mimoc.cli.printable import printable
+
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.cli.doctor import Finding
@@ -101,7 +103,7 @@ def print_toys(manifest: Manifest) -> None:
         for heading in ("longest side [cm]", "weight [g]"):
             table.add_column(heading, justify="right")
         for toy in manifest.toys:
-            table.add_row(toy.object, f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
+            table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
     for note in manifest.notes:
         console.print(Text(f"note: {note}", style="yellow"))
@@ -211,7 +213,8 @@ def print_training(training: Training, out: Path) -> None:
     console.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
-    print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}")
+    tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}"
+    print(printable(f"{out}: {tried}"))
 
 
 def _number_text(value: float) -> str:

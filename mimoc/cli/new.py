@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -92,7 +93,8 @@ def new(
     if spec == STDOUT:
         print(text, end="")
         return
-    print(f"{write_file(spec, text.encode())}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}")
+    written = write_file(spec, text.encode())
+    print(printable(f"{written}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}"))
 
 
 def _name(spec: Path) -> str:

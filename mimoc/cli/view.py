@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.cli.infants import load_infant
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def _in_a_terminal() -> bool:
 def _write(file: Path, page: str, open_page: bool) -> None:
     from mimoc.bundle.files import write_file
 
-    print(write_file(file, page.encode()))
+    print(printable(write_file(file, page.encode())))
     if open_page:
         webbrowser.open(file.resolve().as_uri())
 
