@@ -43,6 +43,7 @@ KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noi
 
 LAYERS = {
     "version": layer("version"),
+    "signals": layer("interruption"),
     "errors": layer("errors"),
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
@@ -100,13 +101,14 @@ LAYERS = {
     ),
     "mimoc": layer(
         "__init__ vector_environments registration notebook",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening viewer",
+        f"signals {BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening "
+        "viewer",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting "
-        "opening viewer mimoc",
+        "opening viewer mimoc signals",
         "typer rich",
     ),
 }

@@ -93,8 +93,8 @@ def new(
     if spec == STDOUT:
         print(text, end="")
         return
-    written = write_file(spec, text.encode())
-    print(printable(f"{written}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}"))
+    write_file(spec, text.encode())
+    print(printable(f"{spec}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}"))
 
 
 def _name(spec: Path) -> str:
