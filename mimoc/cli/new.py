@@ -92,9 +92,9 @@ def new(
     read_spec(source.parse(text, str(spec)))
     if spec == STDOUT:
         print(text, end="")
-        return
-    write_file(spec, text.encode())
-    print(printable(f"{spec}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}"))
+    else:
+        write_file(spec, text.encode())
+        print(printable(f"{spec}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}"))
 
 
 def _name(spec: Path) -> str:
