@@ -6,7 +6,7 @@ import tempfile
 import webbrowser
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
@@ -24,6 +24,8 @@ from mimoc.viewer.page import describe, fill, page_of
 from mimoc.viewer.surroundings import describe_surroundings
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
+    from typing_extensions import TypeIs
+
     from mimoc.recording.reading import ReadRecording
 
 SUFFIXES = (".html", ".htm")
@@ -135,7 +137,7 @@ def has_display() -> bool:
     return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
-def _is_recording(source: object) -> "TypeGuard[ReadRecording]":
+def _is_recording(source: object) -> "TypeIs[ReadRecording]":
     """Return whether this is a recording, which only what has been imported can have read."""
     reading = sys.modules.get("mimoc.recording.reading")
     return reading is not None and isinstance(source, reading.ReadRecording)
