@@ -41,7 +41,8 @@ def _check(given: Any, own: Any, where: str) -> None:
     elif isinstance(own, (int, np.integer)):
         _demand(isinstance(given, (int, np.integer)) and not isinstance(given, bool), where, given)
     else:
-        _demand(isinstance(given, (int, float, np.floating)) and given < math.inf, where, given)  # -inf: never yet.
+        is_time = isinstance(given, (int, float, np.floating)) and given < math.inf  # -inf: never yet.
+        _demand(bool(is_time), where, given)
 
 
 def _check_mapping(given: Any, own: Mapping[str, Any], where: str) -> None:
