@@ -152,3 +152,35 @@ def test_an_infant_is_made_from_a_bundle_a_spec_or_a_path(source):
 def test_a_path_that_no_file_can_have_is_told_of(path):
     with pytest.raises(MimocError):
         mimoc.make(path)
+
+
+@pytest.fixture(scope="module")
+def pair(bundle):
+    envs = mimoc.make_vec(bundle, num_envs=2)
+    yield envs
+    envs.close()
+
+
+@pytest.mark.parametrize("states", ["none", "empty", "one", "wrong"])
+def test_states_of_many_are_restored_all_or_none(pair, states):
+    pair.reset(seed=0)
+    before = pair.get_state()
+    given = {"none": None, "empty": [], "one": before[:1], "wrong": [{**before[0], "steps": 5}, {}]}[states]
+    with pytest.raises(ValueError, match="state"):
+        pair.set_state(given)
+    assert same(pair.get_state(), before)
+
+
+@pytest.mark.parametrize("actions", ["abc", None, [["a"] * 44] * 2, [[1j] * 44] * 2, [[1], [2, 3]], 3])
+def test_actions_of_many_are_arrays_of_numbers(pair, actions):
+    pair.reset(seed=0)
+    before = pair.get_state()
+    with pytest.raises(ValueError, match="expected"):
+        pair.step(actions)
+    assert same(pair.get_state(), before)
+
+
+@pytest.mark.parametrize("numbers", [{"num_envs": "a"}, {"num_envs": 1.5}, {"num_envs": 2, "threads": "x"}])
+def test_there_is_a_whole_number_of_infants_and_threads(bundle, numbers):
+    with pytest.raises(ValueError, match="expected a number of them as"):
+        mimoc.make_vec(bundle, **numbers)
