@@ -53,6 +53,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         Raises:
             MixtureError: If they do not sense and command the same.
         """
+        self.closed = True  # Not open yet: older versions of Gymnasium close what could not be made, too.
         self._renderers, self.num_envs = SharedRenderers(), len(openers)
         with sharing(self._renderers):
             infants = self.infants = tuple(open_infant() for open_infant in openers)
@@ -68,6 +69,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
         self._physics = Physics([each.model for each in infants], [each.data for each in infants], threads)
         self._bind()
+        self.closed = False
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # pyright: ignore[reportIncompatibleMethodOverride] - One for each.
