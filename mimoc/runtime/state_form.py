@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+ON_THE_WAY = "signals."
 MAY_BE_NOTHING = ("signals.commands",)
 """Where `None` is nothing yet on its way to the actuators."""
 OWN_FORM = ("task", "noise.channels")
@@ -36,8 +37,10 @@ def _check(given: Any, own: Any, where: str) -> None:
         _check_array(given, own, where)
     elif isinstance(own, (list, tuple)):
         _check_sequence(given, own, where)
-    elif isinstance(own, (bool, str)) or own is None:
-        _demand(own is None or type(given) is type(own), where, given)
+    elif own is None:
+        _demand(given is None or (isinstance(given, np.ndarray) and given.dtype.kind in "fiub"), where, given)
+    elif isinstance(own, (bool, str)):
+        _demand(type(given) is type(own), where, given)
     elif isinstance(own, (int, np.integer)):
         _demand(isinstance(given, (int, np.integer)) and not isinstance(given, bool), where, given)
     else:
@@ -54,9 +57,24 @@ def _check_mapping(given: Any, own: Mapping[str, Any], where: str) -> None:
 
 
 def _check_sequence(given: Any, own: Sequence[Any], where: str) -> None:
-    _demand(isinstance(given, (list, tuple)) and len(given) == len(own), where, given)
+    _demand(isinstance(given, (list, tuple)), where, given)
+    if any(isinstance(each, tuple) for each in (*given, *own)):
+        _check_numbered(given, own, where)
+        return
+    if where.startswith(ON_THE_WAY) and (not own or isinstance(own[0], np.ndarray)):
+        own = [own[0] if own else None] * len(given)  # With a delay that varies, more or fewer are on their way.
+    _demand(len(given) == len(own), where, given)
     for each, like in zip(given, own, strict=True):
         _check(each, like, where)
+
+
+def _check_numbered(given: Sequence[Any], own: Sequence[Any], where: str) -> None:
+    """Check what is on its way with a delay that varies: as many numbered signals, or places for them, as there are."""
+    like = next((signal for _, signal in own if signal is not None), None)
+    for each in given:
+        _demand(isinstance(each, tuple) and len(each) == 2 and isinstance(each[0], int), where, each)
+        if each[1] is not None and like is not None:
+            _check(each[1], like, where)
 
 
 def _check_array(given: Any, own: np.ndarray, where: str) -> None:
