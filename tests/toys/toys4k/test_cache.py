@@ -9,6 +9,7 @@ from support import mesh_kinds
 from support.mesh_kinds import USABLE, obj, put
 
 from mimoc.bundle.leftovers import writer_prefix
+from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, Solid, ToyModel
 from mimoc.toys.toys4k import cache, convex, meshes, subprocesses
 from mimoc.toys.toys4k.cache import VARIABLE, MeshCache, default_folder, key_of
@@ -155,7 +156,8 @@ def test_what_could_not_be_finished_is_not_kept(found, processed, tmp_path, monk
     for module in (convex, cache):
         monkeypatch.setattr(module, "has_coacd", lambda: True)
     monkeypatch.setattr(convex, "run_worker", late)
-    assert len(load_toy(found, "ball_000", MeshCache(tmp_path / "cache")).solids) == 1
+    with pytest.raises(ToyError, match="takes too long"):
+        load_toy(found, "ball_000", MeshCache(tmp_path / "cache"))
     assert not (tmp_path / "cache").exists()
 
 
