@@ -48,7 +48,7 @@ LAYERS = {
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
     "geometry": layer("geometry geometry.* rounding mujoco_layout", "errors", "scipy"),
-    "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version geometry"),
+    "files": layer("bundle.files bundle.leftovers bundle.atomic_swap bundle.json_text", "errors version geometry"),
     "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
     "language": layer("schema.[!ijorsw]* schema.source*", "errors units parts", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),

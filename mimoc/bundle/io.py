@@ -3,13 +3,10 @@
 import errno
 import json
 import os
-import secrets
 import shutil
-import socket
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from glob import escape
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path, PurePosixPath
@@ -19,6 +16,7 @@ from typing import Any
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.atomic_swap import swap_folders
 from mimoc.bundle.later_files import LaterFiles
+from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.manifest_text import read_manifest
 from mimoc.bundle.regular_files import (
@@ -153,8 +151,8 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared
         place = Path(os.path.realpath(target))
         _check_replaceable(place, target, force)
         place.parent.mkdir(parents=True, exist_ok=True)
-        _remove_leftovers(place)
-        staging = place.parent / f"{_staging_prefix(place)}{os.getpid()}-{secrets.token_hex(8)}"
+        remove_leftovers(place.parent, _staging_prefix(place))
+        staging = place.parent / unfinished_name(_staging_prefix(place))
         staging.mkdir()
         try:
             _fill(staging, bundle.files, shared)
@@ -314,32 +312,5 @@ def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> N
 
 
 def _staging_prefix(place: Path) -> str:
-    """Return the prefix, before the process ID, of the names of this machine's unfinished folders for a bundle."""
-    return f".{place.name}.mimoc-{socket.gethostname()}-{_process_namespace()}-"
-
-
-def _process_namespace() -> str:
-    """Return the ID of the process namespace: containers on one machine number their processes separately."""
-    try:
-        return str(os.stat("/proc/self/ns/pid").st_ino)
-    except OSError:
-        return "0"
-
-
-def _remove_leftovers(place: Path) -> None:
-    """Remove what killed builds of the same bundle have left behind on this machine."""
-    prefix = _staging_prefix(place)
-    for path in place.parent.glob(f"{escape(prefix)}*"):
-        process = path.name.removeprefix(prefix).split("-")[0]
-        if process.isdecimal() and not _is_alive(int(process)):
-            shutil.rmtree(path, ignore_errors=True)
-
-
-def _is_alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True
-    return True
+    """Return how the names of unfinished folders for a bundle begin."""
+    return f".{place.name}.mimoc-"

@@ -16,7 +16,7 @@ from fuzz.canaries import Canaries
 
 from mimoc.errors import MimocError
 
-FUZZERS = ("bundles", "policies", "recordings")
+FUZZERS = ("bundles", "policies", "recordings", "meshes", "pictures")
 """Modules beside this one."""
 LONGEST_S = 5.0
 LARGEST_MB = 1024
