@@ -80,7 +80,7 @@ skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image);
 matrix: ## Test several versions of MuJoCo and Python, and the oldest of all else, in .matrix (9 GB, an hour).
 	@$(PYTHON) .ci/matrix.py
 
-fuzz: $(TEST) opengl ## Try to break mimoc with bundles, policies and recordings of strangers (MINUTES=10, SEED=0); docs/trust.md.
+fuzz: $(TEST) opengl ## Try to break mimoc with bundles, policies, recordings and specs of strangers (MINUTES=10, SEED=0); docs/trust.md.
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED)
 
 bench: $(TEST) ## Run the benchmarks (minutes).
