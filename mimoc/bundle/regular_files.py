@@ -83,6 +83,14 @@ def read_regular_file(path: Path, most_bytes: int = MOST_BYTES) -> bytes | None:
         return None
 
 
+def is_regular_file(path: Path) -> bool:
+    """Return whether there is a file that is neither a link nor a pipe nor a device."""
+    try:
+        return stat.S_ISREG(os.lstat(path).st_mode)
+    except OSError:
+        return False
+
+
 def _read(path: str | Path, most_bytes: int, folder: int | None = None) -> bytes | None:
     handle = os.open(path, _FILE, dir_fd=folder)
     try:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.regular_files import is_regular_file
 from mimoc.errors import BundleError, RecordingError, UnknownNameError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
@@ -362,8 +363,13 @@ def _check(episode: Episode, infants: int) -> None:
     """
     if episode.infant >= infants or not _has_head(episode.told):
         raise RecordingError(f"{episode.files.sidecars[0]}: the file is damaged or of another recording")
+    _check_regular(episode.files.tables)
     for reading in episode.described.readings:
-        paths = episode.files.pictures(reading.name, frames.LOSSLESS) if reading.kind == "picture" else []
-        for path in (*episode.files.tables, *paths):
-            if not path.is_file():
-                raise RecordingError(f"{path}: the file is damaged or missing")
+        if reading.kind == "picture":
+            _check_regular(episode.files.pictures(reading.name, frames.LOSSLESS))
+
+
+def _check_regular(paths: Sequence[Path]) -> None:
+    for path in paths:
+        if not is_regular_file(path):
+            raise RecordingError(f"{path}: the file is damaged or missing, or is not a regular file")

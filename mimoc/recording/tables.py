@@ -266,6 +266,7 @@ def _read(path: Path) -> Any:
         if path.suffix == WHOLE:
             _check_size(path)
             return pq.read_table(path)
+        _check_unpacked(path)
         with pa.OSFile(str(path), "rb") as source, pa.ipc.open_stream(source) as reader:
             return reader.read_all()
 
@@ -277,6 +278,35 @@ def _check_size(path: Path) -> None:
     numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
     if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * path.stat().st_size):
         raise ValueError("it would unpack to more than it can hold")
+
+
+def _check_unpacked(path: Path) -> None:
+    """Check that a part is as mimoc writes it: nothing in it is packed, so that it unpacks to no more than it has."""
+    with pa.OSFile(str(path), "rb") as source:
+        for message in pa.ipc.MessageReader.open_stream(source):
+            is_rows = message.type == "record batch"
+            if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
+                raise ValueError("it is packed")
+
+
+def _is_packed(message: bytes) -> bool:
+    """Return whether the rows of an Arrow message are compressed.
+
+    Its metadata is a FlatBuffer: the field `compression`, the fourth of the table `RecordBatch`, is there or not, and
+    this table is the third field of the table `Message`, as Arrow's `format/Message.fbs` says.
+    """
+
+    def number(at: int, size: int) -> int:
+        return int.from_bytes(message[at : at + size], "little")
+
+    def field(table: int, index: int) -> int:
+        """Return where a field of a table is, 0 if it is left out."""
+        listed = table - int.from_bytes(message[table : table + 4], "little", signed=True)
+        at = number(listed + 4 + 2 * index, 2) if 4 + 2 * index < number(listed, 2) else 0
+        return table + at if at else 0
+
+    header = field(number(0, 4), 2)
+    return bool(field(header + number(header, 4), 3))
 
 
 DAMAGED = (

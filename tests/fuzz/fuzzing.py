@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from fuzz.canaries import Canaries
 
-from mimoc.errors import MimocError
+from mimoc.errors import MimocError, SpecError
 
-FUZZERS = ("bundles", "policies", "recordings", "meshes", "pictures")
+FUZZERS = ("bundles", "policies", "recordings", "specs", "meshes", "pictures")
 """Modules beside this one."""
 LONGEST_S = 5.0
 LARGEST_MB = 1024
@@ -72,7 +72,7 @@ def run_try(made: Fuzzer, prepared: Any, seed: int, number: int, folder: Path, w
         made.attempt(prepared, np.random.default_rng([seed, number]), folder)
         result = "used"
     except MimocError as error:
-        result = "refused" if is_one_line(str(error)) else f"not one line: {error!r}"
+        result = "refused" if is_clear(error) else f"not clear: {error!r}"
     except Exception:
         result = " | ".join(traceback.format_exc().strip().splitlines()[-7:])
     if opened := watch.opened():
@@ -80,9 +80,10 @@ def run_try(made: Fuzzer, prepared: Any, seed: int, number: int, folder: Path, w
     return Outcome(number, result)
 
 
-def is_one_line(message: str) -> bool:
-    """Return whether an error is a line of text that a terminal shows as it is."""
-    return bool(message) and message.isprintable()
+def is_clear(error: MimocError) -> bool:
+    """Return whether an error is a line of text that a terminal shows as it is; of a spec, a line for each problem."""
+    lines = str(error).split("\n")
+    return all(line and line.isprintable() for line in lines) and (len(lines) == 1 or isinstance(error, SpecError))
 
 
 def peak_mb() -> float:

@@ -54,7 +54,7 @@ class Run:
         tried, faults = self.results.total(), self.results["fault"]
         print(
             f"{self.name}: {tried} tries from seed {self.seed}: {self.results['used']} used, "
-            f"{self.results['refused']} refused in one line, {faults} faults; "
+            f"{self.results['refused']} refused in clear lines, {faults} faults; "
             f"slowest {self.slowest_s:.1f} s, most memory {self.largest_mb:.0f} MB",
             flush=True,
         )

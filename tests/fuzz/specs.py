@@ -1,22 +1,17 @@
-"""Specs that are spoilt by chance: each is read and built, or refused in clear lines, and soon.
+"""Specs that are changed by chance: values, numbers and keys of the configs; read, and half of them built."""
 
-`attempt` is one try, and `fuzz_specs` as many as there is time for. A try is known by its seed and number.
-"""
-
-import random
 import re
-import time
-from collections import Counter
 from pathlib import Path
 
+import numpy as np
+from fuzz.fuzzing import Fuzzer
+from fuzz.mutations import pick
+
 import mimoc
-from mimoc.errors import SpecError
 from mimoc.schema import read_spec
 from mimoc.schema.source import parse
 
 ROOT = Path(__file__).resolve().parents[2]
-LONGEST_S = 5.0
-"""CPU time of a try, but for the first ones, which import what they need."""
 BUILT = 0.5
 """Share of the specs that can be read that are built, too."""
 STRANGE = (
@@ -57,70 +52,54 @@ KEYS = (
 )
 
 
-def fuzz_specs(seed: int, seconds: float) -> Counter[str]:
-    """Try spoilt specs for a time; return how many were built, read and refused.
-
-    Raises:
-        AssertionError: If mimoc fails in any other way than by clear errors; the message says with which number.
-    """
-    found, end, number = Counter[str](), time.monotonic() + seconds, 0
-    while time.monotonic() < end:
-        start = time.process_time()
-        try:
-            found[attempt(random.Random(f"{seed}/{number}"))] += 1
-        except Exception as error:
-            raise AssertionError(f"specs, seed {seed}, try {number}: {error!r}") from error
-        taken_s = time.process_time() - start
-        assert number < 5 or taken_s < LONGEST_S, f"specs, seed {seed}, try {number}: {taken_s:.1f} s"
-        number += 1
-    return found
+def prepare(_: Path) -> list[str]:
+    """Return the texts of the configs, after a first infant was built, which imports what that needs."""
+    texts = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "configs").glob("*.yaml"))]
+    mimoc.build(read_spec(parse(texts[0].encode(), "spec.yaml")))
+    return texts
 
 
-def attempt(chance: random.Random) -> str:
-    """Read one spoilt spec, and perhaps build it; return what became of it: `built`, `read` or `refused`."""
-    text = spoilt(chance)
-    try:
-        spec = read_spec(parse(text.encode("utf-8", "surrogatepass"), "spec.yaml"))
-        if chance.random() > BUILT:
-            return "read"
-        bundle = mimoc.build(spec)
-    except SpecError as error:
-        unclear = [line for line in str(error).splitlines() if not (line and line.isprintable())]
-        if unclear:
-            raise ValueError(f"unclear: {unclear[0]!r}") from error
-        return "refused"
-    read_spec(parse(bundle.files["resolved.yaml"], "resolved.yaml"))
-    return "built"
+def attempt(texts: list[str], generator: np.random.Generator, _: Path) -> None:
+    """Read one spoilt spec, and perhaps build it and read what it became."""
+    text = spoilt(texts, generator)
+    spec = read_spec(parse(text.encode("utf-8", "surrogatepass"), "spec.yaml"))
+    if generator.random() < BUILT:
+        read_spec(parse(mimoc.build(spec).files["resolved.yaml"], "resolved.yaml"))
 
 
-def spoilt(chance: random.Random) -> str:
+def spoilt(texts: list[str], generator: np.random.Generator) -> str:
     """Return the text of a config with a few lines changed."""
-    lines = chance.choice(_texts()).splitlines()
-    for _ in range(chance.choice((1, 1, 2, 3))):
-        _spoil(lines, chance)
+    lines = pick(generator, texts).splitlines()
+    for _ in range(pick(generator, (1, 1, 2, 3))):
+        _spoil(lines, generator)
     return "\n".join(lines) + "\n"
 
 
-def _spoil(lines: list[str], chance: random.Random) -> None:
-    at = chance.randrange(len(lines))
+def _spoil(lines: list[str], generator: np.random.Generator) -> None:
+    at = generator.integers(len(lines))
     key, colon, value = lines[at].partition(":")
-    match chance.choice(("value", "number", "number", "number", "key", "line", "cut")):
+    match pick(generator, ("value", "number", "number", "number", "key", "line", "cut")):
         case "value":
-            lines[at] = f"{key}{colon} {chance.choice(STRANGE)}"
+            lines[at] = f"{key}{colon} {pick(generator, STRANGE)}"
         case "number":
-            far = chance.choice((0.1, 0.3, 3.0))
+            far = pick(generator, (0.1, 0.3, 3.0))
             lines[at] = (
-                key + colon + NUMBER.sub(lambda word: f"{float(word[0]) * chance.lognormvariate(0, far):.4g}", value)
+                key + colon + NUMBER.sub(lambda word: f"{float(word[0]) * generator.lognormal(0, far):.4g}", value)
             )
         case "key":
-            margin = " " * chance.choice((0, 2, 4))
-            lines.insert(at, f"{margin}{chance.choice(KEYS)}: {chance.choice(STRANGE)}")
+            margin = " " * pick(generator, (0, 2, 4))
+            lines.insert(at, f"{margin}{pick(generator, KEYS)}: {pick(generator, STRANGE)}")
         case "line":
-            lines.insert(at, lines.pop(chance.randrange(len(lines))))
+            lines.insert(at, lines.pop(generator.integers(len(lines))))
         case "cut":
-            middle = chance.randint(0, len(lines[at]))
-            lines[at] = lines[at][:middle] + chance.choice(STRANGE)[:20] + lines[at][middle + chance.randint(0, 4) :]
+            middle = generator.integers(len(lines[at]) + 1)
+            lines[at] = lines[at][:middle] + pick(generator, STRANGE)[:20] + lines[at][middle + generator.integers(5) :]
 
 
-def _texts() -> list[str]:
-    return [path.read_text(encoding="utf-8") for path in sorted((ROOT / "configs").glob("*.yaml"))]
+FUZZER = Fuzzer(
+    name="specs",
+    about="specs, changed in values, numbers and keys, read and built",
+    prepare=prepare,
+    attempt=attempt,
+    short=60,
+)

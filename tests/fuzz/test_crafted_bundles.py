@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from fuzz.canaries import Canaries
 from fuzz.crafted_bundles import CRAFTED, PLANTED
-from fuzz.fuzzing import is_one_line
+from fuzz.fuzzing import is_clear
 from fuzz.sealing import write_resealed
 from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files
 
@@ -27,7 +27,7 @@ def refusal(folder) -> str:
     """Return the error of opening a bundle."""
     with pytest.raises(MimocError) as error:
         mimoc.make(folder).close()
-    assert is_one_line(str(error.value))
+    assert is_clear(error.value)
     return str(error.value)
 
 

@@ -5,7 +5,7 @@ import os
 import pytest
 from fuzz import policies
 from fuzz.crafted_policies import CRAFTED, packed, ran
-from fuzz.fuzzing import is_one_line
+from fuzz.fuzzing import is_clear
 
 from mimoc.errors import PolicyError
 
@@ -19,7 +19,7 @@ def honest(tmp_path_factory):
 def refusal(path, env) -> str:
     with pytest.raises(PolicyError) as error:
         policies.use(path, env)
-    assert is_one_line(str(error.value))
+    assert is_clear(error.value)
     return str(error.value)
 
 

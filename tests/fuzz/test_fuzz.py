@@ -10,7 +10,7 @@ SEED = 2026
 
 @pytest.mark.parametrize("name", FUZZERS)
 def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
-    """It is used, or refused in one line, and no file outside of it is opened."""
+    """It is used, or refused in clear lines, and no file outside of it is opened."""
     made, watch = fuzzer(name), Canaries(tmp_path / "outside", CANARIES)
     (tmp_path / "prepared").mkdir()
     prepared = made.prepare(tmp_path / "prepared")
