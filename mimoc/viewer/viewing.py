@@ -6,7 +6,7 @@ import tempfile
 import webbrowser
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard, cast
 
 import gymnasium
 import numpy as np
@@ -24,8 +24,6 @@ from mimoc.viewer.page import describe, fill, page_of
 from mimoc.viewer.surroundings import describe_surroundings
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
-    from typing_extensions import TypeIs
-
     from mimoc.recording.reading import ReadRecording
 
 SUFFIXES = (".html", ".htm")
@@ -115,7 +113,8 @@ def view(
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
     else:
-        made = View(_page_of_env(source, physics) if isinstance(source, InfantEnv) else page_of(source, physics))
+        is_live = isinstance(source, InfantEnv)
+        made = View(_page_of_env(source, physics) if is_live else page_of(cast(Bundle, source), physics))
     if place:
         made.save(place)
     return made
@@ -137,7 +136,7 @@ def has_display() -> bool:
     return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
-def _is_recording(source: object) -> "TypeIs[ReadRecording]":
+def _is_recording(source: object) -> "TypeGuard[ReadRecording]":
     """Return whether this is a recording, which only what has been imported can have read."""
     reading = sys.modules.get("mimoc.recording.reading")
     return reading is not None and isinstance(source, reading.ReadRecording)

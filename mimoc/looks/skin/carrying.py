@@ -29,11 +29,12 @@ def skin_of(tree: BodyTree) -> Skin:
 
     Only those of removed limbs are left out. That of the last few bodies is kept: many scenes have the same infant.
     """
-    return _skin_of(pickle.dumps(tree))
+    return skins(pickle.dumps(tree))
 
 
 @lru_cache(maxsize=4)
-def _skin_of(pickled: bytes) -> Skin:
+def skins(pickled: bytes) -> Skin:
+    """Return the skin of a body, which is pickled so that it can be told from others."""
     tree: BodyTree = pickle.loads(pickled)
     return Skin((*LAYERS, HEAD), lambda: layers_of(tree, sculpture(tree.hands)))
 
