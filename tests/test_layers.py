@@ -67,7 +67,7 @@ LAYERS = {
     "milestones": layer("milestones milestones.*", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
-    "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
+    "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
     "runtime": layer("runtime runtime.*", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
     "device": layer(
         "runtime.warp runtime.warp.*",

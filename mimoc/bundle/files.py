@@ -7,7 +7,23 @@ from pathlib import Path
 from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
 from mimoc.errors import OutputError
 
+PAGES = (".html", ".htm")
+"""What the name of a page ends in."""
 _PREFIX, _SUFFIX = ".mimoc-", ".tmp"
+
+
+def check_page(file: str | Path) -> Path:
+    """Check, before anything takes time, that a page can be written to a file; return its path.
+
+    Raises:
+        OutputError: If its name does not end as that of a page, or its folder does not exist.
+    """
+    path = Path(file).expanduser()
+    if path.suffix.lower() not in PAGES:
+        raise OutputError(f"{path}: not the name of a page; end it in {' or '.join(PAGES)}")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path}: there is no folder {path.parent}; make it, or choose another place")
+    return path
 
 
 def write_file(path: str | Path, content: bytes) -> Path:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mimoc.bundle.files import check_page
 from mimoc.cli.infants import load_infant
 from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
+    from mimoc.viewer.viewing import View
 
 EXAMPLE = "Example:  mimoc view configs/nine_months.yaml -o infant.html"
 
@@ -52,10 +54,12 @@ def view(
     On the page of a spec or bundle the infant grows from 0 to 24 months, takes poses and can be moved by its joints.
     The page of a recording replays an episode, with what the infant felt and saw.
     """
-    from mimoc.viewer.viewing import checked_place, has_display
+    from mimoc.cli import console
+    from mimoc.render.opengl import has_screen
+    from mimoc.viewer import viewing
 
-    opens = has_display() and _in_a_terminal() if open_page is None else open_page
-    is_recording = (shown / "recording.json").is_file()
+    opens = has_screen() and _in_a_terminal() if open_page is None else open_page
+    is_recording = viewing.is_recording(shown)
     if not is_recording and (infant, episode) != (None, None):
         raise MimocError(f"{shown}: this is no recording; --infant and --episode choose from one")
     if live:
@@ -65,48 +69,25 @@ def view(
         return
     if file is None:
         raise MimocError("say where to write the page with -o FILE.html, or serve a running infant with --live")
-    checked_place(file)
-    page = _recorded(shown, physics, infant, episode) if is_recording else _grown(shown, physics)
-    _write(file, page, opens)
+    check_page(file)
+    source = shown if is_recording else load_infant(shown)
+    with console.progress("replaying" if is_recording else "growing") as show:
+        page = viewing.view(source, file, physics=physics, infant=infant, episode=episode, progress=show)
+    _tell(page)
+    if opens:
+        page.open()
+
+
+def _tell(page: "View") -> None:
+    """Print where a page is, and what is to be known of it."""
+    if page.difference:
+        told = "the page shows what is simulated now, which differs from the recording"
+        print(f"{told}: {page.difference}", file=sys.stderr)
+    print(printable(page.path))
 
 
 def _in_a_terminal() -> bool:
     return sys.stdout.isatty()
-
-
-def _write(file: Path, page: str, open_page: bool) -> None:
-    from mimoc.bundle.files import write_file
-
-    print(printable(write_file(file, page.encode())))
-    if open_page:
-        webbrowser.open(file.resolve().as_uri())
-
-
-def _grown(path: Path, physics: bool) -> str:
-    """Return the page of an infant."""
-    from mimoc.cli import console
-    from mimoc.viewer.page import page_of
-
-    infant = load_infant(path)
-    with console.progress("growing") as show:
-        return page_of(infant, physics, show)
-
-
-def _recorded(path: Path, physics: bool, infant: int | None, episode: int | None) -> str:
-    """Return the page of an episode, and say if it did not come out again."""
-    from mimoc.cli import console
-    from mimoc.recording.reading import read_recording
-    from mimoc.viewer.replayed import page_of_recording
-
-    recording = read_recording(path)
-    with console.progress("replaying") as show:
-        page = page_of_recording(recording, infant, episode, physics, show)
-    if page.difference:
-        print(
-            f"the page shows what is simulated now, which differs from the recording: {page.difference}",
-            file=sys.stderr,
-        )
-    return page.text
 
 
 def _serve(infant: "Bundle", policy: str, port: int, open_page: bool) -> None:

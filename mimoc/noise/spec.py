@@ -66,8 +66,9 @@ class NoiseSpec(Model):
 
 
 def _entry_fields() -> dict[str, FieldInfo]:
+    amount: Any = Amount
     return {
-        key: FieldInfo.from_annotated_attribute(Amount, Field(default=0.0, description=f"Noise of {name}."))
+        key: FieldInfo.from_annotated_attribute(amount, Field(default=0.0, description=f"Noise of {name}."))
         for name, key in noise_keys().items()
     }
 

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import check_page, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
-from mimoc.errors import MimocError, OutputError
+from mimoc.errors import MimocError
 from mimoc.reporting.html import render
 from mimoc.reporting.page import Page
 from mimoc.schema.infant import InfantSpec
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
-SUFFIXES = (".html", ".htm")
 RUN, COHORT = "run.json", "cohort.json"
 """Files that are in the folder of a training run, and of a cohort."""
 
@@ -49,18 +48,9 @@ def report(
         MissingExtraError: If it is a training run, and `mimoc[train]` is not installed.
         MimocError: If a folder is none of these.
     """
-    place = Path(path).expanduser()
-    _check_place(place)
+    place = check_page(path)
     page = _page(source, check, cohort, progress or (lambda done, total: None))
     return write_file(place, render(page))
-
-
-def _check_place(place: Path) -> None:
-    """Raise an OutputError, before anything takes time, if no page can be written there."""
-    if place.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"{place}: not the name of a page; end it in .html")
-    if not place.parent.is_dir():
-        raise OutputError(f"{place}: there is no folder {place.parent}; make it, or choose another place")
 
 
 def _page(source: "Bundle | InfantSpec | str | Path", check: bool, cohort: "Cohort | None", progress: Progress) -> Page:

@@ -10,7 +10,7 @@ from mimoc.delays.schedule import Schedule
 from mimoc.model_fields import ModelFields
 from mimoc.noise.streams import NoiseStreams
 from mimoc.runtime.constraints import Constraints
-from mimoc.runtime.physics_state import physics_of, set_physics
+from mimoc.runtime.physics_state import physics_of, set_physics, time_of
 from mimoc.tasks.task import Task
 
 
@@ -37,6 +37,14 @@ class Living:
             "task": self.task.state,
             "noise": self.noise.state,
         }
+
+    def check(self, state: dict[str, Any]) -> None:
+        """Check what is on its way in a state whose form is right.
+
+        Raises:
+            ValueError: If it cannot be restored, or a KeyError if something is missing.
+        """
+        self.schedule.check(state["signals"], time_of(state["physics"]))
 
     def restore(self, state: dict[str, Any]) -> None:
         """Restore a state, which is not kept."""

@@ -1,35 +1,29 @@
 """`mimoc.view`: the page of whatever can be shown, as a value that notebooks display, files keep and browsers open."""
 
-import os
 import sys
 import tempfile
 import webbrowser
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import gymnasium
 import numpy as np
 
-from mimoc.bundle.files import write_file
-from mimoc.bundle.io import Bundle, read_bundle
-from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
-from mimoc.compiler.pipeline import build
-from mimoc.errors import MimocError, OutputError
+from mimoc.bundle.files import check_page, write_file
+from mimoc.bundle.io import Bundle
+from mimoc.compiler.pipeline import compiled
+from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import Packed
-from mimoc.viewer.page import describe, fill, page_of
+from mimoc.viewer.page import Progress, describe, fill, page_of
 from mimoc.viewer.surroundings import describe_surroundings
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
-    from typing_extensions import TypeIs
-
     from mimoc.recording.reading import ReadRecording
 
-SUFFIXES = (".html", ".htm")
-"""What the name of a page ends in."""
 HEIGHT_PX = 620
 """Of a page in a notebook."""
 NOW = "now"
@@ -68,7 +62,7 @@ class View:
         Raises:
             OutputError: If it cannot be written there.
         """
-        self.path = write_file(checked_place(Path(path).expanduser()), self.html.encode())
+        self.path = write_file(check_page(path), self.html.encode())
         return self.path
 
     def open(self) -> bool:
@@ -84,6 +78,7 @@ def view(
     physics: bool = False,
     infant: int | None = None,
     episode: int | None = None,
+    progress: Progress = lambda *_: None,
 ) -> View:
     """Return a page that shows an infant in 3D in any browser, or replays what was recorded of it.
 
@@ -96,6 +91,7 @@ def view(
         physics: Whether it contains MuJoCo, so that the infant can fall, be pulled and act: 4 MB more.
         infant: Which of several recorded infants; the first one if it is not said.
         episode: Which recorded episode; the first one if it is not said.
+        progress: Called with how much is done, and how much there is to do.
 
     Raises:
         OutputError: If the page cannot be written there.
@@ -105,61 +101,43 @@ def view(
         RenderingError: If the infant of a recording sees, and there is no OpenGL here.
         MimocError: If the infant has other parts at other ages, or an episode is asked of what is no recording.
     """
-    place = path and checked_place(Path(path).expanduser())
-    source = _opened(shown)
-    if _is_recording(source):
+    place = path and check_page(path)
+    if (recording := _recording_of(shown)) is not None:
         from mimoc.viewer.replayed import page_of_recording
 
-        page = page_of_recording(source, infant, episode, physics)
+        page = page_of_recording(recording, infant, episode, physics, progress)
         made = View(page.text, page.difference)
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
+    elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
+        made = View(_page_of_env(shown.unwrapped, physics))
+    elif isinstance(shown, (Bundle, InfantSpec)):
+        made = View(page_of(compiled(shown), physics, progress))
+    elif isinstance(shown, (str, Path)):
+        made = View(page_of(compiled(Path(shown).expanduser()), physics, progress))
     else:
-        made = View(_page_of_env(source, physics) if isinstance(source, InfantEnv) else page_of(source, physics))
+        kind = type(shown).__name__
+        raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a recording or an environment")
     if place:
         made.save(place)
     return made
 
 
-def checked_place(path: Path) -> Path:
-    """Return a path, which a page can have.
+def is_recording(path: str | Path) -> bool:
+    """Return whether this is the folder of a recording."""
+    from mimoc.recording.folder import RECORDING
 
-    Raises:
-        OutputError: If it does not end as one.
-    """
-    if path.suffix.lower() not in SUFFIXES:
-        raise OutputError(f"{path}: no page is written to a file of this name; end it in {' or '.join(SUFFIXES)}")
-    return path
+    return (Path(path).expanduser() / RECORDING).is_file()
 
 
-def has_display() -> bool:
-    """Return whether a browser could show something here."""
-    return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-
-
-def _is_recording(source: object) -> "TypeIs[ReadRecording]":
-    """Return whether this is a recording, which only what has been imported can have read."""
-    reading = sys.modules.get("mimoc.recording.reading")
-    return reading is not None and isinstance(source, reading.ReadRecording)
-
-
-def _opened(shown: object) -> "Bundle | ReadRecording | InfantEnv":
-    if isinstance(shown, (str, Path)):
-        place = Path(shown).expanduser()
-        if place.suffix.lower() in SPEC_SUFFIXES:
-            return build(load_spec(place))
-        if not (place / "recording.json").is_file():
-            return read_bundle(place)
+def _recording_of(shown: object) -> "ReadRecording | None":
+    """Return the recording that is to be shown, if it is one; only then what reads recordings is imported."""
+    if isinstance(shown, (str, Path)) and is_recording(shown):
         from mimoc.recording.reading import read_recording
 
-        return read_recording(place)
-    if isinstance(shown, InfantSpec):
-        return build(shown)
-    if isinstance(shown, Bundle) or _is_recording(shown):
-        return shown
-    if isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
-        return shown.unwrapped
-    raise MimocError(f"a {type(shown).__name__} cannot be shown; give a bundle, a spec, a recording or an environment")
+        return read_recording(shown)
+    reading = sys.modules.get("mimoc.recording.reading")
+    return cast("ReadRecording", shown) if reading and isinstance(shown, reading.ReadRecording) else None
 
 
 def _page_of_env(env: InfantEnv, physics: bool) -> str:

@@ -50,12 +50,12 @@ def test_the_page_of_a_recording_replays_it(invoke, here, built):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["-o", "page.png"], "page.png: no page is written to a file of this name; end it in .html or .htm"),
+        (["-o", "page.png"], "page.png: not the name of a page; end it in .html or .htm"),
         ([], "say where to write the page with -o FILE.html, or serve a running infant with --live"),
         (["-o", "page.html", "--episode", 2], "{built}: this is no recording; --infant and --episode choose from one"),
         (
             ["-o", "none/page.html"],
-            "none/page.html: cannot be written (No such file or directory); choose another place",
+            "none/page.html: there is no folder none; make it, or choose another place",
         ),
     ],
 )

@@ -92,6 +92,17 @@ def test_an_expression_changes_the_material_of_the_head(built):
         env.close()
 
 
+def test_infants_that_differ_in_their_scenes_alone_share_a_skin(monkeypatch):
+    carried = []
+    monkeypatch.setattr(carrying, "layers_of", lambda *args: carried.append(args) or layers_of(*args))
+    carrying.skins.cache_clear()
+    for seed in (1, 2):
+        mimoc.build(spec(scene={"kind": "room", "seed": seed}))
+    assert len(carried) == 1
+    mimoc.build(spec(age_months=10))
+    assert len(carried) == 2
+
+
 def test_a_skin_of_a_bundle_is_that_of_its_spec(built):
     for ours, theirs in zip(skin_at(built()), skin_at(spec()), strict=True):
         assert np.array_equal(ours.verts_m, theirs.verts_m)
@@ -104,6 +115,7 @@ def test_a_skin_of_a_bundle_is_that_of_its_spec(built):
 def test_skin_is_carried_to_another_age_only_for_what_draws_it(keys, options, expected, monkeypatch):
     carried = []
     monkeypatch.setattr(carrying, "layers_of", lambda *args: carried.append(args) or layers_of(*args))
+    carrying.skins.cache_clear()
     with mimoc.make(spec(**keys), **options) as env:
         env.reset(seed=0)
         carried.clear()

@@ -174,3 +174,16 @@ def test_what_is_drawn_with_is_freed_once_and_not_kept_for_the_exit(monkeypatch)
     assert freed == [None, None]
     assert registered == []
     assert not dropped.alive
+
+
+@pytest.mark.parametrize(
+    ("platform", "display", "expected"),
+    [("linux", None, False), ("linux", ":0", True), ("win32", None, True), ("darwin", None, True)],
+)
+def test_there_is_a_screen_where_windows_and_browsers_can_show_something(platform, display, expected, monkeypatch):
+    monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    if display:
+        monkeypatch.setenv("DISPLAY", display)
+    assert opengl.has_screen() == expected

@@ -14,7 +14,6 @@ from support.pages import few_ages, read_page
 import mimoc
 from mimoc.errors import MimocError, OutputError
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.viewing import has_display
 
 SPEC = {"mimoc": 1, "name": "shown", "age_months": 9, "scene": {"pose": "supine"}, "body": {"skin": False}}
 
@@ -70,19 +69,6 @@ def test_what_cannot_be_shown_or_written_is_refused_before_anything_is_built(spe
         mimoc.view({})
     with pytest.raises(MimocError, match="'infant' and 'episode' choose from a recording"):
         mimoc.view(spec, episode=2)
-
-
-@pytest.mark.parametrize(
-    ("platform", "display", "expected"),
-    [("linux", None, False), ("linux", ":0", True), ("win32", None, True), ("darwin", None, True)],
-)
-def test_a_browser_is_opened_only_where_it_could_show_something(platform, display, expected, monkeypatch):
-    monkeypatch.setattr("sys.platform", platform)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    monkeypatch.delenv("DISPLAY", raising=False)
-    if display:
-        monkeypatch.setenv("DISPLAY", display)
-    assert has_display() == expected
 
 
 def test_the_page_of_an_infant_needs_no_extra():

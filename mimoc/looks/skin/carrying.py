@@ -1,7 +1,8 @@
 """The skin of a child, carried from the sculpture by the child's solids."""
 
+import pickle
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -26,8 +27,15 @@ GONE = 0.98
 def skin_of(tree: BodyTree) -> Skin:
     """Return the skin of a body: the same vertices, in the same order, at all ages and for all children.
 
-    Only those of removed limbs are left out.
+    Only those of removed limbs are left out. That of the last few bodies is kept: many scenes have the same infant.
     """
+    return skins(pickle.dumps(tree))
+
+
+@lru_cache(maxsize=4)
+def skins(pickled: bytes) -> Skin:
+    """Return the skin of a body, which is pickled so that it can be told from others."""
+    tree: BodyTree = pickle.loads(pickled)
     return Skin((*LAYERS, HEAD), lambda: layers_of(tree, sculpture(tree.hands)))
 
 
