@@ -89,10 +89,13 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Derive all quantities of a state that an episode begins in.
 
     Raises:
-        ModelError: If there are more contacts than in any scene, so that physics would take very long.
+        ModelError: If there are more contacts than in any scene, so that solving for their forces would take very long.
     """
-    mujoco.mj_forward(model, data)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
     check_contacts(data)
+    mujoco.mj_forward(model, data)
 
 
 def check_contacts(data: mujoco.MjData) -> None:
@@ -121,7 +124,7 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
     with bounded():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-        mujoco.mj_forward(model, data)
+        begin(model, data)
     return model, data
 
 
@@ -134,7 +137,7 @@ def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
     model = load_model(bundle)
     with bounded():
         data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
+        begin(model, data)
     return model, data
 
 

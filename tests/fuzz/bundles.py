@@ -10,9 +10,11 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, changed_data, changed_xml, pick
 from fuzz.sealing import write_resealed
 from fuzz.strange_infants import VARIATIONS, honest_files
+from support.pages import few_ages
 
 import mimoc
 from mimoc.compiler.explain import explain
+from mimoc.viewer.page import page_of
 
 STEPS = 3
 
@@ -56,7 +58,16 @@ OTHER_USES: tuple[Callable[[Path, Path], Any], ...] = (
     lambda bundle, folder: explain(mimoc.read_bundle(bundle), "body.length"),
     lambda bundle, folder: mimoc.torque_limits(bundle),
     lambda bundle, folder: repr(mimoc.read_bundle(bundle).arrays),
+    lambda bundle, folder: mimoc.read_bundle(bundle)._repr_html_(),
+    lambda bundle, folder: mimoc.report(bundle, folder / "report.html"),
+    lambda bundle, folder: _page(mimoc.read_bundle(bundle)),
 )
+
+
+def _page(bundle: mimoc.Bundle) -> str:
+    """Return the page of a growing infant, with fewer ages than usual."""
+    with few_ages():
+        return page_of(bundle)
 
 
 def spoiled(files: dict[str, bytes], generator: np.random.Generator) -> dict[str, bytes]:

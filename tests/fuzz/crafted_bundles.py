@@ -101,6 +101,10 @@ def _entity(files: Files, outside: Path) -> None:
     files["scene.xml"] = head.encode() + files["scene.xml"].replace(b"<worldbody>", b"<worldbody>&x;")
 
 
+def _pile(files: Files, outside: Path) -> None:
+    _in_scene("".join(f'<geom name="g{n}" type="sphere" size="1"/>' for n in range(1000)))(files, outside)
+
+
 def _many_geoms(files: Files, outside: Path) -> None:
     geoms = "".join(f'<geom name="g{n}" type="sphere" size="1" pos="0 0 1"/>' for n in range(100_000))
     _in_scene(geoms)(files, outside)
@@ -205,6 +209,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
         "'nsample' is not an attribute",
     ),
     "100,000 geoms in one place": (_many_geoms, "100,"),
+    "a thousand balls around the infant": (_pile, "contacts at the start"),
     "50,000 bodies within each other": (_deep, "more than 64 elements within each other"),
     "a billion laughs": (_laughs, "mimoc writes nothing but elements"),
     "9 MB of blanks": (_replaced("scene.xml", lambda content: content + b" " * 9_000_000), "more than 8 MB"),
