@@ -41,6 +41,16 @@ def test_a_command_ends_quietly_while_it_loads(imports, number, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.fixture
+def heeded():
+    """Heed the signals, also where the tests run in the background and so ignore Ctrl-C."""
+    before = {each: signal.signal(each, signal.default_int_handler) for each in CODES}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("number", CODES)
 def test_what_is_done_is_undone_as_on_control_c(number):
     steps = []
