@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
@@ -17,8 +18,9 @@ MOST_EXPLAINED = 100_000
 """Numbers that one explanation can consist of."""
 
 
+@lru_cache(maxsize=2)
 def read_entries(content: bytes) -> Entries:
-    """Return the provenance that a file contains.
+    """Return the provenance that a file contains, the same object again for the last files that were asked for.
 
     Raises:
         BundleError: If it is damaged: an entry is missing or incomplete, or one is made from itself.
