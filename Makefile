@@ -5,6 +5,9 @@ VENV ?= .venv
 OUT ?= out/demo
 ROOMS ?= 0:12
 TESTS ?= tests
+MINUTES ?= 10
+SEED ?= 0
+SOAK ?=
 # Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
@@ -20,7 +23,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin matrix bench pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -75,8 +78,14 @@ skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image);
 	$(BIN)/pip install 'scikit-image>=0.22'
 	$(BIN)/python sculpt/make.py
 
-matrix: ## Test several versions of MuJoCo and Python, each pair in its own environment in .matrix (7 GB, half an hour).
+matrix: ## Test several versions of MuJoCo and Python, and the oldest of all else, in .matrix (9 GB, an hour).
 	@$(PYTHON) .ci/matrix.py
+
+fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0); docs/trust.md.
+	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED)
+
+soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
+	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)
 
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done

@@ -3,6 +3,11 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from mimoc import interruption
+
+if interruption.is_command():
+    interruption.quit_at_once()  # Before anything is imported that takes time.
+
 from mimoc.registration import register_envs
 from mimoc.version import __version__
 

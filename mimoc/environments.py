@@ -1,6 +1,7 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.variants import Variant, Variants
 from mimoc.errors import MimocError
 from mimoc.plugins import load_plugins
+from mimoc.render.environment import check_rendering
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
@@ -34,7 +36,13 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
         ModelError: If MuJoCo rejects the model.
         RenderingError: If the infant has vision, and there is no OpenGL here.
+        UnknownNameError: If there is no such render mode.
+        TypeError: If it is made from anything else.
+        ValueError: If pictures cannot have this size.
     """
+    if not isinstance(source, (Bundle, InfantSpec, str, PathLike)):
+        raise TypeError(f"expected a bundle, a spec, or the path of one, got {source!r:.60}")
+    check_rendering(options.get("render_mode"), options.get("width", 1), options.get("height", 1))
     return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
 
 

@@ -136,8 +136,19 @@ class MissingExtraError(MimocError):
 class UnknownNameError(MimocError):
     """A name is unknown; the error suggests similar ones."""
 
-    def __init__(self, kind: str, name: str, known: Collection[str]):
-        super().__init__(f"'{name}' is not a {kind}; {suggestion(name, known)}")
+    def __init__(self, kind: str, name: object, known: Collection[str]):
+        text = f"'{name}'" if isinstance(name, str) else f"{name!r:.60}"
+        super().__init__(f"{text} is not a {kind}; {suggestion(str(name), known)}")
+
+
+def check_name(kind: str, name: object, known: Collection[str]) -> None:
+    """Check that something is one of the known names of a kind.
+
+    Raises:
+        UnknownNameError: If it is not.
+    """
+    if not isinstance(name, str) or name not in known:
+        raise UnknownNameError(kind, name, known)
 
 
 def counted(number: int, noun: str) -> str:

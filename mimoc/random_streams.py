@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from hashlib import sha256
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -10,6 +10,17 @@ Item = TypeVar("Item")
 
 SEED = "spec.scene.seed"
 """The seed of a scene, as a key in `provenance.json`."""
+
+
+def checked_seed(seed: Any, what: str = "seed") -> int:
+    """Return a seed as one of Python's integers.
+
+    Raises:
+        ValueError: If it is not a non-negative integer.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise ValueError(f"expected a non-negative integer as {what}, got {seed!r}")
+    return int(seed)
 
 
 def stream(seed: int, aspect: str) -> np.random.Generator:

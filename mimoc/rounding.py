@@ -26,6 +26,11 @@ def num(value: float | bool | Iterable[float]) -> str:
     return " ".join(num(item) for item in value)
 
 
+def significant(value: float, digits: int) -> float:
+    """Return a number rounded to some significant digits."""
+    return float(f"{value:.{digits}g}")
+
+
 def rounded(data: Any) -> Any:
     """Return plain data with every float rounded as it is in files."""
     if isinstance(data, float):

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from copy import deepcopy
 from functools import partial
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol, runtime_checkable
 
@@ -74,9 +75,11 @@ def make_vec(
         MissingExtraError: If the device needs MuJoCo Warp, which is not installed.
         MixtureError: If the infants do not sense and command the same; it names what differs.
         MimocError: If there is no such device, or there are more sources than infants.
+        ValueError: If a number of infants or threads is none.
     """
     sources = _listed(source)
     count = len(sources) if num_envs is None else num_envs
+    _check_numbers(num_envs=count, threads=threads)
     if count < max(len(sources), 1):
         raise MimocError(
             f"{len(sources)} infants do not fit into num_envs={count}; give at least as many, or fewer infants"
@@ -196,6 +199,17 @@ def _on_device(
         raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
     infants = [StartingInfant(**parts) for parts in prepared]
     return WarpInfants(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
+
+
+def _check_numbers(**given: Any) -> None:
+    """Check what is a number of things.
+
+    Raises:
+        ValueError: If it is no integer, or negative.
+    """
+    for name, number in given.items():
+        if number is not None and (isinstance(number, bool) or not isinstance(number, Integral) or number < 0):
+            raise ValueError(f"expected a number of them as {name}, got {number!r}")
 
 
 def _listed(source: Any) -> list[Any]:

@@ -43,11 +43,12 @@ KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noi
 
 LAYERS = {
     "version": layer("version"),
+    "signals": layer("interruption"),
     "errors": layer("errors"),
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
     "geometry": layer("geometry geometry.* rounding mujoco_layout", "errors", "scipy"),
-    "files": layer("bundle.files bundle.atomic_swap bundle.json_text", "errors version geometry"),
+    "files": layer("bundle.files bundle.leftovers bundle.atomic_swap bundle.json_text", "errors version geometry"),
     "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
     "language": layer("schema.[!ijorsw]* schema.source*", "errors units parts", "pydantic yaml"),
     "kinds": layer("kinds", "errors language"),
@@ -55,7 +56,7 @@ LAYERS = {
     "spec": layer("", "errors units language kinds composition", "pydantic"),
     "schema": layer("schema schema.* schema.cohort_file schema.cohort_steps plugins", LANGUAGE, "pydantic"),
     "bundle": layer("bundle bundle.*", f"{LANGUAGE} schema", "pydantic mujoco"),
-    "fits": layer("fits fits.*", "errors units language"),
+    "fits": layer("fits fits.*", "errors units geometry language"),
     "body": layer("body body.*", f"{LANGUAGE} schema fits parts"),
     "mjcf": layer("mjcf mjcf.*", f"{BASE} language body", "jinja2 lxml"),
     "looks": layer("looks looks.*", f"{BASE} body mjcf", "PIL"),
@@ -66,7 +67,7 @@ LAYERS = {
     "milestones": layer("milestones milestones.*", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
     "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
-    "run": layer("model_fields", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
+    "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
     "runtime": layer("runtime runtime.*", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
     "device": layer(
         "runtime.warp runtime.warp.*",
@@ -100,13 +101,14 @@ LAYERS = {
     ),
     "mimoc": layer(
         "__init__ vector_environments registration notebook",
-        f"{BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening viewer",
+        f"signals {BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening "
+        "viewer",
         "gymnasium",
     ),
     "cli": layer(
         "cli cli.* __main__",
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting "
-        "opening viewer mimoc",
+        "opening viewer mimoc signals",
         "typer rich",
     ),
 }

@@ -36,12 +36,10 @@ def test_every_public_name_is_there_and_has_one_home():
 
 
 def test_type_checkers_are_told_of_the_same_homes():
-    imports = [node for node in ast.walk(ast.parse(Path(mimoc.__file__).read_text())) if isinstance(node, ast.If)]
+    branches = [node for node in ast.walk(ast.parse(Path(mimoc.__file__).read_text())) if isinstance(node, ast.If)]
+    (imports,) = (branch for branch in branches if ast.unparse(branch.test) == "TYPE_CHECKING")
     told = {
-        name.name: node.module
-        for node in ast.walk(imports[0])
-        if isinstance(node, ast.ImportFrom)
-        for name in node.names
+        name.name: node.module for node in ast.walk(imports) if isinstance(node, ast.ImportFrom) for name in node.names
     }
     assert told == mimoc._HOMES
 

@@ -1,6 +1,7 @@
 """Conversion of an action to controls of MuJoCo's actuators."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -8,6 +9,21 @@ import numpy.typing as npt
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.senses.sense import FloatArray, IntArray
+
+
+def numbers(actions: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Return what may be one action or several as an array of real numbers.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    try:
+        given = np.asarray(actions)
+    except ValueError:  # Lists of different lengths.
+        given = np.array(None)
+    if given.dtype.kind not in "fiub":
+        raise ValueError(f"expected an action of numbers, got {actions!r:.60}")
+    return given
 
 
 @dataclass(frozen=True)
@@ -27,11 +43,12 @@ class Commands:
         """Return the control of each actuator as a new array, shape (n,).
 
         Raises:
-            ValueError: If the action has the wrong shape, or contains a NaN or an infinity.
+            ValueError: If the action is none of numbers, has the wrong shape, or contains a NaN or an infinity.
         """
-        if np.shape(action) != self.low.shape:
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {np.shape(action)}")
-        controls = np.array(action, dtype=np.float64)
+        given = numbers(action)
+        if given.shape != self.low.shape:
+            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {given.shape}")
+        controls = given.astype(np.float64)
         if not np.isfinite(controls).all():
             wrong = controls[~np.isfinite(controls)][0]
             raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")

@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from mimoc.actuation import ACTUATIONS
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import choice_field, composed, own_sections
+from mimoc.schema.entries import Actuator, Hinge, Label, Number
 from mimoc.schema.groups import GroupName, Groups
 from mimoc.schema.names import STRENGTH_GROUPS, single_groups
 from mimoc.schema.quantities import Age, Real, keys_among
@@ -54,18 +55,24 @@ class ActuationSpec(Model):
 class ActuatorEntry(Model):
     """One actuator of the model."""
 
-    name: str
+    name: Actuator
     """Name in the model."""
-    mimo_actuator: str
+    mimo_actuator: Label
     """The actuator of MIMo that it replaces, alone or with others."""
-    joint: str
+    joint: Hinge
     """The hinge joint that it drives."""
-    action_low: float
+    action_low: Number
     """Smallest command."""
-    action_high: float
+    action_high: Number
     """Largest command."""
     commanded: bool = True
     """Whether the action has an entry for it; otherwise it stays at rest."""
+
+    @model_validator(mode="after")
+    def _is_a_range(self) -> Self:
+        if self.action_low > self.action_high:
+            raise ValueError(f"the range of the command, [{self.action_low:g}, {self.action_high:g}], is reversed")
+        return self
 
 
 @composed(lambda: {"model": choice_field(ACTUATIONS, "torque", "Actuation model.")})

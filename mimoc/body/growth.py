@@ -1,5 +1,6 @@
 """Construction of a body from measurements and an anatomy."""
 
+import math
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from types import MappingProxyType
@@ -58,7 +59,7 @@ def weigh(measurements: Measurements, anatomy: Anatomy, development: Development
     """
     _, own, heavier = _solids(measurements, anatomy, {}, development)
     parts = matured(anatomy).parts if heavier else anatomy.parts
-    return sum(sum(own[side].masses_kg[figures.name] for figures in part.geoms) for side, part in parts)
+    return math.fsum(own[side].masses_kg[figures.name] for side, part in parts for figures in part.geoms)
 
 
 def _solids(

@@ -1,5 +1,6 @@
 """Masses of the segments of a body, next to published ones."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -64,7 +65,7 @@ def segment_masses(tree: BodyTree) -> dict[str, float]:
     trunk = {body.name for body in tree.bodies if body.region == "trunk"}
 
     def total(of: Callable[[str], bool]) -> float:
-        return sum(mass_kg for name, mass_kg in bodies.items() if of(name))
+        return math.fsum(mass_kg for name, mass_kg in bodies.items() if of(name))
 
     def is_of(name: str, parts: Sequence[str]) -> bool:
         return any(part in name for part in parts)

@@ -1,5 +1,6 @@
 """The body as plain values, in the order and with the names of MIMo's published models."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -75,7 +76,7 @@ class Body:
     @property
     def mass_kg(self) -> float:
         """Mass of the part."""
-        return sum(geom.mass_kg for geom in self.geoms)
+        return math.fsum(geom.mass_kg for geom in self.geoms)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,4 +160,4 @@ class BodyTree:
     @property
     def mass_kg(self) -> float:
         """Mass of the whole infant."""
-        return sum(body.mass_kg for body in self.bodies)
+        return math.fsum(body.mass_kg for body in self.bodies)

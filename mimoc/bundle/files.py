@@ -1,14 +1,15 @@
 """Atomic writing of single files."""
 
 import os
-import secrets
 from contextlib import suppress
 from pathlib import Path
 
+from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
 from mimoc.errors import OutputError
 
 PAGES = (".html", ".htm")
 """What the name of a page ends in."""
+_PREFIX, _SUFFIX = ".mimoc-", ".tmp"
 
 
 def check_page(file: str | Path) -> Path:
@@ -43,7 +44,12 @@ def write_file(path: str | Path, content: bytes) -> Path:
 
 def temporary_path(path: Path) -> Path:
     """Return the path of a temporary file in the same folder, to be renamed to *path* when it is complete."""
-    return path.parent / f".mimoc-{secrets.token_hex(8)}.tmp"
+    return path.parent / f"{unfinished_name(_PREFIX)}{_SUFFIX}"
+
+
+def remove_temporary_files(folder: Path) -> None:
+    """Remove the temporary files in a folder that killed processes of this machine have left behind."""
+    remove_leftovers(folder, _PREFIX)
 
 
 def move_into_place(temporary: Path, path: Path) -> Path:

@@ -3,13 +3,10 @@
 import errno
 import json
 import os
-import secrets
 import shutil
-import socket
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from glob import escape
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path, PurePosixPath
@@ -19,8 +16,17 @@ from typing import Any
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.atomic_swap import swap_folders
 from mimoc.bundle.later_files import LaterFiles
-from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
-from mimoc.bundle.plugins_needed import check_plugins
+from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.manifest_text import read_manifest
+from mimoc.bundle.regular_files import (
+    MOST_FILES,
+    MOST_NESTED,
+    RegularFiles,
+    UnusableFileError,
+    read_regular_file,
+    regular_files,
+)
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.errors import BundleError
 
@@ -53,6 +59,12 @@ class Bundle:
             return self.files.arrays
         return MappingProxyType(unpack_arrays(self.files[ARRAYS]) if ARRAYS in self.files else {})
 
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of the software that made it, by name."""
+        found = json.loads(self.files[LOCK]).get("versions")
+        return {str(name): str(version) for name, version in found.items()} if isinstance(found, dict) else {}
+
     def __repr__(self) -> str:
         """Return name, age, size and folder in one line."""
         size_kb = sum(map(len, self.files.values())) / 1000
@@ -84,7 +96,7 @@ def seal(
         manifest: The parsed manifest file, to avoid parsing it again.
     """
     lock = {"lock": 1, "versions": dict(versions), "inputs": digests(inputs), "files": digests(files)}
-    return _bundle({**files, LOCK: _printed(lock)}, manifest or _manifest(files[MANIFEST]), None)
+    return _bundle({**files, LOCK: _printed(lock)}, manifest or read_manifest(files[MANIFEST]), None)
 
 
 def digests(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -99,6 +111,12 @@ def read_bundle(path: str | Path) -> Bundle:
         BundleError: If the folder is not a bundle, or files are missing or changed; the error names each of them.
     """
     folder = Path(os.path.expanduser(path))
+    try:
+        os.stat(folder)
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:  # A name that is too long, or has a null byte.
+        raise BundleError(f"{str(folder)[:100]}: the folder cannot be read ({error})") from None
     while True:
         with _watch_for_replacement(folder) as replaced:
             try:
@@ -133,8 +151,8 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared
         place = Path(os.path.realpath(target))
         _check_replaceable(place, target, force)
         place.parent.mkdir(parents=True, exist_ok=True)
-        _remove_leftovers(place)
-        staging = place.parent / f"{_staging_prefix(place)}{os.getpid()}-{secrets.token_hex(8)}"
+        remove_leftovers(place.parent, _staging_prefix(place))
+        staging = place.parent / unfinished_name(_staging_prefix(place))
         staging.mkdir()
         try:
             _fill(staging, bundle.files, shared)
@@ -156,10 +174,6 @@ def _printed(lock: Mapping[str, Any]) -> bytes:
     return (json.dumps(lock, indent=1, sort_keys=True) + "\n").encode()
 
 
-def _manifest(content: bytes) -> Manifest:
-    return Manifest.model_validate_json(content)
-
-
 @contextmanager
 def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
     """Yield a function that says whether another build has replaced a folder since.
@@ -178,36 +192,55 @@ def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
 
 
 def _read_folder(folder: Path) -> Bundle:
-    lock = _read_lock(folder)
-    locked = _locked_files(lock)
-    if locked is None:
-        raise BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
-    found = {name: _read(folder / name) for name in sorted(locked)}
-    files = {name: content for name, content in found.items() if content is not None}
-    missing = [f"{name} is missing" for name in sorted(locked.keys() - files.keys())]
-    changed = [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
-    if missing or changed:
-        raise BundleError(f"{folder}: {', '.join(missing + changed)}; build it again with 'mimoc build --force'")
     try:
-        check_plugins(json.loads(files[MANIFEST]))
-        manifest = _manifest(files[MANIFEST])
+        with regular_files(folder) as opened:
+            lock = _read_lock(folder, opened)
+            files = _read_files(folder, opened, _locked_files(lock))
+    except OSError:
+        raise BundleError(f"{folder}: there is no such folder; {_ADVICE}") from None
+    try:
+        manifest = read_manifest(files[MANIFEST])
     except BundleError as error:
         raise BundleError(f"{folder}: {error}") from None
-    except (ValueError, RecursionError):
-        raise BundleError(
-            f"{folder}: this version of mimoc reads manifests of version {MANIFEST_VERSION} only; build it again"
-        ) from None
     return _bundle({**files, LOCK: lock}, manifest, folder)
 
 
-def _read_lock(folder: Path) -> bytes:
-    advice = "build one there with 'mimoc build SPEC -o OUT'"
-    if not folder.is_dir():
-        raise BundleError(f"{folder}: there is no such folder; {advice}")
-    content = _read(folder / LOCK, MAX_LOCK_BYTES + 1)
+_ADVICE = "build one there with 'mimoc build SPEC -o OUT'"
+
+
+def _read_lock(folder: Path, opened: RegularFiles) -> bytes:
+    try:
+        content = opened.read(LOCK, MAX_LOCK_BYTES)
+    except UnusableFileError:
+        raise _damaged(folder) from None
     if content is None:
-        raise BundleError(f"{folder}: this is not a bundle, it has no {LOCK}; {advice}")
+        raise BundleError(f"{folder}: this is not a bundle, it has no {LOCK}; {_ADVICE}")
     return content
+
+
+def _read_files(folder: Path, opened: RegularFiles, locked: Mapping[str, str] | None) -> dict[str, bytes]:
+    """Return the files that a lock lists, all of which must be there and have the digests that it says."""
+    if locked is None:
+        raise _damaged(folder)
+    files, problems = dict[str, bytes](), list[str]()
+    for name in sorted(locked):
+        try:
+            content = opened.read(name)
+        except UnusableFileError as error:
+            problems.append(f"{name} {error}")
+            continue
+        if content is None:
+            problems.append(f"{name} is missing")
+        else:
+            files[name] = content
+    problems += [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
+    if problems:
+        raise BundleError(f"{folder}: {', '.join(problems)}; build it again with 'mimoc build --force'")
+    return files
+
+
+def _damaged(folder: Path) -> BundleError:
+    return BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
 
 
 def _locked_files(content: bytes) -> dict[str, str] | None:
@@ -217,25 +250,17 @@ def _locked_files(content: bytes) -> dict[str, str] | None:
         files = lock["files"]
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
-    inside = isinstance(files, dict) and MANIFEST in files and all(map(_is_inside, files))
-    return files if inside and len(content) <= MAX_LOCK_BYTES else None
+    if not isinstance(files, dict) or MANIFEST not in files or len(files) > MOST_FILES:
+        return None
+    return files if all(map(_is_inside, files)) and len(content) <= MAX_LOCK_BYTES else None
 
 
 def _is_inside(name: str) -> bool:
     """Return whether a relative path stays within its folder."""
     path = PurePosixPath(name)
-    return name.isprintable() and not path.is_absolute() and ".." not in path.parts and "\\" not in name
-
-
-def _read(path: Path, max_bytes: int = -1) -> bytes | None:
-    """Return the content of a file, or None if it does not exist or cannot be read."""
-    try:
-        if not path.is_file():
-            return None  # Reading a pipe or a device might never end.
-        with path.open("rb") as file:
-            return file.read(max_bytes)
-    except OSError:
-        return None
+    if not name.isprintable() or "\\" in name or len(path.parts) > MOST_NESTED:
+        return False
+    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 
 
 def _check_replaceable(place: Path, target: Path, force: bool) -> None:
@@ -249,11 +274,17 @@ def _check_replaceable(place: Path, target: Path, force: bool) -> None:
         raise BundleError(f"{target}: {reason} cannot be replaced; name a new folder inside it")
     if not any(place.iterdir()):
         return
-    content = _read(place / LOCK, MAX_LOCK_BYTES + 1)
-    if content is None or _locked_files(content) is None:
+    if not _is_bundle(place):
         raise BundleError(f"{target}: this folder is not a bundle and is never replaced; name a new folder")
     if not force:
         raise BundleError(f"{target}: a bundle already exists here; replace it with --force, or name a new folder")
+
+
+def _is_bundle(folder: Path) -> bool:
+    try:
+        return _locked_files(read_regular_file(folder / LOCK, MAX_LOCK_BYTES) or b"") is not None
+    except UnusableFileError:
+        return False
 
 
 def _fill(folder: Path, files: Mapping[str, bytes], shared: SharedFiles | None) -> None:
@@ -281,32 +312,5 @@ def _move_into_place(staging: Path, place: Path, target: Path, force: bool) -> N
 
 
 def _staging_prefix(place: Path) -> str:
-    """Return the prefix, before the process ID, of the names of this machine's unfinished folders for a bundle."""
-    return f".{place.name}.mimoc-{socket.gethostname()}-{_process_namespace()}-"
-
-
-def _process_namespace() -> str:
-    """Return the ID of the process namespace: containers on one machine number their processes separately."""
-    try:
-        return str(os.stat("/proc/self/ns/pid").st_ino)
-    except OSError:
-        return "0"
-
-
-def _remove_leftovers(place: Path) -> None:
-    """Remove what killed builds of the same bundle have left behind on this machine."""
-    prefix = _staging_prefix(place)
-    for path in place.parent.glob(f"{escape(prefix)}*"):
-        process = path.name.removeprefix(prefix).split("-")[0]
-        if process.isdecimal() and not _is_alive(int(process)):
-            shutil.rmtree(path, ignore_errors=True)
-
-
-def _is_alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True
-    return True
+    """Return how the names of unfinished folders for a bundle begin."""
+    return f".{place.name}.mimoc-"

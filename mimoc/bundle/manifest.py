@@ -1,19 +1,35 @@
 """The manifest: everything that the runtime knows about an infant, and its only interface with the compiler."""
 
-from typing import Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.delays.spec import DelaysEntry
+from mimoc.delays.spec import DelayEntry, DelaysEntry
 from mimoc.noise.spec import NoiseEntry
 from mimoc.plugins import load_plugins
 from mimoc.schema.base import Model
 from mimoc.schema.composition import composed
+from mimoc.schema.entries import (
+    Amount,
+    Body,
+    Camera,
+    Duration,
+    FreeJoint,
+    Geom,
+    Hinge,
+    Keyframe,
+    Label,
+    LockName,
+    Material,
+    Skin,
+    WeldName,
+)
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks.base import TaskEntry
 from mimoc.tasks.free.spec import FreeEntry
 from mimoc.tasks.spec import task_entry_field
+from mimoc.units import to_steps
 
 MANIFEST_VERSION = 2
 """Incremented when the meaning of a field changes; a new field with a default does not need a new version."""
@@ -22,65 +38,65 @@ MANIFEST_VERSION = 2
 class ChildEntry(Model):
     """The child's measurements, as built."""
 
-    age_months: float
+    age_months: Annotated[Amount, Field(le=24)]
     """Age of the body."""
     sex: Literal["male", "female"] | None = None
     """Which of WHO's standards it is compared with; None is the mean of boys and girls."""
-    length_cm: float
+    length_cm: Amount
     """Length from crown to sole."""
-    weight_kg: float
+    weight_kg: Amount
     """Mass of the whole body."""
-    head_circumference_cm: float
+    head_circumference_cm: Amount
     """Head circumference."""
-    arm_circumference_cm: float | None
+    arm_circumference_cm: Amount | None
     """Upper-arm circumference, if there is an upper arm."""
 
 
 class FaceEntry(Model):
     """The face and its expressions."""
 
-    geom: str
+    geom: Geom
     """The geom whose material is the expression."""
-    materials: dict[str, str]
+    materials: dict[Label, Material]
     """Material by expression."""
-    skin: str | None = None
+    skin: Skin | None = None
     """The skin of the head, if it has one, whose material is the expression then."""
 
 
 class ToyEntry(Model):
     """A toy in the infant's scene."""
 
-    body: str
+    body: Body
     """Name of its body in the model."""
-    joint: str
+    joint: FreeJoint
     """Its free joint."""
-    object: str
+    object: Label
     """Name of the object, such as `truck_003`."""
-    category: str
+    category: Label
     """Category of the object, such as `truck`."""
-    source: str
+    source: Label
     """Where its shape comes from."""
-    size_m: float
+    size_m: Amount
     """Length of its longest side."""
-    mass_kg: float
+    mass_kg: Amount
     """Its mass."""
 
 
 class LockEntry(Model):
     """A hinge joint that is locked at its angle at reset."""
 
-    equality: str
+    equality: LockName
     """The equality constraint in the model."""
-    joint: str
+    joint: Hinge
     """The hinge joint."""
 
 
 class WeldEntry(Model):
     """A body that is welded to the world at its pose at reset."""
 
-    equality: str
+    equality: WeldName
     """The equality constraint in the model."""
-    body: str
+    body: Body
     """The body."""
 
 
@@ -89,9 +105,9 @@ class LimbEntry(Model):
 
     side: Literal["left", "right"]
     """Side of the body."""
-    root: str
+    root: Body
     """Its first body, which hangs on the trunk."""
-    end: str | None
+    end: Body | None
     """The hand or the foot; None if it is missing."""
 
 
@@ -100,9 +116,9 @@ class EyeEntry(Model):
 
     side: Literal["left", "right"]
     """Side of the body."""
-    body: str
+    body: Body
     """Its body."""
-    camera: str
+    camera: Camera
     """Its camera."""
 
 
@@ -112,9 +128,9 @@ class AnatomyEntry(Model):
     Parts that the infant does not have are left out.
     """
 
-    head: str | None = None
+    head: Body | None = None
     """Body of the head."""
-    trunk: tuple[str, ...] = ()
+    trunk: tuple[Body, ...] = ()
     """Bodies that limbs hang on, from the first to the last, which the shoulders are on."""
     arms: tuple[LimbEntry, ...] = ()
     """The arms, the right one first."""
@@ -122,7 +138,7 @@ class AnatomyEntry(Model):
     """The legs, the right one first."""
     eyes: tuple[EyeEntry, ...] = ()
     """The eyes, the left one first."""
-    groups: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    groups: dict[Label, tuple[Hinge, ...]] = Field(default_factory=dict)
     """The hinges that each group of muscles moves, such as those of `left_arm`."""
 
 
@@ -141,23 +157,23 @@ class Manifest(Model):
 
     manifest: Literal[2] = MANIFEST_VERSION
     """Version of this file."""
-    name: str
+    name: Label
     """Name of the infant, from its spec."""
     child: ChildEntry
     """The child's measurements."""
-    scene: str = "scene.xml"
+    scene: Literal["scene.xml"] = "scene.xml"
     """Entry point of the model."""
-    root_body: str
+    root_body: Body
     """The root body of the infant, which has a free joint."""
-    root_joint: str
+    root_joint: FreeJoint
     """That free joint."""
-    timestep_ms: float
+    timestep_ms: Annotated[Duration, Field(ge=0.1, le=20)]
     """Duration of a physics step."""
-    step_ms: float
+    step_ms: Annotated[Duration, Field(ge=0.1, le=1000)]
     """Duration of a control step, a whole number of physics steps."""
-    pose: str
+    pose: Keyframe
     """Keyframe that an episode starts from by default."""
-    poses: tuple[str, ...]
+    poses: tuple[Keyframe, ...]
     """All keyframes."""
     actuation: ActuationEntry
     """Actuation model and actuators."""
@@ -173,18 +189,35 @@ class Manifest(Model):
     """Locked joints and welded bodies."""
     task: TaskEntry = FreeEntry()
     """The task."""
-    plugins: dict[str, str] = Field(default_factory=dict)
+    plugins: dict[Label, Label] = Field(default_factory=dict)
     """Distribution of each kind that is not mimoc's own, by section and name, such as `senses.sound`."""
     face: FaceEntry | None = None
     """The face and its expressions."""
-    seed: int = 0
+    seed: Annotated[int, Field(ge=0, le=10**30)] = 0
     """Seed of the scene."""
     toys: tuple[ToyEntry, ...] = ()
     """The toys in the scene."""
     notes: tuple[str, ...] = ()
     """Notes on the build for its user."""
-    keypoints: tuple[str, ...] = ()
+    keypoints: tuple[Label, ...] = ()
     """The BODY_25 sites, in BODY_25's order, including those of removed limbs."""
+
+    @model_validator(mode="after")
+    def _all_times_are_whole_steps(self) -> Self:
+        delays = {f"delays.{name}": each for name, each in self.delays if isinstance(each, DelayEntry)}
+        times_ms = {
+            "step_ms": self.step_ms,
+            "noise.delay_jitter_ms": self.noise.delay_jitter_ms,
+            **{f"{name}.ms": each.ms for name, each in delays.items()},
+            **{f"{name}.legs_ms": each.legs_ms or 0.0 for name, each in delays.items()},
+        }
+        for name, time_ms in times_ms.items():
+            try:
+                if to_steps(time_ms, self.timestep_ms) < (name == "step_ms"):
+                    raise ValueError(f"{time_ms:g} ms is less than a physics step of {self.timestep_ms:g} ms")
+            except ValueError as error:
+                raise ValueError(f"{name}: {error}") from None
+        return self
 
     @property
     def has_skin(self) -> bool:

@@ -2,7 +2,8 @@
 
 import logging
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import mujoco
 import numpy as np
@@ -10,11 +11,14 @@ import numpy.typing as npt
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.poses import pose_of
+from mimoc.bundle.strangers import check_files, check_model
 from mimoc.errors import ModelError
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
 
+MOST_CONTACTS = 1500
+"""At the start of an episode; an infant with ten fingers and fifty toys in a room have 150."""
 NOT_MJCF = (".json", ".yaml", ".md", ".npz")
 """Endings of the files of a bundle that are not MuJoCo's."""
 BREAKDOWNS = tuple(
@@ -28,12 +32,15 @@ def load_model(bundle: Bundle) -> mujoco.MjModel:
     """Return the compiled scene of a bundle.
 
     Raises:
+        BundleError: If it is one that mimoc does not write; MuJoCo reads nothing of it then.
         ModelError: If MuJoCo rejects it.
     """
+    check_files(bundle)
     try:
         model = mujoco.MjModel.from_xml_string(*mjcf_of(bundle.files, bundle.manifest.scene))
-    except ValueError as error:
+    except (ValueError, mujoco.FatalError) as error:
         raise ModelError(f"MuJoCo {mujoco.__version__} rejects the bundle: {' '.join(str(error).split())}") from None
+    check_model(bundle, model)
     prepare(model)
     return model
 
@@ -59,6 +66,48 @@ def prepare(model: mujoco.MjModel) -> None:
     _keep_mujoco_quiet()
 
 
+@contextmanager
+def bounded() -> Iterator[None]:
+    """Turn MuJoCo's lack of memory, for contacts that no infant has, into an error of mimoc's.
+
+    Raises:
+        ModelError: If the physics needs more memory than the model has.
+    """
+    try:
+        yield
+    except mujoco.FatalError as error:
+        raise out_of_memory(error) from None
+
+
+def out_of_memory(error: Exception) -> ModelError:
+    """Return the error that says that MuJoCo cannot go on, as a rule because of too many contacts."""
+    reason = str(error).split("\n")[0].split(",")[0]
+    return ModelError(f"MuJoCo {mujoco.__version__} cannot go on with this model ({reason})")
+
+
+def begin(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Derive all quantities of a state that an episode begins in.
+
+    Raises:
+        ModelError: If there are more contacts than in any scene, so that solving for their forces would take very long.
+    """
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
+    check_contacts(data)
+    mujoco.mj_forward(model, data)
+
+
+def check_contacts(data: mujoco.MjData) -> None:
+    """Check, at the start of an episode, that there are no more contacts than in any scene.
+
+    Raises:
+        ModelError: If there are.
+    """
+    if data.ncon > MOST_CONTACTS:
+        raise ModelError(f"the model has {data.ncon:,} contacts at the start, which no scene of mimoc's has")
+
+
 def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Return the compiled scene of a bundle and its state in a pose, all that is derived from it included.
 
@@ -72,9 +121,10 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
     """
     pose = pose_of(bundle.manifest, pose)
     model = load_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-    mujoco.mj_forward(model, data)
+    with bounded():
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+        begin(model, data)
     return model, data
 
 
@@ -85,8 +135,9 @@ def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
         ModelError: If MuJoCo rejects the model.
     """
     model = load_model(bundle)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    with bounded():
+        data = mujoco.MjData(model)
+        begin(model, data)
     return model, data
 
 

@@ -1,6 +1,5 @@
 """The `mimoc` command line: one thin module per command."""
 
-from mimoc.cli.commands import app
 from mimoc.cli.entry import main
 
-__all__ = ["app", "main"]
+__all__ = ["main"]

@@ -7,6 +7,7 @@ import typer
 
 from mimoc.cli.arguments import SpecPath
 from mimoc.cli.infants import load_spec
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc build configs/nine_months.yaml -o out/nine_months"
 
@@ -34,4 +35,4 @@ def build(
     written = write_bundle(built, out, force=force)
     console.print_child(built.manifest, who_percentiles(built.manifest.child))
     console.print_toys(built.manifest)
-    print(f"{written}: open {written / built.manifest.scene} with MuJoCo, or try: mimoc run {written}")
+    print(printable(f"{written}: open {written / built.manifest.scene} with MuJoCo, or try: mimoc run {written}"))

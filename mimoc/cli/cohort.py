@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.cli.exit_codes import FAILED_CHECK, resumable
+from mimoc.cli.printable import printable
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Cohort, Status
@@ -123,7 +124,7 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
         with console.progress("reading results") as show:
             written = found.table(out, parquet=parquet, progress=show)
-        print(written[-1])
+        print(printable(written[-1]))
 
 
 def _read(path: Path) -> "Cohort":
@@ -143,6 +144,6 @@ def _end(status: "Status", cohort: Path, out: Path) -> None:
 
     cohort_tables.print_status(status)
     if status.failures:
-        print(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}")
+        print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
         raise typer.Exit(FAILED_CHECK)
-    print(f"{out}: gather the table with: mimoc cohort table {cohort} -o {out}")
+    print(printable(f"{out}: gather the table with: mimoc cohort table {cohort} -o {out}"))

@@ -15,6 +15,8 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
+from mimoc.cli.printable import printable
+
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.cli.doctor import Finding
@@ -55,11 +57,12 @@ def progress(what: str) -> Iterator[Callable[[int, int], None]]:
     Yields:
         The function to call with the steps done and their total.
     """
+    if not sys.stderr.isatty():
+        yield lambda done, total: None
+        return
     columns = (TextColumn("{task.description}"), BarColumn(), _Steps(), TimeRemainingColumn())
-    shown = sys.stderr.isatty()
-    # What is printed meanwhile goes above the bar, but only if it goes to the terminal as well.
-    above, console = shown and sys.stdout.isatty(), Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not shown, redirect_stdout=above) as bar:
+    above = sys.stdout.isatty()  # What is printed meanwhile goes above the bar, if it goes to the terminal as well.
+    with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
         task = bar.add_task(what, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
@@ -100,7 +103,7 @@ def print_toys(manifest: Manifest) -> None:
         for heading in ("longest side [cm]", "weight [g]"):
             table.add_column(heading, justify="right")
         for toy in manifest.toys:
-            table.add_row(toy.object, f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
+            table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
     for note in manifest.notes:
         console.print(Text(f"note: {note}", style="yellow"))
@@ -210,7 +213,8 @@ def print_training(training: Training, out: Path) -> None:
     console.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
-    print(f"{out}: see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}")
+    tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}"
+    print(printable(f"{out}: {tried}"))
 
 
 def _number_text(value: float) -> str:

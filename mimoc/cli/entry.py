@@ -4,41 +4,51 @@ import io
 import os
 import select
 import sys
+import traceback
 from typing import TextIO
 
-from mimoc.cli.commands import app
 from mimoc.cli.exit_codes import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
+from mimoc.interruption import ending_orderly
 
 
 def main() -> None:
     """Run the command line; a user's mistake ends with exit code 2 and no traceback."""
-    out = sys.stdout
-    if isinstance(out, io.TextIOWrapper):
-        out.reconfigure(errors="backslashreplace")  # For folder names that the terminal cannot encode.
-    try:
-        _run()
-    except SystemExit as ended:
-        if not _is_pipe_broken(out, ended.code):
-            raise
-        os.dup2(os.open(os.devnull, os.O_WRONLY), out.fileno())  # Otherwise flushing at exit raises again.
-        sys.exit(BROKEN_PIPE)
+    with ending_orderly():
+        out = sys.stdout
+        if isinstance(out, io.TextIOWrapper):
+            out.reconfigure(errors="backslashreplace")  # For folder names that the terminal cannot encode.
+        try:
+            _run()
+        except SystemExit as ended:
+            if not _is_pipe_broken(out, ended.code):
+                raise
+            os.dup2(os.open(os.devnull, os.O_WRONLY), out.fileno())  # Otherwise flushing at exit raises again.
+            sys.exit(BROKEN_PIPE)
 
 
 def _run() -> None:
     try:
+        from mimoc.cli.commands import app
+
         app(standalone_mode=True)
     except MimocError as error:
-        print(error, file=sys.stderr)
+        print(printable(error), file=sys.stderr)
         sys.exit(BAD_INPUT)
     except Exception as error:
-        if "MUJOCO_GL" not in os.environ or "mujoco" in sys.modules:
+        backend = os.environ.get("MUJOCO_GL")
+        if backend is None or not _is_of_loading_mujoco(error):
             raise
-        backend = os.environ["MUJOCO_GL"]
-        print(
-            f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it or choose another", file=sys.stderr
-        )
+        problem = f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it or choose another"
+        print(printable(problem), file=sys.stderr)
         sys.exit(BAD_INPUT)
+
+
+def _is_of_loading_mujoco(error: Exception) -> bool:
+    """Return whether an error ended the first import of MuJoCo."""
+    names = [frame.f_globals.get("__name__") for frame, _ in traceback.walk_tb(error.__traceback__)]
+    return "mujoco" in names and "mujoco" not in sys.modules
 
 
 def _is_pipe_broken(out: TextIO, code: object) -> bool:

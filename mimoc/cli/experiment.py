@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.exit_codes import resumable
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc experiment growth -o out/growth --quick"
 
@@ -29,4 +30,4 @@ def experiment(
 
     with console.progress(name) as show, resumable():
         page = experiments.run_experiment(name, out, quick=quick, progress=show)
-    print(page)
+    print(printable(page))

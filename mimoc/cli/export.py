@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.arguments import RecordingPath
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc export recordings/random --to csv -o out/random_csv"
 
@@ -23,5 +24,5 @@ def export(
     with console.progress("exporting") as show:
         notes = export_recording(recording, to, out, progress=show)
     for note in notes:
-        print(f"note: {note}", file=sys.stderr)
-    print(out)
+        print(printable(f"note: {note}"), file=sys.stderr)
+    print(printable(out))

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from mimoc.cli.printable import printable
 from mimoc.errors import OutputError
 
 STDOUT = Path("-")
@@ -35,5 +36,5 @@ def import_config(
         raise OutputError(f"{file}: already exists; choose another file, or replace it with --force")
     written = files.write_file(file, imported.text.encode())
     for note in imported.notes:
-        print(note)
-    print(f"{written}: try it with: mimoc build {written} -o out/{imported.spec['name']}")
+        print(printable(note))
+    print(f"{printable(written)}: try it with: mimoc build {printable(written)} -o out/{imported.spec['name']}")

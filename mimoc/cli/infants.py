@@ -64,8 +64,12 @@ def load_spec_of_infant(path: Path) -> "InfantSpec":
 
 
 def resolved_spec(bundle: "Bundle") -> "InfantSpec":
-    """Return the spec of a bundle with all defaults filled in."""
-    from mimoc import schema
-    from mimoc.schema import source
+    """Return the spec of a bundle with all defaults filled in.
 
-    return schema.read_spec(source.parse(bundle.files["resolved.yaml"].decode(), "resolved.yaml"))
+    Raises:
+        BundleError: If the bundle does not contain it.
+        SpecError: If this version of mimoc does not read it.
+    """
+    from mimoc.compiler.variants import spec_of
+
+    return spec_of(bundle)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -38,6 +39,9 @@ def _of(field: str) -> Callable[[], Sequence[str]]:
     return values
 
 
+Like = Annotated[
+    str | None, typer.Option("--like", metavar="NAME", help="Begin with an example, such as nine_months or playroom.")
+]
 Hands = Annotated[str | None, typer.Option("--hands", help="mitten or five_finger.", autocompletion=_of("hands"))]
 Actuation = Annotated[
     str | None, typer.Option("--actuation", help="torque, muscle or position.", autocompletion=_of("actuation"))
@@ -54,10 +58,7 @@ Task = Annotated[
 
 def new(
     spec: Annotated[Path, typer.Argument(metavar="SPEC", help="YAML file to write, or `-` for standard output.")],
-    like: Annotated[
-        str | None,
-        typer.Option("--like", metavar="NAME", help="Begin with an example, such as nine_months or playroom."),
-    ] = None,
+    like: Like = None,
     age: Annotated[float | None, typer.Option("--age", metavar="MONTHS", help="Age, 0 to 24.")] = None,
     hands: Hands = None,
     actuation: Actuation = None,
@@ -91,8 +92,9 @@ def new(
     read_spec(source.parse(text, str(spec)))
     if spec == STDOUT:
         print(text, end="")
-        return
-    print(f"{write_file(spec, text.encode())}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}")
+    else:
+        write_file(spec, text.encode())
+        print(printable(f"{spec}: build it with: mimoc build {shlex.quote(str(spec))} -o out/{name}"))
 
 
 def _name(spec: Path) -> str:

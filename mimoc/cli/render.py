@@ -7,6 +7,7 @@ import typer
 
 from mimoc.cli.arguments import Body, PicturePath
 from mimoc.cli.infants import load_infant
+from mimoc.cli.printable import printable
 from mimoc.errors import UnknownNameError
 
 EXAMPLE = "Example:  mimoc render out/nine_months -o nine_months.png --pose supine"
@@ -49,4 +50,4 @@ def render(
         (bundle,) = bundles
         markers = skin_markers(bundle, *load_posed(bundle, pose)) if skin else None
         picture = portrait(bundle, pose, width, height, markers, shown)
-    print(write_picture(file, picture))
+    print(printable(write_picture(file, picture)))

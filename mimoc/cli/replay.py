@@ -9,6 +9,7 @@ import typer
 from mimoc.cli.arguments import Body, RecordingPath, ShownBody
 from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import FAILED_CHECK
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError, counted
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def replay(
         raise typer.Exit(FAILED_CHECK)
     print(f"ok: all numbers of {counted(count, 'episode')}, {counted(steps, 'control step')}, came out again")
     if video:
-        print(video)
+        print(printable(video))
 
 
 def _check_video(video: Path | None, eyes: bool) -> None:

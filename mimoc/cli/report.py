@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from mimoc.cli.infants import STDIN, load_spec
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc report out/nine_months -o nine_months.html"
 
@@ -39,4 +40,4 @@ def report(
         study = read_cohort(cohort)
     infant = load_spec(source) if source == STDIN else source
     with console.progress("writing the page") as show:
-        print(write_report(infant, out, check=not no_check, cohort=study, progress=show))
+        print(printable(write_report(infant, out, check=not no_check, cohort=study, progress=show)))

@@ -8,6 +8,7 @@ import typer
 
 from mimoc.cli.arguments import PicturePath
 from mimoc.cli.infants import load_spec_of_infant
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError, SpecError
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def rooms(
         for number, seed in enumerate(wanted, start=1):
             pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
             show(number, len(wanted))
-    print(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted])))
+    print(printable(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted]))))
 
 
 def _check_seed_matters(spec: "InfantSpec") -> None:

@@ -10,6 +10,7 @@ import typer
 
 from mimoc.cli.arguments import Body, InfantPath, ShownBody
 from mimoc.cli.infants import load_infant
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
 from mimoc.kinds import announced
 from mimoc.policies import POLICIES
@@ -78,7 +79,7 @@ def run(
     console.print_run(rollout.summary())
     for written in (video, record):
         if written:
-            print(written)
+            print(printable(written))
 
 
 def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager[object]":
@@ -110,7 +111,8 @@ def _interruptible(written: Sequence[Path]) -> Iterator[None]:
     except KeyboardInterrupt:
         if written:
             shows = "shows" if len(written) == 1 else "show"
-            print(f"stopped; {' and '.join(map(str, written))} {shows} the run up to this point", file=sys.stderr)
+            kept = printable(" and ".join(map(str, written)))
+            print(f"stopped; {kept} {shows} the run up to this point", file=sys.stderr)
         raise
 
 

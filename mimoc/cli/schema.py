@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from mimoc.cli.printable import printable
+
 EXAMPLE = "Example:  mimoc schema -o infant.schema.json"
 
 
@@ -22,4 +24,4 @@ def schema(
     if out is None:
         print(text, end="")
     else:
-        print(write_file(out, text.encode()))
+        print(printable(write_file(out, text.encode())))

@@ -6,6 +6,7 @@ import typer
 
 from mimoc.cli.arguments import InfantPath, PicturePath
 from mimoc.cli.infants import load_infant, resolved_spec
+from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc see out/nine_months -o seen.png --pose sitting --ages 1,3,9"
 
@@ -50,4 +51,4 @@ def see(
     vision = resolved_spec(bundle).senses.vision or schema.VisionSpec()
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
     pictures = preview(bundle, compared.entries, pose, down, fovy)
-    print(write_picture(file, tile_pictures(pictures, compared.columns, compared.rows)))
+    print(printable(write_picture(file, tile_pictures(pictures, compared.columns, compared.rows))))

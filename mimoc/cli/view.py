@@ -9,6 +9,7 @@ import typer
 
 from mimoc.bundle.files import check_page
 from mimoc.cli.infants import load_infant
+from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _tell(page: "View") -> None:
     if page.difference:
         told = "the page shows what is simulated now, which differs from the recording"
         print(f"{told}: {page.difference}", file=sys.stderr)
-    print(page.path)
+    print(printable(page.path))
 
 
 def _in_a_terminal() -> bool:

@@ -8,6 +8,7 @@ from mimoc.random_streams import stream
 from mimoc.rounding import rounded
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import DrawnChildren
+from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
 
 PERCENTILES = ("length_percentile", "weight_percentile", "head_percentile")
 
@@ -45,6 +46,10 @@ def draw_children(wanted: DrawnChildren) -> tuple[IndividualSpec, ...]:
     for index in range(wanted.draw):
         shares = stream(wanted.seed, f"cohort.child.{index}").random(len(PERCENTILES))
         z = mixing @ [normal.inv_cdf(min(max(float(share), _FURTHEST), 1 - _FURTHEST)) for share in shares]
-        percentiles = {name: rounded(100 * normal.cdf(float(each))) for name, each in zip(PERCENTILES, z, strict=True)}
+        probabilities = (normal.cdf(float(each)) for each in z)
+        percentiles = {
+            name: rounded(min(max(100 * probability, LEAST_PERCENTILE), LARGEST_PERCENTILE))
+            for name, probability in zip(PERCENTILES, probabilities, strict=True)
+        }
         children.append(IndividualSpec(sex=sexes[index % len(sexes)], **percentiles))
     return tuple(children)

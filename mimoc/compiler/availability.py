@@ -1,9 +1,10 @@
-"""Check for keys of the spec language that this version of mimoc cannot build yet."""
+"""Check for keys of the spec language that this version of mimoc cannot build, and values that no child has."""
 
 from collections.abc import Iterator
 
 from mimoc.body import assemble
 from mimoc.body.maturing.parts import matured
+from mimoc.compiler.plausibility import implausible
 from mimoc.errors import Problem, SpecError
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.names import unsided
@@ -12,12 +13,13 @@ KeyPath = tuple[str, ...]
 
 
 def refuse_unavailable(spec: InfantSpec) -> None:
-    """Check that this version can build a spec.
+    """Check that this version can build a spec, and that its measurements are a child's.
 
     Raises:
-        SpecError: If it cannot; the error lists everything that is unavailable.
+        SpecError: If not; the error lists everything that is unavailable or implausible.
     """
     problems = [_problem(spec, path, what, advice) for path, what, advice in _unavailable(spec)]
+    problems += implausible(spec)
     if problems:
         raise SpecError(problems)
 

@@ -1,6 +1,5 @@
 """Explanation of the numbers of a bundle, from the XML attribute back to the table row."""
 
-import json
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -11,22 +10,18 @@ from typing import Any
 
 from mimoc.bundle.io import Bundle
 from mimoc.compiler.building import builder
-from mimoc.compiler.provenance.packing import unpacked
 from mimoc.compiler.provenance.spec import SPEC_FILE
+from mimoc.compiler.provenance.text import MOST_FOLLOWED, PROVENANCE, Entries, read_entries
 from mimoc.errors import BundleError, MimocError
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
 
-Entries = Mapping[str, Mapping[str, Any]]
 CERTAINTIES: Mapping[str, str] = {
     "S": "read in the source",
     "M": "known from memory, not checked in the source",
     "D": "derived for mimoc",
 }
 """What letters in parentheses at the end of a source say about how certain it is."""
-PROVENANCE = "provenance.json"
-MOST_FOLLOWED = 8
-"""Number of sources that are explained recursively; of more, such as the masses of all bodies, only the values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,13 +97,15 @@ def entries_of(bundle: Bundle) -> Entries:
         BundleError: If that is not possible, because this version of mimoc builds another infant from its spec.
     """
     if PROVENANCE in bundle.files:
-        return unpacked(json.loads(bundle.files[PROVENANCE]))
+        return read_entries(bundle.files[PROVENANCE])
+    if SPEC_FILE not in bundle.files:
+        raise BundleError(f"{bundle.path}: has neither {PROVENANCE} nor {SPEC_FILE}; build it again with 'mimoc build'")
     spec = read_spec(parse(bundle.files[SPEC_FILE], SPEC_FILE))
     again = builder(spec, skin=bundle.manifest.has_skin)(bundle.manifest.seed, check=False)
-    if any(again.files[name] != bundle.files[name] for name in ("infant.xml", "scene.xml")):
+    if any(again.files[name] != bundle.files.get(name) for name in ("infant.xml", "scene.xml")):
         message = f"{bundle.path}: has no {PROVENANCE}, and this version of mimoc builds another infant from its spec"
         raise BundleError(f"{message}; build it again with 'mimoc build'")
-    return unpacked(json.loads(again.files[PROVENANCE]))
+    return read_entries(again.files[PROVENANCE])
 
 
 def _explain(key: str, entries: Entries) -> Explanation:

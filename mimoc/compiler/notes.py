@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
+from mimoc.compiler.without_effect import without_effect
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.tasks import TASKS
@@ -18,7 +19,8 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
         target: Name of the other software that it was built for, if any.
     """
     built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
-    return (*built_for, *_plugin_notes(plugins), *_task_notes(spec), *(toybox.notes if spec.scene.toys else ()))
+    of_toys = toybox.notes if spec.scene.toys else ()
+    return (*built_for, *_plugin_notes(plugins), *_task_notes(spec), *without_effect(spec), *of_toys)
 
 
 def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:

@@ -173,4 +173,4 @@ def spec_of(bundle: Bundle) -> InfantSpec:
     """
     if RESOLVED not in bundle.files:
         raise BundleError(f"there is no {RESOLVED} in it")
-    return read_spec(source.parse(bundle.files[RESOLVED].decode(), RESOLVED))
+    return read_spec(source.parse(bundle.files[RESOLVED], RESOLVED))

@@ -3,9 +3,10 @@
 from collections import deque
 from typing import Any
 
-from mimoc.delays.signals import Mask
+from mimoc.delays.signals import Mask, check_controls
 from mimoc.noise.wander import Wander
 from mimoc.senses.sense import FloatArray, IntArray, Sample
+from mimoc.state_form import check_form, checked_list, demand
 
 
 class JitteredSamples:
@@ -67,6 +68,19 @@ class JitteredSamples:
         self._now, self._wander.steps, due = state
         self._due = deque(due)
 
+    def check(self, state: object, where: str) -> None:
+        """Check that the sample of each observation has been taken if it was due by now; see `check_form`."""
+        now, deviation, due = checked_list(state, where, 3)
+        check_form([now, deviation], [0, 0], where)
+        latest = now - 1
+        for number, (taken, sample) in enumerate(checked_list(due, where)):
+            check_form(taken, 0, where)
+            demand(taken <= now + number * self._period and (sample is not None) == (taken <= now), where, due)
+            if sample is not None:
+                check_form(sample, self.arrived, where)
+            latest = taken
+        demand(latest >= now, where, due)
+
 
 class JitteredCommands:
     """Commands on their way to some actuators, as `DelayedCommands`.
@@ -118,3 +132,11 @@ class JitteredCommands:
     def state(self, state: list[Any]) -> None:
         self._number, self._applied, self._wander.steps, sent = state
         self._sent, self._arriving = list(sent), deque()
+
+    def check(self, state: object, where: str) -> None:
+        """Check that all commands since the one applied last are there; see `check_form`."""
+        number, applied, deviation, sent = checked_list(state, where, 4)
+        check_form([number, applied, deviation], [0, 0, 0], where)
+        demand(-1 <= applied <= number, where, state)
+        for controls in checked_list(sent, where, number - max(applied, 0) + 1):
+            check_controls(controls, self._part, where)

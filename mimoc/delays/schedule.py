@@ -9,7 +9,7 @@ import mujoco
 import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
-from mimoc.bundle.model import in_subtrees
+from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
@@ -17,6 +17,7 @@ from mimoc.noise.motor import MotorNoise
 from mimoc.noise.senses import noisy
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import Observation, Sample, Sense
+from mimoc.state_form import checked_list, demand
 from mimoc.units import ms_to_s
 
 Read = Callable[[mujoco.MjData], Sample]
@@ -97,10 +98,14 @@ class Schedule:
 
         Raises:
             ValueError: If the action is not one number for each actuator.
+            ModelError: If the physics needs more memory than the model has.
         """
         for segment in self.begin(action, data):
             self.command(segment, data)
-            mujoco.mj_step(self._model, data, segment.physics_steps)
+            try:
+                mujoco.mj_step(self._model, data, segment.physics_steps)
+            except mujoco.FatalError as error:
+                raise out_of_memory(error) from None
             for name, delayed in segment.samples:
                 sample = self.read(name, data)
                 for each in delayed:
@@ -167,6 +172,24 @@ class Schedule:
             noise.state = state["noise"][name]
         if self._motor_noise:
             self._motor_noise.state = state["motor_noise"]
+
+    def check(self, state: Mapping[str, Any], time_s: float) -> None:
+        """Check the signals on their way in a state, and that no noise was drawn after a time of the simulation [s].
+
+        Raises:
+            ValueError: If they cannot be restored, or a KeyError if a sense is missing.
+        """
+        for name, delayed in self._samples.items():
+            where = f"signals.senses.{name}"
+            for each, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
+                each.check(kept, where)
+        where = "signals.commands"
+        on_their_way = checked_list(state["commands"], where, len(self._commands))
+        for commands, kept in zip(self._commands, on_their_way, strict=True):
+            commands.check(kept, where)
+        for name in self._noisy:
+            drawn_s = state["noise"][name][0]
+            demand(drawn_s <= time_s, f"signals.noise.{name}", drawn_s)
 
     def carry_on(self, former: "Schedule", data: mujoco.MjData) -> None:
         """Go on with the signals that are on their way in the same infant at another age, in place of a reset.

@@ -1,12 +1,26 @@
 """Signals with a delay: the samples of senses, and commands to actuators."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from mimoc.delays.line import DelayLine
 from mimoc.senses.sense import FloatArray, IntArray, Sample
+from mimoc.state_form import check_finite, check_form, checked_list, demand
 
 Mask = npt.NDArray[np.bool_]
+
+
+def check_controls(controls: Any, part: IntArray, where: str) -> None:
+    """Check that something in a state can be the controls of all actuators, of which a part is on its way.
+
+    Raises:
+        ValueError: If it cannot.
+    """
+    is_array = isinstance(controls, np.ndarray) and controls.dtype.kind == "f" and controls.ndim == 1
+    demand(is_array and controls.size > part.max(initial=-1), where, controls)
+    check_finite(controls, where)
 
 
 class DelayedSamples:
@@ -44,6 +58,10 @@ class DelayedSamples:
     def state(self, samples: list[Sample]) -> None:
         self.reset(samples[0])
         self._line.held = samples[1:]
+
+    def check(self, state: object, where: str) -> None:
+        """Check a state; see `check_form`."""
+        check_form(state, self.state, where)
 
 
 class DelayedCommands:
@@ -86,3 +104,9 @@ class DelayedCommands:
     @state.setter
     def state(self, controls: list[FloatArray | None]) -> None:
         self._line.held = controls
+
+    def check(self, state: object, where: str) -> None:
+        """Check a state; see `check_form`."""
+        for controls in checked_list(state, where, self.length):
+            if controls is not None:
+                check_controls(controls, self._part, where)

@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 from mimoc.errors import KindError
 from mimoc.schema.base import Model
 from mimoc.schema.composition import composed
+from mimoc.schema.entries import Body, Duration
 from mimoc.schema.quantities import Milliseconds
 from mimoc.senses import SENSES
 
@@ -67,9 +68,9 @@ def is_delayed(spec: DelaysSpec, senses: Iterable[str]) -> bool:
 class DelayEntry(Model):
     """Delay of one signal, in whole physics steps."""
 
-    ms: float = 0.0
+    ms: Duration = 0.0
     """Delay."""
-    legs_ms: float | None = None
+    legs_ms: Duration | None = None
     """Delay to or from legs and feet, if it differs."""
 
 
@@ -84,7 +85,7 @@ def _entry_fields() -> dict[str, FieldInfo]:
 class DelaysEntry(Model):
     """The delay of each signal."""
 
-    legs: tuple[str, ...] = ()
+    legs: tuple[Body, ...] = ()
     """The first body of each leg."""
 
     if TYPE_CHECKING:

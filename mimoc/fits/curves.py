@@ -5,11 +5,14 @@ The first is the law of the paper (López et al. 2025, eq. 1). The second is Cou
 that is steep enough at birth is too flat by two years: boys of four months are 1.15 standard deviations too short.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from mimoc.rounding import significant
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -21,8 +24,11 @@ B_MAX_COUNT_MONTHS = 100.0
 """Largest shift beside a steady growth, from which the logarithm can hardly be told any more."""
 LAST_MONTH = 24.0
 """Age up to which no curve with a steady part may fall."""
-_GRID_POINTS, _ROUNDS = 33, 9
-"""Each round looks sixteen times closer: to nine digits of log b, all that rounding leaves of a minimum."""
+SHIFT_DIGITS, DIGITS = 9, 10
+"""Significant digits of b, to which a fit is hardly sensitive, and of the other coefficients, which follow from it: one
+more than files have, and few enough that they are the same however a processor takes logarithms and sums."""
+_GRID_POINTS, _ROUNDS = 33, 8
+"""Each round looks 32 times closer: to twelve digits of log b."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +46,7 @@ class LogCurve:
 
     def __call__(self, age_months: float) -> float:
         """Return the measurement at *age_months*, in the unit it was fitted in."""
-        return float(self.a * np.log(age_months + self.b_months) + self.c + self.d * age_months)
+        return self.a * math.log(age_months + self.b_months) + self.c + self.d * age_months
 
 
 def fit_log_curve(ages_months: Sequence[float], values: Sequence[float]) -> LogCurve:
@@ -50,11 +56,8 @@ def fit_log_curve(ages_months: Sequence[float], values: Sequence[float]) -> LogC
         ages_months: Shape (n,), n >= 3, none below zero.
         values: Shape (n,), in any unit.
     """
-    ages, y = np.asarray(ages_months, dtype=float), np.asarray(values, dtype=float)
-    b = _best_shift(lambda shifts: _residual(shifts, ages, y), B_MAX_MONTHS)
-    x = np.log1p(ages / b)
-    a = float((x - x.mean()) @ (y - y.mean()) / ((x - x.mean()) @ (x - x.mean())))
-    return LogCurve(a=a, b_months=b, c=float(y.mean() - a * x.mean() - a * np.log(b)))
+    points = _Points(_array(ages_months), _array(values), np.ones(len(values)), is_steady=False)
+    return _curve(points, _best_shift(points, B_MAX_MONTHS))
 
 
 def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weights: Sequence[float]) -> LogCurve:
@@ -67,52 +70,85 @@ def fit_count_curve(ages_months: Sequence[float], values: Sequence[float], weigh
         values: Shape (n,), in any unit.
         weights: Of the squared deviations, shape (n,).
     """
-    ages, y, w = (np.asarray(column, dtype=float) for column in (ages_months, values, weights))
-
-    def residual(shifts: FloatArray) -> FloatArray:
-        a, d, left = _count_coefficients(shifts, ages, y, w)
-        return np.where((a >= 0) & (a / (LAST_MONTH + shifts) + d >= 0), left, np.inf)
-
-    b = _best_shift(residual, B_MAX_COUNT_MONTHS)
-    if not np.isfinite(residual(np.array([b]))[0]):
-        return fit_log_curve(ages_months, values)
-    (a,), (d,), _ = _count_coefficients(np.array([b]), ages, y, w)
-    c = np.average(y - a * np.log(ages + b) - d * ages, weights=w)
-    return LogCurve(a=float(a), b_months=b, c=float(c), d=float(d))
+    points = _Points(_array(ages_months), _array(values), _array(weights), is_steady=True)
+    b = _best_shift(points, B_MAX_COUNT_MONTHS)
+    return fit_log_curve(ages_months, values) if math.isnan(b) else _curve(points, b)
 
 
-def _best_shift(residual: Callable[[FloatArray], FloatArray], largest_months: float) -> float:
-    """Return the b with the least residual.
+@dataclass(frozen=True, slots=True)
+class _Points:
+    """What a curve is fitted to."""
 
-    For a given b the law is linear in all else, so what is left is a search along log b: a grid over its whole range,
-    then ever finer ones around the best point. It cannot diverge.
+    ages: FloatArray
+    y: FloatArray
+    weights: FloatArray
+    is_steady: bool
+    """Whether the curve has a steady part."""
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Return the weighted mean over the points, the last axis, which is kept."""
+        return (values * self.weights).sum(axis=-1, keepdims=True) / self.weights.sum()
+
+
+@dataclass(frozen=True, slots=True)
+class _Fits:
+    """The best curve for each shift, shape (n,)."""
+
+    a: FloatArray
+    d: FloatArray
+    left: FloatArray
+    """The weighted mean of the squared deviations; infinite if the curve falls."""
+    slope: FloatArray
+    """Its derivative by log b."""
+
+
+def _fits(points: _Points, b: FloatArray) -> _Fits:
+    """Return the best curves with some shifts; for a given b the law is linear in all else."""
+    x = np.log1p(points.ages / b[:, None])  # log(t + b) less a constant: digits survive a large b.
+    x, t, v = (values - points.mean(values) for values in (x, points.ages, points.y))
+    x_steady, v_steady = np.zeros((len(b), 1)), np.zeros(1)
+    if points.is_steady:
+        x_steady, v_steady = (points.mean(values * t) / points.mean(t * t) for values in (x, v))
+    bent, rest = x - x_steady * t, v - v_steady * t  # What a straight line leaves of each.
+    a = points.mean(bent * rest) / points.mean(bent * bent)
+    d = v_steady - a * x_steady
+    errors = rest - a * bent
+    falls = (a < 0) | (a / (LAST_MONTH + b[:, None]) + d < 0) if points.is_steady else np.zeros(a.shape, dtype=bool)
+    left = np.where(falls, np.inf, points.mean(errors * errors))
+    slope = 2 * a * points.mean(errors * points.ages / (b[:, None] + points.ages))
+    return _Fits(a[:, 0], d[:, 0], left[:, 0], slope[:, 0])
+
+
+def _best_shift(points: _Points, largest_months: float) -> float:
+    """Return the b with which least is left; NaN if every curve falls.
+
+    This searches along log b: a grid over the whole range for the best point, then ever finer ones beside it for where
+    what is left begins to rise, which is known to many more digits than where it is least. It cannot diverge.
     """
-    log_b, low, high = 0.0, np.log(B_MIN_MONTHS), np.log(largest_months)
+    grid = np.linspace(math.log(B_MIN_MONTHS), math.log(largest_months), _GRID_POINTS)
+    left = _fits(points, np.exp(grid)).left
+    if not np.isfinite(left).any():
+        return math.nan
+    low, high = _neighbours(grid, int(left.argmin()) - 1, 2)
     for _ in range(_ROUNDS):
         grid = np.linspace(low, high, _GRID_POINTS)
-        best = int(np.argmin(residual(np.exp(grid))))
-        log_b, low, high = grid[best], grid[max(best - 1, 0)], grid[min(best + 1, _GRID_POINTS - 1)]
-    return float(np.exp(log_b))
+        fits = _fits(points, np.exp(grid))
+        rises = np.where(np.isfinite(fits.left), fits.slope >= 0, np.arange(_GRID_POINTS) > fits.left.argmin())
+        low, high = _neighbours(grid, int(rises.argmax() if rises.any() else _GRID_POINTS) - 1, 1)
+    return significant(math.exp((low + high) / 2), SHIFT_DIGITS)
 
 
-def _residual(b: FloatArray, ages: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the sum of squares left by the best a and c for each b, shape (len(b),)."""
-    x = np.log1p(ages / b[:, None])  # log(t + b) less a constant: digits survive a large b.
-    x -= x.mean(axis=1, keepdims=True)
-    centred = y - y.mean()
-    return centred @ centred - (x @ centred) ** 2 / (x * x).sum(axis=1)
+def _neighbours(grid: FloatArray, first: int, steps: int) -> tuple[float, float]:
+    """Return two points of a grid, the second some steps after the first, as far as the grid goes."""
+    return float(grid[max(first, 0)]), float(grid[min(first + steps, len(grid) - 1)])
 
 
-def _count_coefficients(
-    b: FloatArray, ages: FloatArray, y: FloatArray, w: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the best a and d and the weighted sum of squares that they leave for each b, shape (len(b),) each."""
-    x = np.log1p(ages / b[:, None])
-    x -= np.average(x, axis=1, weights=w)[:, None]
-    t, v = ages - np.average(ages, weights=w), y - np.average(y, weights=w)
-    steady = t * w / (t @ (t * w))
-    x_steady, v_steady = x @ steady, v @ steady
-    bent, rest = x - x_steady[:, None] * t, v - v_steady * t  # What a straight line leaves of each.
-    a = bent @ (w * rest) / ((bent * w) * bent).sum(axis=1)
-    left = (((rest - a[:, None] * bent) ** 2) * w).sum(axis=1)
-    return a, v_steady - a * x_steady, left
+def _curve(points: _Points, b: float) -> LogCurve:
+    fits = _fits(points, np.array([b]))
+    a, d = (significant(float(values[0]), DIGITS) for values in (fits.a, fits.d))
+    c = points.mean(points.y - a * np.log(points.ages + b) - d * points.ages)[0]
+    return LogCurve(a=a, b_months=b, c=significant(float(c), DIGITS), d=d)
+
+
+def _array(column: Sequence[float]) -> FloatArray:
+    return np.asarray(column, dtype=float)

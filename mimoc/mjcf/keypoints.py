@@ -1,5 +1,6 @@
 """The 25 keypoints of BODY_25 on an infant, for motion capture: nose, neck, joints, eyes, ears, toes and heels."""
 
+import math
 from collections.abc import Iterator
 
 from mimoc.body import BodyTree
@@ -57,7 +58,8 @@ def _between_hip_joints(tree: BodyTree) -> Vec3:
     """
     joints_m = [body.pos_m for body in tree.bodies if body.name in ("left_upper_leg", "right_upper_leg")]
     if joints_m:
-        return sum(x for x, _, _ in joints_m) / len(joints_m), 0.0, sum(z for _, _, z in joints_m) / len(joints_m)
+        x_m, _, z_m = (math.fsum(along) / len(joints_m) for along in zip(*joints_m, strict=True))
+        return x_m, 0.0, z_m
     pelvis = tree.geoms["lb"]
     (radius_m, _), (x_m, _, z_m) = pelvis.size_m, pelvis.pos_m
     return x_m - (1 - BUTTOCKS) * radius_m, 0.0, z_m - (1 - RUMP) * radius_m

@@ -10,6 +10,7 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.delays.spec import DelaysSpec, is_delayed
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import composed
+from mimoc.schema.entries import Amount, Duration
 from mimoc.schema.quantities import Milliseconds, Real
 from mimoc.senses import SENSES
 from mimoc.units import to_steps
@@ -65,8 +66,9 @@ class NoiseSpec(Model):
 
 
 def _entry_fields() -> dict[str, FieldInfo]:
+    amount: Any = Amount
     return {
-        key: FieldInfo(annotation=float, default=0.0, description=f"Noise of {name}.")
+        key: FieldInfo.from_annotated_attribute(amount, Field(default=0.0, description=f"Noise of {name}."))
         for name, key in noise_keys().items()
     }
 
@@ -75,11 +77,11 @@ def _entry_fields() -> dict[str, FieldInfo]:
 class NoiseEntry(Model):
     """The noise of commands, senses and delays; 0 is none."""
 
-    motor: float = 0.0
+    motor: Annotated[Amount, Field(le=1)] = 0.0
     """Standard deviation of what an actuator is driven by, as a share of its command."""
-    low_pass_ms: float = LOW_PASS_MS
+    low_pass_ms: Annotated[Duration, Field(ge=0.1)] = LOW_PASS_MS
     """Time constant of the noise of commands and of senses whose noise changes gradually."""
-    delay_jitter_ms: float = 0.0
+    delay_jitter_ms: Annotated[Duration, Field(le=1000)] = 0.0
     """Largest deviation of a delay, in whole physics steps."""
 
     if TYPE_CHECKING:

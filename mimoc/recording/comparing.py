@@ -140,4 +140,4 @@ def _label(episode: Episode, what: str, index: int) -> str:
 
 def _frames(episode: Episode, name: str) -> Iterator[Any]:
     for path in episode.files.pictures(name, frames.LOSSLESS):
-        yield from frames.decoded(path)
+        yield from frames.decoded(path, episode.reading(name).shape)

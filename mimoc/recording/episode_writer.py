@@ -1,6 +1,5 @@
 """Writing of episodes: in parts while they are recorded, each whole or absent, and in one set of files at their end."""
 
-import json
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 from mimoc.errors import RecordingError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block
-from mimoc.recording.folder import PART, WHOLE, EpisodeFiles, part_stem, with_extension, write_json
+from mimoc.recording.folder import PART, WHOLE, EpisodeFiles, part_stem, read_json, with_extension, write_json
 from mimoc.recording.tables import Described
 from mimoc.units import ms_to_s
 
@@ -84,10 +83,7 @@ def read_sidecars(episode: EpisodeFiles) -> dict[str, Any]:
 
 
 def _read_sidecar(path: Path) -> dict[str, Any]:
-    try:
-        told = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
-        raise RecordingError(f"{path}: the file is damaged or missing") from None
+    told = read_json(path)
     if not _is_sidecar(told):
         raise RecordingError(f"{path}: the file is damaged")
     return told

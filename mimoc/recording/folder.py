@@ -14,6 +14,7 @@ from typing import Any
 
 from mimoc.bundle.files import write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
+from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import OutputError, RecordingError
 from mimoc.version import __version__
 
@@ -21,8 +22,12 @@ RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
 WHOLE, PART = ".parquet", ".arrow"
 """Extensions of the rows of an episode, and of those of a part."""
 FORMAT = 1
+MOST_BYTES = 2**29
+"""Of a description or a sidecar, which has all states of an episode; 512 MB."""
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
 NAME = re.compile(r"^(\d{4,})-(\d{6,})(?:\.part(\d{4,}))?\.json$")
+DIGEST = re.compile("sha256:[0-9a-f]{64}")
+"""Of a bundle."""
 DIGITS = 16
 """Of a bundle's digest in the name of its folder."""
 
@@ -180,17 +185,28 @@ def read_description(folder: Path) -> dict[str, Any]:
     if not folder.is_dir():
         raise RecordingError(f"{folder}: there is no such folder; record one with 'mimoc run INFANT --record DIR'")
     path = folder / RECORDING
-    try:
-        told = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}") from None
-    except (OSError, ValueError, RecursionError):
-        raise RecordingError(f"{path}: the file is damaged") from None
+    if not os.path.lexists(path):
+        raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}")
+    told = read_json(path)
     if not isinstance(told, dict) or told.get("recording") != FORMAT:
         raise RecordingError(f"{path}: this version of mimoc reads recordings of version {FORMAT} only")
     if not _is_description(told):
         raise RecordingError(f"{path}: the file is damaged")
     return told
+
+
+def read_json(path: Path) -> Any:
+    """Return what a file of a recording says.
+
+    Raises:
+        RecordingError: If it is missing, damaged, not a regular file, or too large.
+    """
+    try:
+        return json.loads(read_regular_file(path, MOST_BYTES) or b"")
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except (ValueError, RecursionError):
+        raise RecordingError(f"{path}: the file is damaged or missing") from None
 
 
 def episodes_in(folder: Path) -> list[EpisodeFiles]:
@@ -261,7 +277,7 @@ def _is_description(told: Mapping[str, Any]) -> bool:
     if not (isinstance(infants, list) and isinstance(sessions, list) and isinstance(told.get("step_ms"), (int, float))):
         return False
     if not infants or not all(
-        isinstance(each, dict) and isinstance(each.get("name"), str) and isinstance(each.get("bundle"), str)
+        isinstance(each, dict) and isinstance(each.get("name"), str) and DIGEST.fullmatch(str(each.get("bundle")))
         for each in infants
     ):
         return False

@@ -7,6 +7,8 @@ from itertools import groupby, takewhile
 from typing import Any
 
 NUMBERED = re.compile(r"^(.*?)(\d+)(\D*)$")
+MOST = 5_000_000
+"""Names of all numbers of an observation; the densest skins have a tenth."""
 LONG = 100
 """Layouts of fewer names are written out."""
 
@@ -25,6 +27,8 @@ def shortened(layout: Sequence[str]) -> list[Any]:
 
 def written_out(layout: Sequence[Any]) -> tuple[str, ...]:
     """Return the names of a layout as it stands in files."""
+    if sum(1 if isinstance(each, str) else _count(each) for each in layout) > MOST:
+        raise ValueError("a layout of more numbers than any infant has")
     return tuple(name for each in layout for name in ([each] if isinstance(each, str) else _names(each)))
 
 
@@ -45,6 +49,10 @@ def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
     ends = [part[3] for part in takewhile(lambda part: part[2] == first, parts)]
     run = {"name": prefix, "from": int(first), "to": int(parts[-1][2]), "ends": ends}
     return run if _names(run) == list(names) else None
+
+
+def _count(run: Mapping[str, Any]) -> int:
+    return max(0, run["to"] + 1 - run["from"]) * len(run["ends"])
 
 
 def _names(run: Mapping[str, Any]) -> list[str]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.bundle.io import Bundle, read_bundle
+from mimoc.bundle.regular_files import is_regular_file
 from mimoc.errors import BundleError, RecordingError, UnknownNameError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
@@ -140,12 +141,13 @@ class Episode:
         """
         reading = self.reading(name)
         if reading.kind != "picture":
-            return tables.array_of(self.table, OBSERVATION + name, reading)
+            with tables.damage_told(self.files.tables[0]):
+                return tables.array_of(self.table, OBSERVATION + name, reading)
         count = len(self.step)
         if len(self.files.stems) == 1:
-            return frames.read_pictures(self.files.pictures(name, frames.LOSSLESS)[0], count)
-        parts = [frames.read_pictures(path) for path in self.files.pictures(name, frames.LOSSLESS)]
-        return np.concatenate(parts)[:count]
+            return frames.read_pictures(self.files.pictures(name, frames.LOSSLESS)[0], count, reading.shape)
+        paths = self.files.pictures(name, frames.LOSSLESS)
+        return np.stack([picture for path in paths for picture in frames.some_pictures(path, reading.shape, count)])
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
@@ -222,7 +224,8 @@ class Episode:
 
     def column(self, name: str) -> Array:
         """Return a column of the file as an array of k + 1 rows."""
-        return tables.array_of(self.table, name)
+        with tables.damage_told(self.files.tables[0]):
+            return tables.array_of(self.table, name)
 
     def reading(self, name: str) -> Reading:
         """Return what is known of an array of the observation.
@@ -360,8 +363,13 @@ def _check(episode: Episode, infants: int) -> None:
     """
     if episode.infant >= infants or not _has_head(episode.told):
         raise RecordingError(f"{episode.files.sidecars[0]}: the file is damaged or of another recording")
+    _check_regular(episode.files.tables)
     for reading in episode.described.readings:
-        paths = episode.files.pictures(reading.name, frames.LOSSLESS) if reading.kind == "picture" else []
-        for path in (*episode.files.tables, *paths):
-            if not path.is_file():
-                raise RecordingError(f"{path}: the file is damaged or missing")
+        if reading.kind == "picture":
+            _check_regular(episode.files.pictures(reading.name, frames.LOSSLESS))
+
+
+def _check_regular(paths: Sequence[Path]) -> None:
+    for path in paths:
+        if not is_regular_file(path):
+            raise RecordingError(f"{path}: the file is damaged or missing, or is not a regular file")

@@ -3,7 +3,7 @@
 import base64
 import math
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,10 @@ from mimoc.errors import RecordingError
 ARRAY, TUPLE, ITEMS, FLOAT = "array", "tuple", "items", "float"
 """Keys of dictionaries that stand for what JSON does not have; each is the only key that begins with `MARK`."""
 MARK = "$"
+KINDS = "biufSU"
+"""Kinds of arrays in states: numbers and text."""
+MOST_BYTES = 2**28
+"""Of one array; the largest are the signals of a skin on their way."""
 
 
 def to_plain(value: Any) -> Any:
@@ -55,17 +59,25 @@ def from_plain(value: Any) -> Any:
         return value
     try:
         if MARK + ARRAY in value:
-            data = zlib.decompress(base64.b64decode(value[MARK + ARRAY]))
-            return np.frombuffer(data, np.dtype(value["dtype"])).reshape(value["shape"]).copy()
+            return _array(base64.b64decode(value[MARK + ARRAY]), np.dtype(value["dtype"]), value["shape"])
         if MARK + FLOAT in value:
             return float(value[MARK + FLOAT])
         if MARK + TUPLE in value:
             return tuple(from_plain(each) for each in value[MARK + TUPLE])
         if MARK + ITEMS in value:
             return {from_plain(key): from_plain(each) for key, each in value[MARK + ITEMS]}
-    except (ValueError, TypeError, KeyError, zlib.error) as error:
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError, zlib.error) as error:
         raise RecordingError(f"a state is damaged ({error})") from None
     return {key: from_plain(each) for key, each in value.items()}
+
+
+def _array(packed: bytes, dtype: np.dtype, shape: Sequence[int]) -> np.ndarray:
+    """Return an array, of which no more is unpacked than it says that there is."""
+    size = math.prod(shape) * dtype.itemsize
+    if dtype.kind not in KINDS or not 0 <= size <= MOST_BYTES:
+        raise ValueError("an array is of another kind or size than any in a state")
+    data = zlib.decompressobj().decompress(packed, size + 1)
+    return np.frombuffer(data, dtype).reshape(shape).copy()
 
 
 def is_same(ours: Any, theirs: Any) -> bool:

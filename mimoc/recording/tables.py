@@ -1,6 +1,7 @@
 """Rows of a recording as Parquet, with the names and units of all numbers in its schema."""
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -26,6 +27,13 @@ KEY = b"mimoc"
 """Key of what mimoc says of the columns in the schema's metadata."""
 OBSERVATION = "observation."
 """What the names of the columns of observations begin with."""
+KINDS, DTYPES = ("dense", "sparse", "picture"), ("float32", "float64", "uint8", "int8", "int32", "int64", "bool")
+"""What there is of arrays in observations."""
+MOST_NUMBERS = 2**26
+"""Of one array of an observation; pictures have the most."""
+MOST_STEP_MS = 1e6
+SMALL_BYTES, MOST_RATIO = 2**29, 100
+"""What a file may hold however small it is, and how many times its size."""
 LEVEL = -4
 """Of zstd: a third faster than 1, for files that are a tenth larger."""
 SPLIT = ("float", "double")
@@ -74,7 +82,20 @@ class Described:
             for name, each in columns.items()
             if name.startswith(OBSERVATION)
         )
+        if not all(map(_is_reading, readings)) or not 0 < told["step_ms"] <= MOST_STEP_MS:
+            raise ValueError("the description of another program")
         return cls(readings, written_out(columns["action"]["layout"]), told["step_ms"])
+
+
+def _is_reading(reading: Reading) -> bool:
+    """Return whether an array of an observation is one that an infant can have."""
+    sizes = reading.shape
+    if not all(type(size) is int and 0 <= size <= MOST_NUMBERS for size in sizes) or math.prod(sizes) > MOST_NUMBERS:
+        return False
+    if reading.kind == "picture" and not (reading.dtype == "uint8" and len(sizes) == 3 and sizes[2] == 3):
+        return False
+    is_named = reading.name.isprintable() and "/" not in reading.name and len(reading.name) < 200
+    return is_named and reading.kind in KINDS and reading.dtype in DTYPES and len(reading.layout) in (0, reading.size)
 
 
 def write_block(path: Path, block: Block, described: Described) -> None:
@@ -121,7 +142,7 @@ def describe(path: Path) -> Described:
     Raises:
         RecordingError: If it is damaged, or not a recording's.
     """
-    with _damage_told(path), _opened(path) as reader:
+    with damage_told(path), _opened(path) as reader:
         return Described.from_json(_schema(reader).metadata[KEY])
 
 
@@ -227,7 +248,7 @@ def _schema_of(paths: Sequence[Path]) -> Any:
     """Return a schema with the columns of all files."""
     schemas = []
     for path in paths:
-        with _damage_told(path), _opened(path) as reader:
+        with damage_told(path), _opened(path) as reader:
             schemas.append(_schema(reader))
     return pa.unify_schemas(schemas)
 
@@ -241,17 +262,64 @@ def _schema(reader: Any) -> Any:
 
 
 def _read(path: Path) -> Any:
-    with _damage_told(path):
+    with damage_told(path):
         if path.suffix == WHOLE:
+            _check_size(path)
             return pq.read_table(path)
+        _check_unpacked(path)
         with pa.OSFile(str(path), "rb") as source, pa.ipc.open_stream(source) as reader:
             return reader.read_all()
 
 
+def _check_size(path: Path) -> None:
+    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well."""
+    about = pq.read_metadata(path)
+    groups = [about.row_group(index) for index in range(about.num_row_groups)]
+    numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
+    if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * path.stat().st_size):
+        raise ValueError("it would unpack to more than it can hold")
+
+
+def _check_unpacked(path: Path) -> None:
+    """Check that a part is as mimoc writes it: nothing in it is packed, so that it unpacks to no more than it has."""
+    with pa.OSFile(str(path), "rb") as source:
+        for message in pa.ipc.MessageReader.open_stream(source):
+            is_rows = message.type == "record batch"
+            if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
+                raise ValueError("it is packed")
+
+
+def _is_packed(message: bytes) -> bool:
+    """Return whether the rows of an Arrow message are compressed.
+
+    Its metadata is a FlatBuffer: the field `compression`, the fourth of the table `RecordBatch`, is there or not, and
+    this table is the third field of the table `Message`, as Arrow's `format/Message.fbs` says.
+    """
+
+    def number(at: int, size: int) -> int:
+        return int.from_bytes(message[at : at + size], "little")
+
+    def field(table: int, index: int) -> int:
+        """Return where a field of a table is, 0 if it is left out."""
+        listed = table - int.from_bytes(message[table : table + 4], "little", signed=True)
+        at = number(listed + 4 + 2 * index, 2) if 4 + 2 * index < number(listed, 2) else 0
+        return table + at if at else 0
+
+    header = field(number(0, 4), 2)
+    return bool(field(header + number(header, 4), 3))
+
+
+DAMAGED = (
+    *(pa.ArrowException, OSError, RecursionError),
+    *(ValueError, LookupError, TypeError, AttributeError, OverflowError),
+)
+"""What is raised of files that are damaged."""
+
+
 @contextmanager
-def _damage_told(path: Path) -> Iterator[None]:
+def damage_told(path: Path) -> Iterator[None]:
     """Turn what PyArrow says of a damaged file into one clear line."""
     try:
         yield
-    except (pa.ArrowException, OSError, ValueError, KeyError, TypeError, AttributeError):
+    except DAMAGED:
         raise RecordingError(f"{path}: the file is damaged or missing") from None

@@ -118,21 +118,24 @@ class BodyCamera:
 
     def render(self, data: mujoco.MjData, markers: Markers | None = None, shot: Shot | None = None) -> Picture:
         """Return a picture, shape (height, width, 3), of all of it or of a shot; markers are drawn without shadows."""
+        with self._renderer.in_use():
+            drawn = self._draw(data, markers, shot or self.shot(data))
+        if self._supersample == 1:
+            return drawn.copy()
+        return np.rint(average_down(drawn.astype(np.float32), self._supersample)).astype(np.uint8)
+
+    def _draw(self, data: mujoco.MjData, markers: Markers | None, shot: Shot) -> Picture:
         renderer = self._renderer
-        renderer.make_current()
         if markers is not None:
             renderer.reserve(len(markers.radii_m))
-        self._compose(data, shot or self.shot(data))
+        self._compose(data, shot)
         shadows = renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW]
         if markers is not None:
             renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False  # Those of the markers would hide the skin.
             add_markers(renderer.scene, markers)
         renderer.draw()
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
-        drawn = renderer.read()[::-1]
-        if self._supersample == 1:
-            return drawn.copy()
-        return np.rint(average_down(drawn.astype(np.float32), self._supersample)).astype(np.uint8)
+        return renderer.read()[::-1]
 
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine."""

@@ -3,7 +3,9 @@
 from typing import TYPE_CHECKING
 
 import mujoco
+import numpy as np
 
+from mimoc.errors import check_name
 from mimoc.render.opengl import has_screen
 from mimoc.render.renderer import Picture
 
@@ -12,11 +14,27 @@ if TYPE_CHECKING:  # They load SciPy and GLFW, which most environments do withou
     from mimoc.render.window import Window
 
 MODES = ("human", "rgb_array")
+LARGEST_PX = 16384
+"""Largest width and height of a picture: OpenGL draws none that is larger."""
 
 
 def available_modes() -> list[str]:
     """Return the render modes that work here: a window only where there is a screen."""
     return [mode for mode in MODES if mode != "human" or has_screen()]
+
+
+def check_rendering(mode: object, width_px: object, height_px: object) -> None:
+    """Check how an environment is to show itself.
+
+    Raises:
+        UnknownNameError: If there is no such render mode.
+        ValueError: If pictures cannot have this size.
+    """
+    if mode is not None:
+        check_name("render mode", mode, MODES)
+    for size_px in (width_px, height_px):
+        if isinstance(size_px, bool) or not isinstance(size_px, (int, np.integer)) or not 1 <= size_px <= LARGEST_PX:
+            raise ValueError(f"expected a width and a height from 1 to {LARGEST_PX} pixels, got {size_px!r}")
 
 
 class EnvRenderer:
@@ -53,6 +71,12 @@ class EnvRenderer:
         if self._window is not None:
             self._window.close()
             self._window = self._open_window()
+
+    def start_again(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Show another model from now on, that may have other parts, from where it is best seen."""
+        self.close()
+        self._model, self._data = model, data
+        self._window = self._open_window() if self._mode == "human" else None
 
     def show(self) -> None:
         """Show the state in the window, if there is one."""

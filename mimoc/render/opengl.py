@@ -48,6 +48,21 @@ def open_context(width: int, height: int) -> Any:
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
 
 
+def make_current(context: Any) -> None:
+    """Let an OpenGL context be the one that is drawn in in this thread.
+
+    Raises:
+        RenderingError: If another thread draws in it.
+    """
+    try:
+        context.make_current()
+    except Exception as error:  # Each OpenGL library fails with errors of its own.
+        raise RenderingError(
+            f"OpenGL cannot draw in this thread ({type(error).__name__}), as another one is drawing with the same"
+            " context; use an environment in one thread at a time"
+        ) from None
+
+
 def leave_context() -> None:
     """Let no OpenGL context be current in this thread, so that other threads can use and free those that were."""
     if os.environ.get(_PLATFORM) == "egl":

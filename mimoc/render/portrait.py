@@ -10,6 +10,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
+from mimoc.bundle.strangers import check_files
 from mimoc.render.body_camera import STILL, BodyCamera, backdrop_m
 from mimoc.render.camera import FOVY_DEG, FROM_THE_FRONT, FROM_THE_SIDE, view_of_body
 from mimoc.render.markers import Markers, join_markers
@@ -98,6 +99,8 @@ def _places_m(bundles: Sequence[Bundle]) -> list[float]:
 
 def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[mujoco.MjModel, list[str]]:
     """Return a model of several infants in the world of the first, and the roots of their bodies."""
+    for bundle in bundles:
+        check_files(bundle)
     first = bundles[0]
     files = {name: file for number, bundle in enumerate(bundles) for name, file in _assets(bundle, number).items()}
     row = mujoco.MjSpec.from_string(_text(first, first.manifest.scene), include=dict(first.files), assets=files)

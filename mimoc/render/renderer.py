@@ -1,6 +1,7 @@
 """Off-screen drawing of a model: an OpenGL context, a scene, and the buffer that pictures are read from."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any, Literal
 
 import mujoco
@@ -9,7 +10,7 @@ import numpy.typing as npt
 
 from mimoc.errors import RenderingError
 from mimoc.mujoco_layout import SOLIDS_GROUP
-from mimoc.render.opengl import Finalizer, open_context
+from mimoc.render.opengl import Finalizer, leave_context, make_current, open_context
 from mimoc.render.visual_settings import Setting, visual_settings
 
 Picture = npt.NDArray[np.uint8]
@@ -62,6 +63,7 @@ class Renderer:
         self._options, self._perturbation = _options(shown), mujoco.MjvPerturb()
         self._gl = open_context(width_px, height_px)
         self._load(model)
+        leave_context()
 
     def change_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in the same OpenGL context: a tenth of the time of a new renderer.
@@ -69,10 +71,10 @@ class Renderer:
         Raises:
             RenderingError: If OpenGL has no room for it.
         """
-        self._gl.make_current()
-        self._finalizer.detach()
-        self.context.free()
-        self._load(model)
+        with self.in_use():
+            self._finalizer.detach()
+            self.context.free()
+            self._load(model)
 
     def show_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, whose meshes and textures are the same: nothing is uploaded."""
@@ -91,22 +93,38 @@ class Renderer:
         everything = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, data, self._options, self._perturbation, camera, everything, self.scene)
 
-    def make_current(self) -> None:
-        """Let what is drawn and read from now on be in this renderer's OpenGL context."""
-        self._gl.make_current()
+    @contextmanager
+    def in_use(self) -> Iterator[None]:
+        """Draw and read within; before and after, any thread can do so.
+
+        Raises:
+            RenderingError: If another thread is drawing with it.
+        """
+        make_current(self._gl)
+        try:
+            yield
+        finally:
+            leave_context()
 
     def draw(self, part: mujoco.MjrRect | None = None) -> None:
-        """Draw the scene into the buffer, or into a part of it; the context must be current."""
+        """Draw the scene, while in use, into the buffer or into a part of it."""
         mujoco.mjr_render(part or self.buffer, self.scene, self.context)
 
     def read(self) -> Picture:
-        """Return a new array with the pixels of the buffer, the lowest row first; the context must be current."""
+        """Return a new array with the pixels of the buffer, the lowest row first, while in use."""
         pixels = np.empty((self.buffer.height, self.buffer.width, 3), np.uint8)
         mujoco.mjr_readPixels(pixels, None, self.buffer, self.context)
         return pixels
 
     def close(self) -> None:
-        """Free the OpenGL context; closing twice is fine."""
+        """Free the OpenGL context; closing twice is fine.
+
+        Raises:
+            RenderingError: If another thread is drawing with it.
+        """
+        if self._finalizer.alive:
+            with self.in_use():
+                pass
         self._finalizer()
 
     def _load(self, model: mujoco.MjModel) -> None:
@@ -144,6 +162,7 @@ def _options(shown: Shown) -> mujoco.MjvOption:
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:
-    gl.make_current()
-    context.free()
-    gl.free()
+    with suppress(RenderingError):  # At exit, when a thread that was left alone is drawing with it.
+        make_current(gl)
+        context.free()
+        gl.free()

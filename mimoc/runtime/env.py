@@ -1,7 +1,8 @@
 """The Gymnasium environment around a compiled infant."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -14,24 +15,26 @@ import numpy.typing as npt
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import broke_down
+from mimoc.bundle.model import begin, bounded, broke_down
 from mimoc.bundle.poses import pose_of
 from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
-from mimoc.errors import UnknownNameError
+from mimoc.errors import check_name
 from mimoc.model_fields import ModelFields
 from mimoc.noise.streams import NoiseStreams
-from mimoc.render.environment import MODES, EnvRenderer, available_modes
+from mimoc.random_streams import checked_seed
+from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
 from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.keypoints import Keypoints
-from mimoc.runtime.physics_state import check_physics, physics_of, set_physics
+from mimoc.runtime.living import Living
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
 from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.sense import Observation, Sense
+from mimoc.state_form import checked_state
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NO_REWARD, Task
@@ -80,10 +83,10 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ModelError: If MuJoCo rejects its model.
             RenderingError: If vision or the render mode needs OpenGL or a display that is not available.
             UnknownNameError: If there is no such render mode.
+            ValueError: If the images have no size that images can have.
             KindError: If an added sense has the name of an existing one.
         """
-        if render_mode not in (None, *MODES):
-            raise UnknownNameError("render mode", str(render_mode), MODES)
+        check_rendering(render_mode, width, height)
         self.render_mode, self._infant = render_mode, opened(bundle)
         self.bundle = self._infant.bundle
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
@@ -148,7 +151,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If this infant has no such sense.
         """
-        return self._sense(sense).layout
+        check_name("sense of this infant", sense, self._senses)
+        return self._senses[sense].layout
 
     @property
     def skin(self) -> "SkinState":
@@ -157,7 +161,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         Raises:
             UnknownNameError: If this infant has no sense of touch.
         """
-        touch: Any = self._sense("touch")
+        check_name("sense of this infant", "touch", self._senses)
+        touch: Any = self._senses["touch"]
         return touch.skin_state(self.data)
 
     def set_expression(self, expression: str) -> None:
@@ -189,11 +194,13 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
         Raises:
             UnknownNameError: If there is no such pose or option.
+            TypeError: If the options are no dictionary.
             ValueError: If the seed is not a non-negative integer, or the age is not one from 0 to 24.
             MimocError: If there is no such infant; nothing has changed then.
         """
-        options = options or {}
+        options = growing.options_given(options)
         growing.check_options(options, self._variants)
+        seed = None if seed is None else checked_seed(seed)
         variant = growing.find_variant(self._variants, self.manifest, options)
         pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
         self.journal.resetting()
@@ -204,8 +211,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             self._become(variant)
         observation = self._start(pose)
         if variant:
-            self._renderer.close()
-            self._renderer = self._open_renderer()
+            self._renderer.start_again(self._infant.bare, self.data)
         self._renderer.show()
         info = {"is_success": False, "reward_terms": {}, "unstable": False, growing.AGE: self.age_months}
         self.journal.was_reset(seed, options, observation, info)
@@ -267,19 +273,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
         The state consists of arrays, lists and dictionaries that are independent of the environment and can be pickled.
         """
-        return copy.deepcopy(
-            {
-                "physics": physics_of(self._infant.bare, self.data),
-                "signals": self._schedule.state,
-                "model": self._model_fields.state,
-                "task": self._task.state,
-                "steps": self._steps,
-                "random": self.np_random.bit_generator.state,
-                "noise": self._noise.state,
-                growing.SEED: self.manifest.seed,
-                growing.AGE: self.age_months,
-            }
-        )
+        own = {"steps": self._steps, "random": self.np_random.bit_generator.state}
+        infant = {growing.SEED: self.manifest.seed, growing.AGE: self.age_months}
+        return copy.deepcopy({**self._living().state, **own, **infant})
 
     def set_state(self, state: dict[str, Any]) -> Observation:
         """Restore a state of this environment, or of another one of the same bundle; return the observation.
@@ -290,21 +286,18 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         The age of the state is restored, and in an environment made from a spec, so is its scene.
 
         Raises:
-            ValueError: If the state is that of a different infant, or of an age or scene that cannot be restored here.
+            ValueError: If it is no state of this infant, or one that cannot be restored here; nothing has changed then.
             MimocError: If there is no such infant.
         """
         variant = growing.variant_of_state(self._variants, self.manifest, state)
-        check_physics(state["physics"], (variant or self._infant).bare)
+        with self._undone_on_failure():
+            if variant:
+                self._become(variant)
+                self._start(self.manifest.pose)
+            with checked_state(state, self.get_state(), self._living().check):
+                self._restore(copy.deepcopy(state))
         if variant:
-            self._become(variant)
-        state = copy.deepcopy(state)
-        self._model_fields.state, self._task.state, self._steps = state["model"], state["task"], state["steps"]
-        set_physics(self._infant.bare, self.data, state["physics"])
-        self._schedule.state = state["signals"]
-        self.np_random.bit_generator.state, self._noise.state = state["random"], state["noise"]
-        if variant:
-            self._renderer.close()
-            self._renderer = self._open_renderer()
+            self._renderer.start_again(self._infant.bare, self.data)
         self.journal.restored()
         return self._observe()
 
@@ -334,7 +327,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.__dict__.update(kept)
         self._noise, self.journal = NoiseStreams(self.np_random_seed), UNTOLD
         self._bind()
-        self.set_state(state)
+        self._restore(state)
         self._renderer = self._open_renderer()
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
@@ -354,45 +347,52 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     def _open_renderer(self) -> EnvRenderer:
         return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest.root_body, self._picture_size)
 
-    def _living(self) -> growing.Living:
+    def _living(self) -> Living:
         """Return what lives of the infant."""
-        parts = self._constraints, self._model_fields, self._task, self._schedule
-        return growing.Living(self.manifest, self._infant.bare, self.data, *parts)
+        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
+        return Living(self.manifest, self._infant.bare, self.data, *parts)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""
-        former, fields, state = self._infant, self._model_fields, self.get_state()
-        try:
+        with self._undone_on_failure():
             self.bundle, self._infant = variant.bundle, variant
             self._bind(self._senses)
             check_same_space(self.observation_space, observation_space(self._senses, self._task))
-        except Exception:  # Whatever failed, be it in a sense of the caller's own: the infant goes on as it was.
-            self.bundle, self._infant = former.bundle, former.again(fields.model_as_built())
-            self._bind(self._senses)
-            self.set_state(state)
-            self._renderer.follow(self._infant.bare, self.data)
+
+    @contextmanager
+    def _undone_on_failure(self) -> Iterator[None]:
+        """Let the infant go on as it was if anything fails, be it in a sense of the caller's own."""
+        former, fields, state = self._infant, self._model_fields, self.get_state()
+        try:
+            yield
+        except Exception:
+            if self._infant is not former:
+                self.bundle, self._infant = former.bundle, former.again(fields.model_as_built())
+                self._bind(self._senses)
+                self._renderer.follow(self._infant.bare, self.data)
+            self._restore(state)
             raise
 
+    def _restore(self, state: dict[str, Any]) -> None:
+        """Restore a state of the infant that is bound."""
+        self._living().restore(state)
+        self._steps, self.np_random.bit_generator.state = state["steps"], state["random"]
+
+    @bounded()
     def _start(self, pose: str) -> Observation:
         """Put the infant into a pose, at rest, start its task, and return the observation."""
         self._steps = 0
         mujoco.mj_resetDataKeyframe(self._infant.bare, self.data, self._infant.bare.key(pose).id)
         mujoco.mj_kinematics(self._infant.bare, self.data)
         self._constraints.keep(self.data)
-        mujoco.mj_forward(self._infant.bare, self.data)
+        begin(self._infant.bare, self.data)
         self._task.start(self.data, self.np_random)
         self._schedule.reset(self.data)
         return self._observe()
 
     def _observe(self) -> Observation:
         """Return what the senses and the task give, as fresh arrays."""
-        observation = self._schedule.observe()
-        return {**observation, **self._task.observe()} if self._task.spaces else observation
-
-    def _sense(self, name: str) -> Sense:
-        if name not in self._senses:
-            raise UnknownNameError("sense of this infant", name, self._senses)
-        return self._senses[name]
+        return {**self._schedule.observe(), **self._task.observe()}
 
 
 PARTS = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.errors import UnknownNameError
+from mimoc.errors import check_name
 from mimoc.model_fields import ModelField
 
 
@@ -15,10 +15,9 @@ def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -
         UnknownNameError: If there is no such expression.
     """
     face = manifest.face
-    materials = face.materials if face else {}
-    if face is None or expression not in materials:
-        raise UnknownNameError("facial expression of this infant", expression, materials)
-    material = model.material(materials[expression]).id
+    check_name("facial expression of this infant", expression, face.materials if face else ())
+    assert face
+    material = model.material(face.materials[expression]).id
     if face.skin is None:
         model.geom(face.geom).matid = material
     else:

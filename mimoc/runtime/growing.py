@@ -1,9 +1,7 @@
 """An infant that gets another age while it lives: what of its present it takes along."""
 
 import copy
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -12,14 +10,13 @@ import numpy as np
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.delays.schedule import Schedule
 from mimoc.errors import MimocError, UnknownNameError
-from mimoc.model_fields import WORLD, ModelFields
+from mimoc.model_fields import WORLD
+from mimoc.random_streams import checked_seed
 from mimoc.rounding import rounded
-from mimoc.runtime.constraints import Constraints
+from mimoc.runtime.living import Living
 from mimoc.runtime.physics_state import STATE, physics_of
 from mimoc.runtime.settling import clip_angles, depths_of, settle
-from mimoc.tasks.task import Task
 
 OLDEST_MONTHS = 24.0
 """Age of the oldest infant."""
@@ -27,17 +24,15 @@ AGE, SEED, POSE = "age_months", "scene_seed", "pose"
 """Options of a reset."""
 
 
-@dataclass(frozen=True, slots=True)
-class Living:
-    """What lives of an infant in its environment."""
+def options_given(options: Any) -> dict[str, Any]:
+    """Return the options of a reset, none for None.
 
-    manifest: Manifest
-    model: mujoco.MjModel
-    data: mujoco.MjData
-    constraints: Constraints
-    fields: ModelFields
-    task: Task
-    schedule: Schedule
+    Raises:
+        TypeError: If they are no dictionary.
+    """
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"expected a dictionary of options to reset with, got {options!r}")
+    return dict(options or {})
 
 
 def check_options(options: Mapping[str, Any], variants: Variants | None) -> None:
@@ -64,7 +59,7 @@ def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[
         MimocError: If there is no such infant.
     """
     age_months = manifest.child.age_months
-    age_months, seed = _age(wanted.get(AGE, age_months)), _seed(wanted.get(SEED, manifest.seed))
+    age_months, seed = _age(wanted.get(AGE, age_months)), checked_seed(wanted.get(SEED, manifest.seed), SEED)
     if (age_months, seed) == (manifest.child.age_months, manifest.seed):
         return None
     if variants is None:
@@ -79,16 +74,18 @@ def variant_of_state(variants: Variants | None, manifest: Manifest, state: Mappi
     """Return the infant that a state is of, or None if it is of the present one.
 
     Raises:
-        ValueError: If this environment cannot make that infant.
+        ValueError: If this is not a state, or this environment cannot make that infant.
         MimocError: If there is no such infant.
     """
+    if not isinstance(state, Mapping) or not {AGE, SEED} <= state.keys():
+        raise ValueError("this is not a state of an environment; give one that get_state returned")
     age_months, seed = manifest.child.age_months, manifest.seed
-    if state[SEED] != seed and not (variants and variants.has_other_scenes):
+    if checked_seed(state[SEED], SEED) != seed and not (variants and variants.has_other_scenes):
         raise ValueError(
             f"state has scene_seed {state[SEED]}, but this environment has {seed} and was not made from a spec, so it"
             " cannot change its scene"
         )
-    if state[AGE] != age_months and variants is None:
+    if _age(state[AGE]) != age_months and variants is None:
         raise ValueError(
             f"state has age_months {state[AGE]:g}, but this environment has {age_months:g} and cannot change it; open"
             " it with mimoc.make"
@@ -137,19 +134,13 @@ def carry_on(former: Living, now: Living) -> None:
 
 def _age(age_months: Any) -> float:
     """Return an age as files have it."""
-    if isinstance(age_months, bool) or not isinstance(age_months, (Real, np.number)) or not _is_age(float(age_months)):
+    if isinstance(age_months, bool) or not isinstance(age_months, Real) or not _is_age(age_months):
         raise ValueError(f"expected an age from 0 to {OLDEST_MONTHS:g} months, got {age_months!r}")
     return rounded(float(age_months))
 
 
-def _is_age(age_months: float) -> bool:
-    return math.isfinite(age_months) and 0.0 <= age_months <= OLDEST_MONTHS
-
-
-def _seed(seed: Any) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise ValueError(f"expected a non-negative integer as scene_seed, got {seed!r}")
-    return int(seed)
+def _is_age(age_months: Any) -> bool:
+    return bool(0.0 <= age_months <= OLDEST_MONTHS)  # Not for a NaN, either.
 
 
 def _parts(model: mujoco.MjModel) -> tuple[Any, ...]:

@@ -15,6 +15,11 @@ def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> FloatArray:
     return physics
 
 
+def time_of(physics: FloatArray) -> float:
+    """Return the time of a state [s], which MuJoCo writes first."""
+    return float(physics[0])
+
+
 def check_physics(physics: FloatArray, model: mujoco.MjModel) -> None:
     """Check that a state has the size of those of a model.
 

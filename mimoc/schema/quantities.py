@@ -1,5 +1,6 @@
 """Types of the numbers in a spec, each with its unit and its widest range."""
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Annotated, TypeVar
 
@@ -18,8 +19,13 @@ Degrees = Annotated[Real, Field(json_schema_extra={"unit": "deg"})]
 Milliseconds = Annotated[Real, Field(ge=0, json_schema_extra={"unit": "ms"})]
 Pixels = Annotated[Whole, Field(ge=1, json_schema_extra={"unit": "px"})]
 CyclesPerDegree = Annotated[Real, Field(gt=0, json_schema_extra={"unit": "cpd"})]
-Percentile = Annotated[Real, Field(gt=0, lt=100, json_schema_extra={"unit": "percentile"})]
-"""Percentile of the WHO Child Growth Standards; 0 and 100 would be infinitely small and large children."""
+LEAST_PERCENTILE, LARGEST_PERCENTILE = 0.0001, 99.9999
+"""One child in a million is smaller, or larger: 4.75 standard deviations. 0 and 100 would be infinitely small and large
+children."""
+Percentile = Annotated[
+    Real, Field(ge=LEAST_PERCENTILE, le=LARGEST_PERCENTILE, json_schema_extra={"unit": "percentile"})
+]
+"""Percentile of the WHO Child Growth Standards; of a child that is farther out, give the measurement."""
 
 Age = Annotated[Months, Field(le=24)]
 """Ages at which infants can be built."""
@@ -36,7 +42,7 @@ def _rising(ends: tuple[Number, Number]) -> tuple[Number, Number]:
 
 
 def _distinct(names: Sequence[str]) -> Sequence[str]:
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = sorted(name for name, count in Counter(names).items() if count > 1)
     if repeated:
         raise ValueError(f"{', '.join(map(repr, repeated))} more than once; name each once")
     return names

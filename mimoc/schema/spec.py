@@ -8,6 +8,7 @@ from mimoc.actuation.spec import ActuationSpec
 from mimoc.delays.spec import DelaysSpec
 from mimoc.noise.spec import NoiseSpec, check_noise
 from mimoc.scenes.spec import SceneSpec
+from mimoc.schema.absent import check_delays, check_parts
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import BodySpec
 from mimoc.schema.composition import composed
@@ -68,6 +69,22 @@ class InfantKeys(Model):
             if needed and getattr(self.senses, name) is not None and set(needed) <= set(self.body.remove):
                 message = f"'{name}' requires {' or '.join(needed)}, and all are removed; leave it out, or keep one"
                 raise KeyedError(("senses", name), message, against=("body", "remove"))
+        return self
+
+    @model_validator(mode="after")
+    def _says_nothing_of_what_is_missing(self) -> Self:
+        actuation, touch = self.actuation, getattr(self.senses, "touch", None)
+        groups = {
+            ("actuation", "strength"): tuple(actuation.strength),
+            ("actuation", "regions"): actuation.regions or (),
+            ("actuation", "locked"): actuation.locked,
+            ("senses", "touch", "regions"): (touch and touch.regions) or (),
+        }
+        check_parts(self.body, groups)
+        if self.senses.vision and self.senses.vision.body == "skin" and self.body.skin is False:
+            message = "there is no skin to see; write 'solids', or remove 'skin: false' from the body"
+            raise KeyedError(("senses", "vision", "body"), message, against=("body", "skin"))
+        check_delays(dict(self.delays), dict(self.senses))
         return self
 
     @model_validator(mode="after")

@@ -104,7 +104,7 @@ class DocumentReader:
         if isinstance(event, ScalarEvent):
             value = self._scalar(path, event)
         elif len(path) >= MAX_DEPTH:
-            self.stop((), place, f"sections are nested more than {MAX_DEPTH} deep; a spec needs at most five levels")
+            self._stop_too_deep(place)
         else:
             value = self._list(path) if isinstance(event, SequenceStartEvent) else self._mapping(path)
         if event.anchor is not None:
@@ -178,7 +178,12 @@ class DocumentReader:
             depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
             if depth == 0:
                 return
+            if depth > MAX_DEPTH:  # PyYAML takes a time for each level that grows with their number.
+                self._stop_too_deep(_place(event))
             event = self.events.get_event()
+
+    def _stop_too_deep(self, place: Place) -> NoReturn:
+        self.stop((), place, f"sections are nested more than {MAX_DEPTH} deep; a spec needs at most five levels")
 
     def _count(self, values: int, place: Place) -> None:
         self.size += values

@@ -18,10 +18,8 @@ class Simulations(Protocol):
         """The state of each."""
         ...
 
-    def each(
-        self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
-    ) -> Sequence[Sample]:
-        """Return what a function returns for k of them, called in any threads; each calls *leave* at its end."""
+    def each(self, function: Callable[[int], Sample], infants: Sequence[int]) -> Sequence[Sample]:
+        """Return what a function returns for k of them, called in any threads."""
         ...
 
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:

@@ -5,10 +5,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from mimoc.schema.base import Model
+from mimoc.schema.entries import Body, FreeJoint, Geom, Hinge, Steps
 from mimoc.schema.quantities import Whole
-
-Range = tuple[float, float]
-"""Lowest and highest value."""
 
 
 class TaskSpec(Model):
@@ -25,25 +23,25 @@ class TaskEntry(Model):
 
     kind: Any
     """Name of the task, as a `Literal`."""
-    steps: int | None
+    steps: Steps | None
     """Control steps after which an episode is truncated; None for never."""
 
 
 class BallEntry(Model):
     """The ball of a task."""
 
-    body: str
+    body: Body
     """Name of its body in the model."""
-    joint: str
+    joint: FreeJoint
     """Its free joint."""
-    geom: str
+    geom: Geom
     """Its only geom, a sphere."""
 
 
 class GazeEntry(Model):
     """A joint that turns the head or an eye towards a target."""
 
-    joint: str
+    joint: Hinge
     """The hinge, which is locked at the angle that points the gaze at the target."""
-    looker: str
+    looker: Body
     """The body whose x axis is to point at the target."""

@@ -1,5 +1,6 @@
 """Conversion of toys to MJCF objects with size, colour, mass and position."""
 
+import math
 import re
 import unicodedata
 from collections.abc import Iterator, Sequence
@@ -107,7 +108,7 @@ def _solids(toy: Toy, name: str, number: int) -> Iterator[tuple[ObjectGeom, Mesh
                 sizes=() if mesh else (("size", _scaled(solid, toy.size_m)),),
                 pos_m=(x, y, z),
                 quat=solid.quat,
-                mass_kg=(toy.mass_kg - ballast_kg) * volume / sum(volumes),
+                mass_kg=(toy.mass_kg - ballast_kg) * volume / math.fsum(volumes),
                 material=f"{name}_{toy.model.parts[0].tint}",
                 contype=SOLID,
                 conaffinity=SOLID,

@@ -3,6 +3,7 @@
 import io
 import json
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,8 +14,10 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.errors import TrainingError
 from mimoc.training.agents import set_weights
+from mimoc.training.archives import Archive, read_arrays
 from mimoc.training.curve import Curve
-from mimoc.training.policies import DAMAGED, SCALE, read_tensors
+from mimoc.training.policies import DAMAGED, SCALE
+from mimoc.training.tensors import read_tensors
 from mimoc.training.vector_env import set_statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"
@@ -60,13 +63,13 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
         TrainingError: If the file is damaged or belongs to another agent.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            progress = _progress(archive)
-            set_weights(agent, {name[: -len(".pth")]: _tensors(archive, name) for name in _weights(archive)})
-            set_statistics(env, _arrays(archive.read(SCALE)))
-            agent.num_timesteps = progress.steps
-            if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-                _restore_replay_buffer(buffer, _arrays(archive.read(REPLAY)))
+        archive = Archive(content)
+        progress = _progress(archive)
+        set_weights(agent, {name[: -len(".pth")]: _tensors(archive, name) for name in _weights(archive)})
+        set_statistics(env, read_arrays(archive.read(SCALE)))
+        agent.num_timesteps = progress.steps
+        if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
+            _restore_replay_buffer(buffer, read_arrays(archive.read(REPLAY)))
     except DAMAGED:
         raise TrainingError(UNUSABLE) from None
     return progress
@@ -79,28 +82,22 @@ def read_progress(content: bytes) -> Progress:
         TrainingError: If the file is damaged.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            return _progress(archive)
+        return _progress(Archive(content))
     except DAMAGED:
         raise TrainingError(UNUSABLE) from None
 
 
-def _progress(archive: zipfile.ZipFile) -> Progress:
+def _progress(archive: Archive) -> Progress:
     state = json.loads(archive.read(STATE))
     return Progress(state["steps"], state["wall_s"], Curve.from_csv(archive.read(CURVE).decode()))
 
 
-def _weights(archive: zipfile.ZipFile) -> list[str]:
-    return [name for name in archive.namelist() if name.endswith(".pth")]
+def _weights(archive: Archive) -> list[str]:
+    return [name for name in archive.names() if name.endswith(".pth")]
 
 
-def _tensors(archive: zipfile.ZipFile, name: str) -> Any:
+def _tensors(archive: Archive, name: str) -> Any:
     return read_tensors(archive.read(name)) or {}
-
-
-def _arrays(content: bytes) -> dict[str, np.ndarray]:
-    with np.load(io.BytesIO(content), allow_pickle=False) as file:
-        return dict(file)
 
 
 def _pack_replay_buffer(buffer: DictReplayBuffer) -> bytes:
@@ -113,7 +110,7 @@ def _pack_replay_buffer(buffer: DictReplayBuffer) -> bytes:
     return content.getvalue()
 
 
-def _restore_replay_buffer(buffer: DictReplayBuffer, saved: dict[str, np.ndarray]) -> None:
+def _restore_replay_buffer(buffer: DictReplayBuffer, saved: Mapping[str, np.ndarray]) -> None:
     used = len(saved["rewards"])
     for name in _VECTORS:
         getattr(buffer, name)[:used] = saved[name]

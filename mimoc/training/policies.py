@@ -2,7 +2,9 @@
 
 import io
 import json
+import math
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,15 +21,20 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy
+from mimoc.training.archives import all_finite, read_archive, read_arrays
 from mimoc.training.hyperparameters import complete
 from mimoc.training.settings import Settings
+from mimoc.training.tensors import read_tensors
 from mimoc.training.vector_env import normalized_names, statistics
 
 ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "policy.pth"
 """The files in a policy archive that mimoc reads: description, statistics of the observations, and weights. The others
 are for Stable-Baselines3, whose `load` accepts the archive too and unpickles them; mimoc never does."""
 VERSION = 1
-DAMAGED = (zipfile.BadZipFile, KeyError, ValueError, TypeError, RuntimeError, EOFError, OSError, MimocError)
+DAMAGED = (
+    *(zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, RuntimeError, RecursionError, MimocError),
+    *(KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError),
+)
 """Exceptions that reading a file that is not a policy may raise."""
 
 
@@ -48,7 +55,13 @@ class TrainedPolicy:
         inputs = {
             name: self._normalize(name, part) if name in self.normalized else part for name, part in observation.items()
         }
-        return self.network.predict(inputs, deterministic=True)[0]
+        try:
+            action = self.network.predict(inputs, deterministic=True)[0]
+        except ValueError:  # A distribution of numbers that are not finite.
+            action = np.array(np.nan)
+        if not np.isfinite(action).all():
+            raise PolicyError("this policy gives commands that are not finite; train it again")
+        return action
 
     def _normalize(self, name: str, part: np.ndarray) -> np.ndarray:
         normalized = (part - self.scale[f"{name}.mean"]) / self.scale[f"{name}.deviation"]
@@ -91,20 +104,8 @@ def load_policy(path: str | Path) -> PolicyMaker:
         about, statistics_, network = _read(path)
         hyper = complete(about["settings"]["algo"], about["settings"]["hyper"])
     except DAMAGED:
-        raise PolicyError(f"{path}: not a policy trained by mimoc, or it is damaged") from None
+        raise PolicyError(f"{path}: {_DAMAGED}") from None
     return lambda env: _bind(path, about, hyper, statistics_, network, env)
-
-
-def read_tensors(content: bytes) -> Any:
-    """Return the tensors in a file of torch's; anything else in it is refused.
-
-    Raises:
-        ValueError: If the file holds anything but tensors, or is damaged.
-    """
-    try:
-        return torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
-    except Exception as error:  # Torch does not document what it raises on damaged files.
-        raise ValueError(f"no tensors: {error}") from None
 
 
 def describe_observations(env: InfantEnv) -> dict[str, Any]:
@@ -118,13 +119,25 @@ def commanded_actuators(env: InfantEnv) -> list[str]:
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, torch.Tensor]]:
-    with zipfile.ZipFile(path) as archive:
-        about = json.loads(archive.read(ABOUT))
-        if about["policy"] != VERSION:
-            raise PolicyError(f"{path}: this policy was saved by an incompatible version of mimoc")
-        with np.load(io.BytesIO(archive.read(SCALE)), allow_pickle=False) as file:
-            known = dict(file)
-        return about, known, read_tensors(archive.read(WEIGHTS))
+    archive = read_archive(path)
+    about = json.loads(archive.read(ABOUT))
+    if about["policy"] != VERSION:
+        raise PolicyError(f"{path}: this policy was saved by an incompatible version of mimoc")
+    known, weights = dict(read_arrays(archive.read(SCALE))), read_tensors(archive.read(WEIGHTS))
+    are_tensors = all(isinstance(each, torch.Tensor) for each in weights.values())
+    if not _is_description(about) or not are_tensors or not all_finite([*known.values(), *weights.values()]):
+        raise ValueError("it describes itself in a way that mimoc never does")
+    return about, known, weights
+
+
+def _is_description(about: Any) -> bool:
+    """Return whether data is what `pack_policy` writes into `mimoc.json`."""
+    observes, names = about["observes"], [about["infant"], *about["commands"]]
+    for name, each in observes.items():
+        names += [name, *each["layout"]]
+        if not all(type(size) is int for size in each["shape"]):
+            return False
+    return all(isinstance(name, str) and name.isprintable() for name in names)
 
 
 def _bind(
@@ -142,17 +155,37 @@ def _bind(
     ]
     if differences:
         raise PolicyError(f"{path}: trained for a different infant, '{about['infant']}': {'; '.join(differences)}")
+    if not _has_room(hyper, weights, env):
+        raise PolicyError(f"{path}: {_DAMAGED}")
     network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
     names = normalized_names(env.observation_space)
     try:
         network.load_state_dict(weights)
-        means = {f"{name}.mean": known[f"{name}.mean"] for name in names}
+        means = {f"{name}.mean": _statistic(known[f"{name}.mean"], name, env) for name in names}
         floor = hyper["observation_floor"]
-        deviations = {f"{name}.deviation": np.sqrt(known[f"{name}.var"] + floor**2) for name in names}
-    except (KeyError, RuntimeError):
-        raise PolicyError(f"{path}: not a policy trained by mimoc, or it is damaged") from None
+        variances = {name: np.maximum(_statistic(known[f"{name}.var"], name, env), 0.0) for name in names}
+    except (KeyError, RuntimeError, ValueError, TypeError, AttributeError):
+        raise PolicyError(f"{path}: {_DAMAGED}") from None
+    deviations = {f"{name}.deviation": np.sqrt(variance + floor**2) for name, variance in variances.items()}
     network.set_training_mode(False)
     return TrainedPolicy(network, {**means, **deviations}, float(hyper["observation_clip"]), names)
+
+
+_DAMAGED = "not a policy trained by mimoc, or it is damaged"
+
+
+def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, torch.Tensor], env: InfantEnv) -> bool:
+    """Return whether there are as many weights as the layers of a network have at least, before it is made."""
+    width, layers = int(hyper["width"]), int(hyper["layers"])
+    inputs = sum(math.prod(space.shape) for space in _spaces(env).values() if len(space.shape) == 1)
+    return width * (inputs + width * (layers - 1)) <= sum(tensor.numel() for tensor in weights.values())
+
+
+def _statistic(numbers: np.ndarray, name: str, env: InfantEnv) -> np.ndarray:
+    """Return a statistic of an observation, of its shape."""
+    if numbers.shape != _spaces(env)[name].shape:
+        raise ValueError(f"the statistics of '{name}' are of another shape")
+    return numbers
 
 
 def _differing_observations(trained: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:

@@ -16,7 +16,9 @@ from typing import Any
 
 from mimoc.bundle.files import write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
+from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import OutputError, TrainingError
+from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
@@ -34,12 +36,11 @@ class RunFolder:
 
     def read_checkpoint(self) -> bytes | None:
         """Return the checkpoint to resume from, None if there is none yet."""
-        try:
-            return (self.path / STATE).read_bytes()
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            raise TrainingError(f"{self.path / STATE}: cannot be read ({error.strerror})") from None
+        path = self.path / STATE
+        content = _content(path)
+        if content is None and os.path.lexists(path):
+            raise TrainingError(f"{path}: cannot be read")
+        return content
 
     def write_checkpoint(self, steps: int, policy: bytes, state: bytes) -> None:
         """Write a policy and a checkpoint; the checkpoint last, as the rest can be recomputed from the previous one.
@@ -93,10 +94,9 @@ def read_training_run(path: Path) -> TrainingRun:
     if run is None:
         raise TrainingError(f"{path}: not the folder of a training run; name one written by 'mimoc train -o'")
     try:
-        curve = Curve.from_csv((path / CURVE).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        curve = Curve()
-    except (OSError, ValueError, TrainingError):
+        told = _content(path / CURVE)
+        curve = Curve() if told is None else Curve.from_csv(told.decode())
+    except (ValueError, TrainingError):
         raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
     sessions = tuple({str(name): str(text) for name, text in each.items()} for each in run["sessions"])
     return TrainingRun(
@@ -160,15 +160,27 @@ def _check_is_run_folder(path: Path) -> None:
 
 
 def _read_run(path: Path) -> dict[str, Any] | None:
+    if not os.path.lexists(path / RUN):
+        return None
     try:
-        run = json.loads((path / RUN).read_bytes())
+        run = json.loads(_content(path / RUN) or b"")
         Settings.from_data(run["settings"])
         _ = run["bundle"], run["sessions"]
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise TrainingError(f"{path / RUN}: file is damaged; name another folder") from None
     return run
+
+
+def _content(path: Path) -> bytes | None:
+    """Return the content of a file, None if it does not exist or cannot be read.
+
+    Raises:
+        TrainingError: If it is not a regular file, or larger than any checkpoint.
+    """
+    try:
+        return read_regular_file(path, MOST_BYTES)
+    except UnusableFileError as error:
+        raise TrainingError(f"{path}: {error}") from None
 
 
 def _check_same_run(path: Path, previous: dict[str, Any], settings: Settings, bundle: Bundle) -> None:

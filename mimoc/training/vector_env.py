@@ -1,6 +1,6 @@
 """Parallel environments with normalised observations, for Stable-Baselines3."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -98,7 +98,7 @@ def statistics(env: VecNormalize) -> dict[str, np.ndarray]:
     }
 
 
-def set_statistics(env: VecNormalize, saved: dict[str, np.ndarray]) -> None:
+def set_statistics(env: VecNormalize, saved: Mapping[str, np.ndarray]) -> None:
     """Restore the statistics."""
     for name, running in _running_statistics(env).items():
         for what in STATISTICS:

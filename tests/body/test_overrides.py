@@ -91,13 +91,14 @@ def followers(infant: InfantSpec, name: str, side: str = "") -> tuple[set[str], 
     return geoms, bodies
 
 
+def figures(geom) -> tuple[float, ...]:
+    return (*geom.size_m, *geom.pos_m)
+
+
 def differences(before, after) -> tuple[set[str], set[str]]:
     """Return the geoms and the bodies that differ in size or place."""
-    geoms = {
-        name
-        for name, geom in before.geoms.items()
-        if (geom.size_m, geom.pos_m) != (after.geoms[name].size_m, after.geoms[name].pos_m)
-    }
+    pairs = ((name, figures(geom), figures(after.geoms[name])) for name, geom in before.geoms.items())
+    geoms = {name for name, first, second in pairs if not np.allclose(first, second, rtol=0, atol=1e-12)}
     pairs = zip(before.bodies, after.bodies, strict=True)
     return geoms, {body.name for body, other in pairs if body.pos_m != other.pos_m}
 

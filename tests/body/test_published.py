@@ -1,7 +1,8 @@
 """By the published law, strength and masses are to the last bit what they were before bodies had measured shapes.
 
 `published_strength.json` was recorded with the version before, with a joint in the chest: gears of all motors and
-masses of some parts, of the average child by age (of one side) and of a few others.
+masses of some parts, of the average child by age (of one side) and of a few others. It was recorded anew when the fits
+of growth curves converged further, which changed no number by more than 2e-8 of itself.
 """
 
 import json

@@ -95,14 +95,36 @@ def test_a_change_of_any_file_is_found(out, name):
         read_bundle(out)
 
 
-@pytest.mark.parametrize("replace", [os.mkdir, os.mkfifo, lambda path: os.symlink(path, path)])
-def test_a_path_that_is_no_longer_a_file_is_missing(out, replace):
+@pytest.mark.parametrize(
+    ("replace", "said"),
+    [
+        (os.mkdir, "is missing"),
+        (os.mkfifo, "is not a regular file"),
+        (lambda path: os.symlink(path, path), "is a link, which mimoc never writes"),
+        (lambda path: os.symlink("/etc/hostname", path), "is a link, which mimoc never writes"),
+    ],
+)
+def test_a_path_that_is_no_longer_a_file_is_named(out, replace, said):
     """A named pipe, too, which the reader does not wait for."""
     write_bundle(ONE, out)
     (out / "infant.xml").unlink()
     replace(out / "infant.xml")
-    with pytest.raises(BundleError, match=r"infant.xml is missing"):
+    with pytest.raises(BundleError, match=f"infant.xml {said}"):
         read_bundle(out)
+
+
+def test_a_folder_of_a_bundle_that_is_a_link_is_not_followed(out):
+    write_bundle(ONE, out)
+    os.rename(out / "assets", out.parent / "elsewhere")
+    os.symlink(out.parent / "elsewhere", out / "assets")
+    with pytest.raises(BundleError, match=r"assets/0.png is a link, which mimoc never writes"):
+        read_bundle(out)
+
+
+def test_a_bundle_is_found_by_a_link_to_its_folder(out):
+    write_bundle(ONE, out)
+    os.symlink(out, out.parent / "latest")
+    assert read_bundle(out.parent / "latest").files == ONE.files
 
 
 def test_files_outside_the_lock_are_ignored_but_do_not_survive_force(out):
@@ -174,13 +196,25 @@ def test_a_lock_with_an_invalid_digest_matches_no_file(out, digest):
         read_bundle(out)
 
 
-@pytest.mark.parametrize("manifest", [b"{}", b'{"manifest": 2}', b"[]", b"\xff", b"", b"[" * 200_000])
-def test_a_manifest_of_another_version_is_refused_with_a_clear_error(out, manifest):
+OTHER_MANIFESTS = {
+    b'{"manifest": 1}': "this version of mimoc reads manifests of version 2 only; build it again",
+    b'{"manifest": 3}': "this version of mimoc reads manifests of version 2 only; build it again",
+    b"[]": "this version of mimoc reads manifests of version 2 only; build it again",
+    b"{}": "manifest.json: name: Field required; child: Field required; .* and 7 more; build it again",
+    b"\xff": "manifest.json: it is damaged; build it again",
+    b"": "manifest.json: it is damaged; build it again",
+    b"[" * 200_000: "manifest.json: it is damaged; build it again",
+    b" " * 2**22 + b"{}": "manifest.json: it has more than 4 MB, which no infant needs",
+}
+
+
+@pytest.mark.parametrize("manifest", OTHER_MANIFESTS, ids=lambda manifest: manifest[:9])
+def test_a_manifest_of_another_kind_is_refused_with_a_clear_error(out, manifest):
     files = {"infant.xml": b"", MANIFEST: manifest}
     (out / "assets").mkdir(parents=True)
     for name, content in {**files, LOCK: json.dumps({"files": digests(files)}).encode()}.items():
         (out / name).write_bytes(content)
-    with pytest.raises(BundleError, match="this version of mimoc reads manifests of version 2 only; build it again"):
+    with pytest.raises(BundleError, match=OTHER_MANIFESTS[manifest]):
         read_bundle(out)
     assert read_bundle(write_bundle(ONE, out, force=True)).files == ONE.files
 

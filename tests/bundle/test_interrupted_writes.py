@@ -16,6 +16,7 @@ from support.bundles import ONE, TWO, contents
 
 from mimoc.bundle import io as bundle_io
 from mimoc.bundle.io import read_bundle, write_bundle
+from mimoc.bundle.leftovers import writer_prefix
 from mimoc.errors import BundleError
 
 # What is interrupted leaves nothing.
@@ -202,7 +203,7 @@ def test_new_bundles_are_whole_or_absent_when_the_build_is_killed(out, builders)
 def test_only_leftovers_of_killed_builds_of_the_same_bundle_are_removed(tmp_path, builders, name):
     dead = builders.start("no such function")
     wait_until(lambda: not is_alive(dead))
-    ours = bundle_io._staging_prefix(tmp_path / name)
+    ours = writer_prefix(bundle_io._staging_prefix(tmp_path / name))
     swept, *kept = [
         f"{ours}{dead}-1",
         f"{ours}{os.getpid()}-1",

@@ -9,15 +9,14 @@ import pytest
 from support.commands import Outcome
 
 import mimoc
-from mimoc import cli
-from mimoc.cli import cohort
+from mimoc.cli import cohort, commands
 from mimoc.compiler.validation import who
 from mimoc.experiments import growth
 from mimoc.training import hyperparameters
 from mimoc.training.hyperparameters import HYPERPARAMETERS
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-COMMANDS = {command.name or command.callback.__name__: command for command in cli.app.registered_commands}
+COMMANDS = {command.name or command.callback.__name__: command for command in commands.app.registered_commands}
 COHORT_COMMANDS = {command.callback.__name__: command for command in cohort.app.registered_commands}
 
 

@@ -10,7 +10,7 @@ import pytest
 from typer.main import get_command
 
 import mimoc
-from mimoc.cli import app
+from mimoc.cli.commands import app
 from mimoc.schema import read_spec, source
 from mimoc.schema.json_schema import json_schema, shipped_schema
 from mimoc.schema.starter import Choices, new_spec, offered

@@ -10,6 +10,7 @@ import pytest
 import mimoc
 from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec
+from mimoc.senses import SENSES
 
 HEAD = "mimoc: 1\nname: x\nage_months: 9\n"
 
@@ -69,6 +70,7 @@ BUILT = {
 """What this version builds: keys and values that are not the default."""
 
 NEEDED = {
+    **{f"delays.{sense}_ms": {"senses": {sense: {}}} for sense in SENSES},
     "noise.proprioception_deg": {"senses": {"proprioception": {}}},
     "noise.touch_n": {"senses": {"touch": {}}},
     "noise.delay_jitter_ms": {"delays": {"motor_ms": 10}},
@@ -128,7 +130,11 @@ def test_a_spec_from_python_is_refused_with_its_name(snapshot):
 def test_a_measurement_that_makes_no_difference_is_refused(hands, inert, followed):
     """Each kind of hands has its own; and by the published law, heads are round."""
     keys = {"middle_finger": "middle_finger_diameter_cm", "maximum_fist": "maximum_fist_breadth_cm"}
-    body = {"hands": hands, "measurements": {keys[inert]: 1.0, "head_breadth_cm": 11.0, keys[followed]: 1.0}}
+    usual_cm = {"middle_finger": 1.0, "maximum_fist": 5.0}
+    body = {
+        "hands": hands,
+        "measurements": {keys[inert]: usual_cm[inert], "head_breadth_cm": 11.0, keys[followed]: usual_cm[followed]},
+    }
     infant = {"mimoc": 1, "name": "x", "age_months": 9, "development": "published", "body": body}
     spec = InfantSpec.model_validate(infant)
     refused = {problem.key for problem in refusal_of(spec).problems}

@@ -20,6 +20,7 @@ TREE = grow(measure(9), assemble("mitten", False))
 def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:
     control = {"timestep_ms": timestep_ms, "step_ms": 2 * timestep_ms}
     spec = {"mimoc": 1, "name": "x", "age_months": age_months, "delays": keys, "control": control}
+    spec["senses"] = {sense: {} for sense in SENSES}
     return delays(InfantSpec.model_validate(spec), tree)
 
 

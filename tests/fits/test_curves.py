@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.fits import LogCurve, fit_count_curve, fit_log_curve
+from mimoc.fits import LogCurve, fit_count_curve, fit_growth, fit_log_curve, load_tables
 from mimoc.fits.curves import B_MAX_MONTHS, B_MIN_MONTHS, LAST_MONTH
 
 AGES_MONTHS = (0.0, 1.5, 4.5, 7.5, 10.5, 14.0, 18.0, 22.0, 33.0)
@@ -94,3 +94,22 @@ def test_a_point_of_little_weight_moves_the_curve_little():
     values = [10 + 2 * np.log(age + 1) for age in AGES_MONTHS[:-1]] + [40.0]
     light, heavy = (fit_count_curve(AGES_MONTHS, values, [*EVEN[:-1], weight]) for weight in (1e-6, 1.0))
     assert abs(light(18) - values[6]) < 0.01 < abs(heavy(18) - values[6])
+
+
+@pytest.mark.parametrize("law", ["paper", "count"])
+def test_the_last_bits_of_logarithms_and_sums_change_no_coefficient(law, monkeypatch):
+    """They depend on the processor, on NumPy and on the system's mathematical library."""
+    expected = fit_growth(load_tables(), law=law)
+    generator, log1p, log = np.random.default_rng(0), np.log1p, np.log
+
+    def noisy(function):
+        def other(x):
+            exact = function(x)
+            return np.nextafter(exact, exact + generator.choice([-1.0, 0.0, 1.0], np.shape(exact)))
+
+        return other
+
+    monkeypatch.setattr(np, "log1p", noisy(log1p))
+    monkeypatch.setattr(np, "log", noisy(log))
+    for _ in range(3):
+        assert fit_growth(load_tables(), law=law) == expected

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.cli import app
+from mimoc.cli.commands import app
 from mimoc.compiler.building import builder
 from mimoc.errors import UnknownNameError
 from mimoc.mjcf.compatibility import TARGETS

@@ -144,10 +144,10 @@ def test_no_type_is_taken_for_another(section, wrong):
 
 @pytest.mark.parametrize("timestep_ms", [1, 2.5, 5])
 def test_delays_are_whole_physics_steps_of_the_spec_s_own_clock(timestep_ms):
-    control = {"timestep_ms": timestep_ms}
-    InfantSpec.model_validate({**LEAST, "control": control, "delays": {"touch_ms": 3 * timestep_ms}})
+    given = {**LEAST, "control": {"timestep_ms": timestep_ms}, "senses": {"touch": {}}}
+    InfantSpec.model_validate({**given, "delays": {"touch_ms": 3 * timestep_ms}})
     with pytest.raises(ValidationError, match="nearest that works"):
-        InfantSpec.model_validate({**LEAST, "control": control, "delays": {"touch_ms": 3.3 * timestep_ms}})
+        InfantSpec.model_validate({**given, "delays": {"touch_ms": 3.3 * timestep_ms}})
 
 
 @given(st.data())

@@ -30,17 +30,20 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
     bodies = st.sampled_from(trunk_bodies() + limb_bodies(hands))
     removable = [name for name in limb_bodies(hands) if name != "left_eye"]  # With an eye, it can see.
     parts = st.dictionaries(bodies, st.builds(PartSpec, length=factors, girth=factors), max_size=3)
+    measurements = data.draw(st.dictionaries(keys, st.floats(0.1, 100), max_size=3))
+    scaled, strength = data.draw(parts), data.draw(st.dictionaries(st.sampled_from(STRENGTH_GROUPS), factors))
+    said = measurements or scaled or strength  # Of parts, which must not be removed then.
     return InfantSpec.model_validate(
         {
             **LEAST,
             "age_months": age_months,
             "body": {
                 "hands": hands,
-                "measurements": data.draw(st.dictionaries(keys, st.floats(0.1, 100), max_size=3)),
-                "parts": data.draw(parts),
-                "remove": data.draw(st.lists(st.sampled_from(removable), unique=True, max_size=3)),
+                "measurements": measurements,
+                "parts": scaled,
+                "remove": [] if said else data.draw(st.lists(st.sampled_from(removable), unique=True, max_size=3)),
             },
-            "actuation": {"strength": data.draw(st.dictionaries(st.sampled_from(STRENGTH_GROUPS), factors))},
+            "actuation": {"strength": strength},
             "senses": {"touch": data.draw(st.none() | st.just({})), "vision": {"acuity": data.draw(acuity)}},
             "delays": {key: data.draw(delays_ms) for key in ("sensory_ms", "vision_ms", "motor_ms")},
             "control": {"timestep_ms": timestep_ms},

@@ -32,6 +32,7 @@ SPECS = {
     "an escape that is no character": HEAD.replace("name: x", r'name: "\UFFFFFFFF"'),
     "an escape that is no text": HEAD.replace("name: x", r'name: "\0"'),
     "deep nesting": HEAD + "body: " + "[" * 100 + "\n",
+    "deep nesting of a key": HEAD + "? " + "[" * 100 + "]" * 100 + "\n: 1\n",
     "an alias bomb": "a: &a [x,x,x,x,x,x,x,x]\n"
     + "".join(f"{b}: &{b} [{','.join([f'*{a}'] * 8)}]\n" for a, b in zip("abcdefg", "bcdefgh", strict=True)),
     "an alias of nothing": HEAD + "body: *usual\n",
@@ -92,6 +93,8 @@ SPECS = {
     # Keys against each other.
     "a girl and percentiles in words": HEAD
     + "body: {individual: {sex: girl, length_percentile: P10, weight_percentile: 25th, head_percentile: 50 %}}\n",
+    "percentiles of nobody": HEAD
+    + "body: {individual: {sex: male, length_percentile: 5e-324, weight_percentile: 99.99999999999999}}\n",
     "two lengths": HEAD + "body: {individual: {sex: male, length_percentile: 50, length_cm: 70}}\n",
     "a percentile of no sex": HEAD + "body:\n  individual:\n    length_percentile: 50\n",
     "an individual of whom nothing is known": HEAD + "body: {individual: {sex: male}}\n",
@@ -113,7 +116,9 @@ SPECS = {
     "an infant without a head": HEAD + "body: {remove: [head, hip, left_elbow]}\n",
     "a part of no body": HEAD + "body: {parts: {left_forearm: {length: 1}}}\n",
     "fingers of a mitten": HEAD + "body: {remove: [left_thdistal], parts: {left_lfmiddle: {girth: 1}}}\n",
-    "delays between physics steps": HEAD + "delays: {vision_ms: 12, touch_ms: 3}\ncontrol: {timestep_ms: 2.5}\n",
+    "delays between physics steps": HEAD
+    + "senses: {touch: {}, vision: {}}\ndelays: {vision_ms: 12, touch_ms: 3}\ncontrol: {timestep_ms: 2.5}\n",
+    "delays of senses that are off": HEAD + "delays: {vision_ms: 12, touch_ms: 5}\n",
     "noise out of range": HEAD + "noise: {motor: 1.2, proprioception_deg: -1, touch_n: 101, delay_jitter_ms: 2000}\n",
     "noise in words": HEAD + "noise: {motor: 10 %, touch: 1, proprioception_rad: 0.1, vision: 3, jitter_ms: 5}\n",
     "motor noise in other forms": HEAD + "noise: {motor: [0.1]}\n",

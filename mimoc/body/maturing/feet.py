@@ -1,5 +1,6 @@
 """Height of the feet by age, from their mass."""
 
+import math
 from dataclasses import replace
 from functools import cache, lru_cache
 
@@ -43,7 +44,7 @@ def foot_height(age_months: float, hands: str) -> float:
         foot = replace(p.foot, half_height_m=height * p.foot.half_height_m)
         shapes = FEET[hands](replace(p, foot=foot)).shapes
         parts = ((figures, kg_per_m3, shapes[figures.name].size_m) for figures, kg_per_m3 in _feet(hands))
-        return sum(kg_per_m3 * volume(figures.type, size_m) for figures, kg_per_m3, size_m in parts) - wanted_kg
+        return math.fsum(kg_per_m3 * volume(figures.type, size_m) for figures, kg_per_m3, size_m in parts) - wanted_kg
 
     before, now = 1.5, 1.6
     before_kg, now_kg = excess_kg(before), excess_kg(now)

@@ -25,5 +25,5 @@ def head_gain(age_months: float, hands: str) -> float:
     average, anatomy = measure(age_months).published, assemble(hands, False)
     _, volumes_m3 = unscaled_shapes(average, "", anatomy, MIMOS)
     published_kg = masses(anatomy, volumes_m3)
-    body_kg = sum(published_kg[geom.name] for _, part in anatomy.parts for geom in part.geoms)
+    body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.parts for geom in part.geoms)
     return head_share(age_months) * body_kg / published_kg["head"]

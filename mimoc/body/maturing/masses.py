@@ -3,6 +3,7 @@
 All other parts weigh what they do by the published law, and so does the whole body.
 """
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 
@@ -48,8 +49,8 @@ def share_out(anatomy: Anatomy, published_kg: Masses, volumes_m3: Masses, gain: 
         volumes_m3: Volumes by the law `maturing`, likewise.
         gain: By how much head and neck of the average child are heavier.
     """
-    trunk_kg = sum(published_kg[geom.name] for geom in _trunk(anatomy))
-    foot_kg = sum(_foot_kg(geom, anatomy, volumes_m3) - published_kg[geom.name] for geom in _feet(anatomy))
+    trunk_kg = math.fsum(published_kg[geom.name] for geom in _trunk(anatomy))
+    foot_kg = math.fsum(_foot_kg(geom, anatomy, volumes_m3) - published_kg[geom.name] for geom in _feet(anatomy))
     gain = min(gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * foot_kg) / published_kg["head"])
     return gain, 1 - ((gain - 1) * published_kg["head"] + 2 * foot_kg) / trunk_kg
 

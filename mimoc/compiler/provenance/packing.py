@@ -6,12 +6,14 @@ their indices.
 """
 
 import re
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
 from mimoc.body.provenance import Entry
 
 NUMBERS, PHRASES, SOURCES = "numbers", "phrases", "sources"
+MOST_UNPACKED = 50_000_000
+"""Characters and keys that all numbers can have together; the largest bundles have a twentieth of this."""
 BETWEEN_PHRASES = re.compile(r"(?<=[;:,]) | (?=x \d)")
 """Factors are what most rules differ in."""
 
@@ -32,10 +34,16 @@ def packed(entries: Mapping[str, Entry]) -> dict[str, Any]:
 
 
 def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
-    """Return the provenance of numbers, by key, from what is written; older bundles have it as it is."""
+    """Return the provenance of numbers, by key, from what is written; older bundles have it as it is.
+
+    Raises:
+        ValueError: If it would be far larger than any. What is written may also lack what it refers to.
+    """
     if NUMBERS not in written:
         return dict(written)
     phrases, sources = written[PHRASES], written[SOURCES]
+    if _size(written[NUMBERS].values(), phrases, sources) > MOST_UNPACKED:
+        raise ValueError("more text than any infant needs")
     read: dict[str, Callable[[Any, str], Any]] = {
         "rule": lambda parts, key: " ".join(phrases[part] for part in parts),
         "from": lambda index, key: list(sources[index]),
@@ -45,6 +53,16 @@ def unpacked(written: Mapping[str, Any]) -> dict[str, Entry]:
         key: {name: read[name](value, key) if name in read else value for name, value in entry.items()}
         for key, entry in written[NUMBERS].items()
     }
+
+
+def _size(numbers: Iterable[Entry], phrases: Sequence[str], sources: Sequence[Any]) -> int:
+    """Return how many characters and keys it takes to write each number by itself."""
+    size = 0
+    for entry in numbers:
+        size += sum(len(phrases[part]) for part in entry["rule"])
+        size += len(sources[entry["from"]]) if "from" in entry else 0
+        size += len(phrases[entry["xml"]]) if "xml" in entry else 0
+    return size
 
 
 class _Table:

@@ -64,7 +64,7 @@ def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section
     """Return the section on the masses of an infant's parts and the strength of its joints."""
     outline = silhouette(model)
     figure = Drawings((_figure(bundle, model, outline),), CAPTION, "wide")
-    masses = table(("part", "mass [g]", "share of the body [%]", ""), _mass_rows(model, sources))
+    masses = table(("part", "mass [g]", "share of the body [%]", ""), _mass_rows(bundle, model, sources))
     joints = list(_joint_rows(bundle, model, sources))
     headings = ("joint", "peak torque [N m]", "range [°]", "")
     listed = Details("All joints that muscles move", (table(headings, joints),))
@@ -75,7 +75,7 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
     scale = (FEET - TOP) / outline.height_m
     foot = (WIDTH / 2, FEET)
     joints = _spread(_joint_notes(bundle, model, outline, scale, foot))
-    parts = _spread(_part_notes(model, outline, scale, foot))
+    parts = _spread(_part_notes(bundle, model, outline, scale, foot))
     paths: list[Path] = [*outline.paths(scale, foot)]
     dots: list[Dot] = []
     labels: list[Label] = []
@@ -103,13 +103,16 @@ def _joint_notes(
                 break
 
 
-def _part_notes(model: mujoco.MjModel, outline: Silhouette, scale: float, foot: Point) -> Iterator[Note]:
+def _part_notes(
+    bundle: Bundle, model: mujoco.MjModel, outline: Silhouette, scale: float, foot: Point
+) -> Iterator[Note]:
     """Yield what is said of parts: of the infant's left side, which is on the right, unless it has only the other."""
-    total_kg = float(model.body("hip").subtreemass[0])
+    total_kg = float(model.body(bundle.manifest.root_body).subtreemass[0])
+    known = {model.body(number).name for number in range(model.nbody)}
     for name, sides in _masses(model).items():
         side = next(iter(sides))
         masses_kg = list(sides.values())
-        body = PARTS[name][0].format(side=side)
+        body = next(each for pattern in PARTS[name] if (each := pattern.format(side=side)) in known)
         at = outline.at(outline.figure.data.body(body).xipos, scale, foot)
         each = " each" if len(sides) == 2 else ""
         share = 100 * masses_kg[0] / total_kg
@@ -144,8 +147,8 @@ def _masses(model: mujoco.MjModel) -> dict[str, dict[str, float]]:
     return found
 
 
-def _mass_rows(model: mujoco.MjModel, sources: Sources) -> Iterator[tuple[Cell, ...]]:
-    total_kg = float(model.body("hip").subtreemass[0])
+def _mass_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iterator[tuple[Cell, ...]]:
+    total_kg = float(model.body(bundle.manifest.root_body).subtreemass[0])
     for part, sides in _masses(model).items():
         alike = len({f"{mass:.6g}" for mass in sides.values()}) == 1 and len(sides) == 2
         for side, mass_kg in list(sides.items())[: 1 if alike else None]:

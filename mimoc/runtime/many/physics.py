@@ -67,22 +67,17 @@ class Physics:
             for future in futures:
                 future.result()
 
-    def each(
-        self, function: Callable[[int], Sample], infants: Sequence[int], leave: Callable[[], None]
-    ) -> list[Sample]:
-        """Return what a function returns for some infants, called in any thread; each calls *leave* at its end."""
+    def each(self, function: Callable[[int], Sample], infants: Sequence[int]) -> list[Sample]:
+        """Return what a function returns for some infants, called in any thread."""
         waiting, turn, found = iter(infants), Lock(), dict[int, Sample]()
 
         def call_all() -> None:
-            try:
-                while True:
-                    with turn:
-                        infant = next(waiting, None)
-                    if infant is None:
-                        return
-                    found[infant] = function(infant)
-            finally:
-                leave()
+            while True:
+                with turn:
+                    infant = next(waiting, None)
+                if infant is None:
+                    return
+                found[infant] = function(infant)
 
         helpers = min(self.threads, len(infants)) - 1
         futures = [self._pool.submit(call_all) for _ in range(helpers)] if self._pool else []

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from mimoc.actuation.commands import numbers
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
 from mimoc.runtime.env import InfantEnv
@@ -52,6 +53,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         Raises:
             MixtureError: If they do not sense and command the same.
         """
+        self.closed = True  # Not open yet: older versions of Gymnasium close what could not be made, too.
         self._renderers, self.num_envs = SharedRenderers(), len(openers)
         with sharing(self._renderers):
             infants = self.infants = tuple(open_infant() for open_infant in openers)
@@ -67,6 +69,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
         self._physics = Physics([each.model for each in infants], [each.data for each in infants], threads)
         self._bind()
+        self.closed = False
 
     @property
     def np_random_seed(self) -> tuple[int, ...]:  # pyright: ignore[reportIncompatibleMethodOverride] - One for each.
@@ -218,13 +221,25 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Restore the state of each infant, whose episode has not ended; return what they observe.
 
         Raises:
-            ValueError: If there are not as many states as infants, or one is that of a different infant.
+            ValueError: If there are not as many states as infants, or one is that of a different infant; nothing has
+                changed then.
         """
-        for infant, state in zip(self.infants, states, strict=True):
-            infant.set_state(state)
+        if not isinstance(states, (list, tuple)) or len(states) != self.num_envs:
+            raise ValueError(f"expected a list of {self.num_envs} states, one for each infant")
+        before = self.get_state()
+        try:
+            self._set_states(states)
+        except Exception:
+            self._set_states(before)
+            self._follow()
+            raise
         self._ended[:] = False
         self._follow()
         return self._observe()
+
+    def _set_states(self, states: Sequence[dict[str, Any]]) -> None:
+        for infant, state in zip(self.infants, states, strict=True):
+            infant.set_state(state)
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close all infants and end the threads."""
@@ -254,9 +269,9 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Return actions as an array; no infant has moved if those of one are wrong.
 
         Raises:
-            ValueError: If they have the wrong shape or are not finite.
+            ValueError: If they are none of numbers, have the wrong shape or are not finite.
         """
-        actions = np.asarray(actions)
+        actions = numbers(actions)
         if actions.shape != self.action_space.shape:
             raise ValueError(f"expected finite actions of shape {self.action_space.shape}, got shape {actions.shape}")
         if not np.isfinite(actions).all():

@@ -13,6 +13,7 @@ from gymnasium.vector.utils import batch_space
 from mimoc.bundle.poses import pose_of
 from mimoc.errors import MimocError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.growing import options_given
 from mimoc.runtime.many.matching import check_mixture
 from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
 from mimoc.runtime.many.spaces import batch_of, covering
@@ -106,19 +107,22 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             options: `pose`, one for all, and `reset_mask`.
 
         Raises:
+            TypeError: If the options are no dictionary.
+            ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
             UnknownNameError: If there is no such pose or option.
             DeviceError: If something went wrong in the step before.
         """
         self._check_status()
-        options = options or {}
+        options = options_given(options)
         for name in options.keys() - {"pose", RESET_MASK}:
             raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
-        if isinstance(seed, int):
-            self._np_random, self._np_random_seed = seeding.np_random(seed)
+        seeds = seeds_of(seed, self.num_envs)
+        if isinstance(seed, (int, np.integer)):
+            self._np_random, self._np_random_seed = seeding.np_random(int(seed))
         which = chosen(options, self.num_envs)
         with wp.ScopedDevice(self.device):
             starts = self._starts_in(options.get("pose"))
-            self.worlds.begin(starts, put(self._choices(starts, seeds_of(seed, self.num_envs), which), wp.int32))
+            self.worlds.begin(starts, put(self._choices(starts, seeds, which), wp.int32))
             ended = self.worlds.ended.ended.numpy()
             ended[which] = 0
             self.worlds.ended.ended.assign(ended)

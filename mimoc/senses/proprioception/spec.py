@@ -3,6 +3,7 @@
 from typing import Annotated, Literal
 
 from mimoc.schema.base import Model
+from mimoc.schema.entries import Hinge, Sensor
 from mimoc.schema.quantities import Distinct
 
 ProprioceptiveQuantity = Literal["velocity", "torque", "limits", "actuation"]
@@ -20,9 +21,9 @@ class ProprioceptionEntry(Model):
 
     kind: Literal["proprioception"] = "proprioception"
     """Name of the sense."""
-    include: tuple[ProprioceptiveQuantity, ...]
+    include: Annotated[tuple[ProprioceptiveQuantity, ...], *Distinct]
     """Quantities that are observed besides joint angles, in this order."""
-    joints: tuple[str, ...]
+    joints: Annotated[tuple[Hinge, ...], *Distinct]
     """Hinge joints, in the order of the observation."""
-    torque_sensors: tuple[str, ...]
+    torque_sensors: Annotated[tuple[Sensor, ...], *Distinct]
     """Three-axis torque sensors, in the order of the observation."""

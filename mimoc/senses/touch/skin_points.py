@@ -86,11 +86,11 @@ def _patch(body: Body, density: float) -> _Patch:
 def _joined(patches: Sequence[_Patch]) -> _Patch:
     """Return the skin of parts that are joined rigidly, in the order of their geoms; each keeps its points."""
     layout = tuple(geom for patch in patches for geom in patch.layout)
-    return _Patch(layout, patches[0].spacing_m, sum(patch.area_m2 for patch in patches))
+    return _Patch(layout, patches[0].spacing_m, math.fsum(patch.area_m2 for patch in patches))
 
 
 def _area_m2(body: Body) -> float:
-    return sum(area(geom.type, geom.size_m) for geom in body.geoms)
+    return math.fsum(area(geom.type, geom.size_m) for geom in body.geoms)
 
 
 def _points(body: Body, layout: Layout, moved_m: dict[Any, FloatArray]) -> FloatArray:

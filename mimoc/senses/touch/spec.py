@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mimoc.schema.base import Model
+from mimoc.schema.entries import Body, Length
 from mimoc.schema.groups import Groups
 from mimoc.schema.quantities import Real
 
@@ -34,11 +35,11 @@ class TouchSpec(Model):
 class SkinEntry(Model):
     """The skin points of one body."""
 
-    body: str
+    body: Body
     """The body."""
-    points: Annotated[int, Field(ge=0)]
+    points: Annotated[int, Field(ge=0, le=10**7)]
     """Number of points."""
-    spacing_m: float
+    spacing_m: Annotated[Length, Field(ge=1e-5, le=1)]
     """Distance between neighbouring points."""
 
 

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mimoc.schema.base import Model
+from mimoc.schema.entries import Sensor
 from mimoc.schema.quantities import Distinct
 
 VestibularQuantity = Literal["accelerometer", "gyro"]
@@ -23,7 +24,7 @@ class VestibularEntry(Model):
 
     kind: Literal["vestibular"] = "vestibular"
     """Name of the sense."""
-    accelerometer: str | None = None
+    accelerometer: Sensor | None = None
     """Sensor of the head's specific force, [m/s²], if it is measured."""
-    gyro: str | None = None
+    gyro: Sensor | None = None
     """Sensor of the head's angular velocity, [rad/s], if it is measured."""

@@ -35,12 +35,10 @@ def build(spec: VisionSpec, body: BodyTree) -> Placed:
 def _origins(spec: VisionSpec, entry: VisionEntry) -> dict[str, dict[str, object]]:
     if entry.acuity_cpd is None:
         return {}
-    by_age = isinstance(spec.acuity, (int, float, str))
-    return {
-        "vision.acuity_cpd": {
-            "value": entry.acuity_cpd,
-            "unit": "cycles/deg",
-            "rule": PROFILES[spec.acuity_profile] if by_age else "given by the spec",
-            "from": ["spec.senses.vision.acuity", "spec.senses.vision.acuity_profile", "spec.age_months"],
-        }
-    }
+    if isinstance(spec.acuity, (int, float, str)):
+        rule = PROFILES[spec.acuity_profile]
+        sources = ["spec.senses.vision.acuity", "spec.senses.vision.acuity_profile", "spec.age_months"]
+    else:
+        rule, sources = "given by the spec", ["spec.senses.vision.acuity.cpd"]
+    origin = {"value": entry.acuity_cpd, "unit": "cycles/deg", "rule": rule, "from": sources}
+    return {"vision.acuity_cpd": origin}

@@ -69,11 +69,11 @@ class Eyes:
         if self._shared is not None:
             renderer = self._open()
             renderer.show_model(self._model)
-        renderer.make_current()
-        for camera, part in zip(self._cameras, self._parts, strict=True):
-            self._compose(renderer, camera, data)
-            renderer.draw(part)
-        return renderer.read().reshape(self._shape)[:, ::-1]
+        with renderer.in_use():
+            for camera, part in zip(self._cameras, self._parts, strict=True):
+                self._compose(renderer, camera, data)
+                renderer.draw(part)
+            return renderer.read().reshape(self._shape)[:, ::-1]
 
     @property
     def shares(self) -> bool:

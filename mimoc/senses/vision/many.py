@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from mimoc.render.opengl import leave_context
 from mimoc.senses.joined import OneByOne, Simulations
 from mimoc.senses.sense import Sample
 from mimoc.senses.vision.run import Vision
@@ -22,7 +21,7 @@ class JoinedVision(OneByOne):
         def see(infant: int) -> Sample:
             return self._visions[infant](simulations.datas[infant])
 
-        return simulations.each(see, infants, leave_context)
+        return simulations.each(see, infants)
 
 
 def join(senses: Sequence[Vision]) -> JoinedVision | None:

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Discriminator, Field, Tag
 
 from mimoc.schema.base import Model
-from mimoc.schema.quantities import CyclesPerDegree, Degrees, Months, Pixels, Real, Whole
+from mimoc.schema.entries import Amount, Body, Camera
+from mimoc.schema.quantities import CyclesPerDegree, Degrees, Distinct, Months, Pixels, Real, Whole
 
 FoveationRadius = Literal["border", "corner", "edge"]
 Shown = Literal["skin", "solids"]
@@ -14,7 +15,7 @@ Shown = Literal["skin", "solids"]
 class AcuitySpec(Model):
     """A measured visual acuity."""
 
-    cpd: Annotated[CyclesPerDegree, Field(le=60)]
+    cpd: Annotated[CyclesPerDegree, Field(ge=0.01, le=60)]
     """Spatial frequency of the finest grating that is resolved."""
 
 
@@ -67,21 +68,21 @@ class VisionEntry(Model):
 
     kind: Literal["vision"] = "vision"
     """Name of the sense."""
-    cameras: tuple[str, ...]
+    cameras: Annotated[tuple[Camera, ...], *Distinct]
     """Cameras of the eyes, which are also the names of their observations."""
-    width_px: int
+    width_px: Annotated[int, Field(ge=1, le=2048)]
     """Width of an image."""
-    height_px: int
+    height_px: Annotated[int, Field(ge=1, le=2048)]
     """Height of an image."""
-    supersample: int
+    supersample: Annotated[int, Field(ge=1, le=8)]
     """Factor by which an image is rendered larger before it is averaged down."""
-    acuity_cpd: float | None
+    acuity_cpd: Annotated[float, Field(gt=0, le=60)] | None
     """Spatial frequency of the finest grating that is resolved, in cycles per degree; None if nothing is blurred."""
-    foveation: float
+    foveation: Annotated[Amount, Field(le=1000)]
     """Strength s of the foveation; 0 is none."""
     foveation_radius: FoveationRadius
     """Meaning of R in the foveation mapping."""
-    unseen: tuple[str, ...]
+    unseen: tuple[Body, ...]
     """Bodies that are hidden from the eyes: the infant's own head."""
     body: Shown = "solids"
     """What the eyes see of infants: their skins, or the solids under these."""

@@ -2,7 +2,8 @@
 
 from typing import Literal
 
-from mimoc.tasks.base import BallEntry, Range, TaskEntry, TaskSpec
+from mimoc.schema.entries import Amount, Body, Length, Lengths, Number, Steps
+from mimoc.tasks.base import BallEntry, TaskEntry, TaskSpec
 
 
 class CatchSpec(TaskSpec):
@@ -19,29 +20,29 @@ class CatchEntry(TaskEntry):
 
     kind: Literal["catch"] = "catch"
     """Name of the task."""
-    steps: int | None
+    steps: Steps | None
     """Control steps after which an episode is truncated; None for never."""
-    hand: tuple[str, ...]
+    hand: tuple[Body, ...]
     """Bodies of the hand that catches."""
-    palm: str
+    palm: Body
     """The body over which the ball is dropped."""
-    palm_m: tuple[float, float, float]
+    palm_m: tuple[Number, Number, Number]
     """The point that the ball falls onto, in the frame of that body."""
     ball: BallEntry
     """The ball."""
-    radius_m: Range = (0.005, 0.025)
+    radius_m: Lengths = (0.005, 0.025)
     """Range of the ball's radius, drawn for each episode (MIMo)."""
-    mass_kg: Range = (0.05, 0.5)
+    mass_kg: tuple[Length, Length] = (0.05, 0.5)
     """Range of the ball's mass, drawn for each episode (MIMo)."""
-    drop_m: Range
+    drop_m: Lengths
     """Range of the ball's initial height over the palm, drawn for each episode."""
-    lost_m: float
+    lost_m: Amount
     """Distance below the palm or to its side beyond which the ball counts as lost."""
-    held_steps: int = 100
+    held_steps: Steps = 100
     """Consecutive control steps of contact that count as a catch (MIMo)."""
-    contact_reward: float = 1.0
+    contact_reward: Number = 1.0
     """Reward for a step in contact (MIMo)."""
-    effort_weight: float = 40.0
+    effort_weight: Number = 40.0
     """Weight of the cost of effort (MIMo)."""
-    success_reward: float = 100.0
+    success_reward: Number = 100.0
     """Reward for a catch; losing the ball costs as much (MIMo)."""

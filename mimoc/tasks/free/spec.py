@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from mimoc.schema.entries import Steps
 from mimoc.tasks.base import TaskEntry, TaskSpec
 
 
@@ -17,5 +18,5 @@ class FreeEntry(TaskEntry):
 
     kind: Literal["free"] = "free"
     """Name of the task."""
-    steps: int | None = None
+    steps: Steps | None = None
     """Control steps after which an episode is truncated; None for never."""

@@ -2,7 +2,8 @@
 
 from typing import Literal
 
-from mimoc.tasks.base import BallEntry, GazeEntry, Range, TaskEntry, TaskSpec
+from mimoc.schema.entries import Amount, Body, Lengths, Number, Numbers, Steps
+from mimoc.tasks.base import BallEntry, GazeEntry, TaskEntry, TaskSpec
 
 
 class ReachSpec(TaskSpec):
@@ -19,25 +20,25 @@ class ReachEntry(TaskEntry):
 
     kind: Literal["reach"] = "reach"
     """Name of the task."""
-    steps: int | None
+    steps: Steps | None
     """Control steps after which an episode is truncated; None for never."""
-    effector: str
+    effector: Body
     """The body whose distance to the ball is rewarded."""
-    shoulder: str
+    shoulder: Body
     """The body at the origin of the ball's spherical coordinates."""
-    trunk: str
+    trunk: Body
     """The body whose x axis is forward and whose z axis is up."""
     ball: BallEntry
     """The ball."""
-    distance_m: Range
+    distance_m: Lengths
     """Range of the distance from the shoulder to the ball."""
-    azimuth_rad: Range
+    azimuth_rad: Numbers
     """Range of the ball's azimuth; left of forward is positive."""
-    elevation_rad: Range
+    elevation_rad: Numbers
     """Range of the ball's elevation; above forward is positive."""
-    moved_m: float = 0.01
+    moved_m: Amount = 0.01
     """Distance that the ball must be moved for a touch to count (MIMo)."""
-    success_reward: float = 100.0
+    success_reward: Number = 100.0
     """Reward for touching the ball (MIMo)."""
     gaze: tuple[GazeEntry, ...]
     """Joints that keep the head and the eyes on the ball, in the order in which they turn."""

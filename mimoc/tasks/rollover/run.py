@@ -8,6 +8,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.model import check_contacts
 from mimoc.tasks.rollover.spec import RolloverEntry
 from mimoc.tasks.task import SquaredCommands, Task, Verdict
 from mimoc.units import to_steps
@@ -31,14 +32,17 @@ class RolloverTask(Task):
         super().__init__(entry.steps)
         self._entry, self._model = entry, model
         self._hip = model.body(entry.hip).id
-        self._settling = entry.settle_steps * to_steps(manifest.step_ms, manifest.timestep_ms)
+        self._settling = entry.settle_steps, to_steps(manifest.step_ms, manifest.timestep_ms)
         self._cost = SquaredCommands(manifest.actuation)
         self._starts_on_back = True
         self._turned = 0.0
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
         """Let the infant come to rest, and see which side it is on."""
-        mujoco.mj_step(self._model, data, self._settling)
+        steps, substeps = self._settling
+        for _ in range(steps):
+            mujoco.mj_step(self._model, data, substeps)
+            check_contacts(data)
         data.time = 0.0
         mujoco.mj_forward(self._model, data)
         self._starts_on_back = self._pronation(data) < 0.5

@@ -1,7 +1,10 @@
 """The options of the task `rollover`, and its entry in the manifest."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
+from pydantic import Field
+
+from mimoc.schema.entries import Body, Number, Steps
 from mimoc.tasks.base import TaskEntry, TaskSpec
 
 
@@ -20,19 +23,19 @@ class RolloverEntry(TaskEntry):
 
     kind: Literal["rollover"] = "rollover"
     """Name of the task."""
-    steps: int | None
+    steps: Steps | None
     """Control steps after which an episode is truncated; None for never."""
-    settle_steps: int = 100
+    settle_steps: Annotated[int, Field(ge=0, le=1000)] = 100
     """Control steps at rest before an episode begins (MIMo)."""
-    hip: str
+    hip: Body
     """The body whose rotation counts; its x axis points out of the belly."""
-    goal: float = 0.8
+    goal: Number = 0.8
     """Progress that counts as success: 0 is flat on the side that it starts on, 1 is flat on the other (MIMo)."""
     reward: Literal["dense", "shaped"]
     """Reward for how far it has turned (`dense`), or for success with potential-based shaping (`shaped`)."""
-    effort_weight: float = 0.01
+    effort_weight: Number = 0.01
     """Weight of the sum of squared actions, as a cost in the dense reward (MIMo)."""
-    success_reward: float = 10.0
+    success_reward: Number = 10.0
     """Reward for success in the shaped reward."""
-    discount: float = 0.99
+    discount: Number = 0.99
     """Discount factor of the shaping potential; it must equal the learner's, or shaping changes the optimal policy."""

@@ -1,8 +1,11 @@
 """The options of the task `selfbody`, and its entry in the manifest."""
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from mimoc.schema.base import Model
+from mimoc.schema.entries import Body, Label, Number, Steps
 from mimoc.tasks.base import TaskEntry, TaskSpec
 
 
@@ -18,9 +21,9 @@ class SelfbodySpec(TaskSpec):
 class TargetEntry(Model):
     """A part of the body that can be the goal of an episode."""
 
-    name: str
+    name: Label
     """Name of the part."""
-    bodies: tuple[str, ...]
+    bodies: tuple[Body, ...]
     """Bodies that belong to it."""
 
 
@@ -29,15 +32,15 @@ class SelfbodyEntry(TaskEntry):
 
     kind: Literal["selfbody"] = "selfbody"
     """Name of the task."""
-    steps: int | None
+    steps: Steps | None
     """Control steps after which an episode is truncated; None for never."""
-    fingers: str
+    fingers: Body
     """The body whose distance to the target is rewarded."""
-    effectors: tuple[str, ...]
+    effectors: tuple[Body, ...]
     """The bodies whose contact with the target counts."""
-    targets: tuple[TargetEntry, ...]
+    targets: Annotated[tuple[TargetEntry, ...], Field(min_length=1)]
     """The targets, one of which is drawn for each episode; the observation `goal` has an entry for each."""
-    success_reward: float = 500.0
+    success_reward: Number = 500.0
     """Reward for touching the target (MIMo)."""
-    idle_reward: float = -1.0
+    idle_reward: Number = -1.0
     """Reward of a step in which nothing is touched (MIMo)."""

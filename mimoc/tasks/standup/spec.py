@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from mimoc.schema.entries import Body, Number, Steps
 from mimoc.tasks.base import TaskEntry, TaskSpec
 
 
@@ -17,13 +18,13 @@ class StandupEntry(TaskEntry):
 
     kind: Literal["standup"] = "standup"
     """Name of the task."""
-    steps: int | None
+    steps: Steps | None
     """Control steps after which an episode is truncated; None for never."""
-    head: str
+    head: Body
     """The body whose height is rewarded."""
-    base_m: float
+    base_m: Number
     """Height of the head at which the reward for height is zero."""
-    success_m: float
+    success_m: Number
     """Height of the head that counts as standing."""
-    effort_weight: float = 0.01
+    effort_weight: Number = 0.01
     """Weight of the sum of squared actions, as a cost in the reward (MIMo)."""

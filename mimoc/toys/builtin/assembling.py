@@ -1,5 +1,6 @@
 """Assembly of a toy of unit size on the ground from meshes and solids of any scale."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -40,7 +41,7 @@ def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3
         category=category,
         parts=parts,
         solids=tuple(_placed(solid, scale, ground) for solid in solids),
-        volume=sum(mesh_volume(part.mesh) for part in parts),
+        volume=math.fsum(mesh_volume(part.mesh) for part in parts),
         density_kg_m3=density_kg_m3,
         source=SOURCE,
     )

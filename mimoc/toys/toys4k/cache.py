@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import remove_temporary_files, write_file
 from mimoc.errors import OutputError
 from mimoc.toys.model import Mesh, Solid
 from mimoc.toys.toys4k.convex import has_coacd
@@ -38,9 +38,10 @@ class MeshCache:
             return None
 
     def save(self, key: str, shape: Shape) -> None:
-        """Save a shape, if the folder can be written."""
+        """Save a shape, if the folder can be written, and remove what killed processes have left behind there."""
         with suppress(OSError, OutputError):
             self.folder.mkdir(parents=True, exist_ok=True)
+            remove_temporary_files(self.folder)
             write_file(self._path(key), _packed(shape))
 
     def _path(self, key: str) -> Path:

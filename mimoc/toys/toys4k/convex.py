@@ -6,6 +6,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from mimoc.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis, quaternion_from_matrix
 from mimoc.toys.model import IntArray, Mesh, Solid
 from mimoc.toys.toys4k.subprocesses import WorkerError, WorkerTimeoutError, run_worker
@@ -16,7 +17,9 @@ MOST_CORNERS = 64
 """Maximum number of vertices of a part."""
 MOST_FACES = 2000
 """Maximum number of faces of a mesh that is passed to coacd."""
-LIMIT_S = 60
+MOST_SHELLS, LEAST_FACES = 100, 8
+"""A mesh of more shells with fewer faces each on average is a soup of triangles, on which coacd takes minutes."""
+LIMIT_S = 30
 """Limit on coacd's CPU time: it needs 1 s to 10 s."""
 COVER = 0.1
 """Largest difference between the bounding boxes of all parts and of the mesh, whose longest side is 1."""
@@ -37,27 +40,37 @@ def has_coacd() -> bool:
     return find_spec("coacd") is not None
 
 
-def convex_parts(mesh: Mesh, *, simple: bool) -> tuple[list[Mesh], bool]:
-    """Return convex meshes, and whether the result is reproducible.
+def is_soup(faces: int, shells: int) -> bool:
+    """Return whether a mesh of so many faces and shells is a soup of triangles, of which only the hull is used."""
+    return shells > MOST_SHELLS and faces < LEAST_FACES * shells
+
+
+def convex_parts(mesh: Mesh, *, simple: bool) -> list[Mesh]:
+    """Return convex meshes: the same on every machine, or none at all.
 
     Args:
         mesh: Mesh of at most `MOST_FACES` faces, whose longest side is 1, and which is not flat.
         simple: Whether it is one closed shell; any other mesh is first converted to one, which rounds its edges.
+
+    Raises:
+        ToyError: If it takes too long; the message is a predicate without its subject, the mesh.
     """
     whole = [hull(mesh.vertices)]
     if not has_coacd():
-        return whole, True
+        return whole
     content = io.BytesIO()
     np.savez(content, vertices=mesh.vertices, faces=mesh.faces)
     preprocessing = "auto" if simple else "on"
     try:
         found = run_worker("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
-    except WorkerError as error:
-        return whole, not isinstance(error, WorkerTimeoutError)
+    except WorkerTimeoutError as error:
+        raise ToyError(f"{error} into convex parts; give it fewer and larger surfaces") from None
+    except WorkerError:
+        return whole
     corners = np.split(found["corners"], np.cumsum(found["counts"])[:-1])
     parts = [hull(each) for each in corners if np.isfinite(each).all() and not is_thin(each, THIN / 10)]
     parts = [part for part in parts if mesh_volume(part) > LEAST_VOLUME]
-    return (parts if len(parts) <= MOST_PARTS and _reaches_as_far(parts, mesh) else whole), True
+    return parts if len(parts) <= MOST_PARTS and _reaches_as_far(parts, mesh) else whole
 
 
 def _reaches_as_far(parts: list[Mesh], mesh: Mesh) -> bool:

@@ -47,6 +47,6 @@ def _shape(content: bytes, kind: str, cache: MeshCache | None) -> Shape:
     shape = cache.load(key) if cache else None
     if shape is None:
         shape = process(content, kind)
-        if cache and shape.lasting:
+        if cache:
             cache.save(key, shape)
     return shape

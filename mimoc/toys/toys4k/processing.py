@@ -1,5 +1,6 @@
 """Processing of a mesh file into the shape of a toy."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,14 +9,14 @@ import numpy as np
 from mimoc.errors import ToyError
 from mimoc.toys.model import FloatArray, Mesh, Solid
 from mimoc.toys.toys4k.cleaning import clean, only_used
-from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_thin, thin_box
+from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_soup, is_thin, thin_box
 from mimoc.toys.toys4k.decimating import decimate
 from mimoc.toys.toys4k.resting import TOPS, planes, set_down
 from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker
 from mimoc.toys.toys4k.winding import Surface, face_outwards, from_both_sides
 from mimoc.toys.transforms import join, mesh_volume
 
-VERSION = 1
+VERSION = 2
 """Version of the processing, incremented with each change of its results."""
 MOST_FACES_SEEN = 5000
 MOST_FACES_READ = 4_000_000
@@ -31,8 +32,6 @@ class Shape:
     looks: Mesh
     solids: tuple[Solid, ...]
     volume: float
-    lasting: bool = True
-    """Whether the result is reproducible; it is not if a step exceeded its time limit."""
 
 
 def process(content: bytes, kind: str) -> Shape:
@@ -54,9 +53,11 @@ def process(content: bytes, kind: str) -> Shape:
     once, looks = _looks(surface)
     flat = is_thin(looks.vertices)
     if flat:
-        parts, lasting = [thin_box(looks.vertices)], True
+        parts = [thin_box(looks.vertices)]
+    elif is_soup(len(surface.mesh.faces), int(surface.shells.max()) + 1):
+        parts = [hull(decimate(once, MOST_FACES).vertices)]
     else:
-        parts, lasting = convex_parts(decimate(once, MOST_FACES), simple=whole and not surface.shells.any())
+        parts = convex_parts(decimate(once, MOST_FACES), simple=whole and not surface.shells.any())
     volume = _volume(surface.mesh if whole else None, parts)
     rotation = _rotation(parts, TOPS[kind])
     low, high = np.min(looks.vertices @ rotation.T, axis=0), np.max(looks.vertices @ rotation.T, axis=0)
@@ -67,7 +68,6 @@ def process(content: bytes, kind: str) -> Shape:
         looks=_placed(looks, rotation, np.array([middle[0], middle[1], low[2]]), scale),
         solids=tuple(box_of(part) if flat else Solid("mesh", (), mesh=part) for part in placed),
         volume=volume * scale**3,
-        lasting=lasting,
     )
 
 
@@ -82,7 +82,7 @@ def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
 
 def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
     """Return the volume of a closed mesh, or of its convex parts if the mesh is open, a thin shell or overlapping."""
-    of_parts = sum(map(mesh_volume, parts))
+    of_parts = math.fsum(map(mesh_volume, parts))
     within = mesh_volume(closed) if closed else 0.0
     return min(within, of_parts) if within >= LEAST_FILLED * of_parts else of_parts
 

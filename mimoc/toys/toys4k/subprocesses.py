@@ -25,7 +25,7 @@ class WorkerError(Exception):
 
 
 class WorkerTimeoutError(WorkerError):
-    """A task exceeded its wall time because the machine was busy: it may succeed the next time."""
+    """A task took too long: on a faster or less busy machine it may succeed."""
 
 
 def run_worker(task: str, content: bytes, *arguments: object, limit_s: int) -> dict[str, npt.NDArray]:
@@ -55,7 +55,7 @@ def run_worker(task: str, content: bytes, *arguments: object, limit_s: int) -> d
     if done.returncode == worker.REFUSED:
         raise WorkerError(done.stderr.decode(errors="replace").splitlines()[-1])
     if done.returncode in OUT_OF_TIME:
-        raise WorkerError(f"takes more than {limit_s} s to {task}")
+        raise WorkerTimeoutError(f"takes more than {limit_s} s to {task}")
     raise WorkerError(f"fails to {task}, with exit status {done.returncode}")
 
 

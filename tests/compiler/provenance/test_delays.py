@@ -16,7 +16,8 @@ def test_every_preset_has_a_rule():
 
 
 def test_a_delay_is_led_back_to_the_key_that_says_so():
-    found = provenance(delays={"preset": "physiological", "sensory_ms": 50, "vision_ms": 100})
+    delays = {"preset": "physiological", "sensory_ms": 50, "vision_ms": 100}
+    found = provenance(senses={"touch": {}, "vision": {}}, delays=delays)
     assert (found["delays.vision.ms"]["value"], found["delays.vision.ms"]["from"]) == (100, ["spec.delays.vision_ms"])
     assert (found["delays.touch.ms"]["value"], found["delays.touch.ms"]["from"]) == (50, ["spec.delays.sensory_ms"])
     assert found["delays.motor.ms"]["from"][0] == "spec.delays.preset"

@@ -8,6 +8,8 @@ import pytest
 from support import mesh_kinds
 from support.mesh_kinds import USABLE, obj, put
 
+from mimoc.bundle.leftovers import writer_prefix
+from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, Solid, ToyModel
 from mimoc.toys.toys4k import cache, convex, meshes, subprocesses
 from mimoc.toys.toys4k.cache import VARIABLE, MeshCache, default_folder, key_of
@@ -154,7 +156,8 @@ def test_what_could_not_be_finished_is_not_kept(found, processed, tmp_path, monk
     for module in (convex, cache):
         monkeypatch.setattr(module, "has_coacd", lambda: True)
     monkeypatch.setattr(convex, "run_worker", late)
-    assert len(load_toy(found, "ball_000", MeshCache(tmp_path / "cache")).solids) == 1
+    with pytest.raises(ToyError, match="takes too long"):
+        load_toy(found, "ball_000", MeshCache(tmp_path / "cache"))
     assert not (tmp_path / "cache").exists()
 
 
@@ -225,3 +228,17 @@ def test_processes_that_fill_one_cache_at_once_leave_whole_entries(tmp_path):
     kept = MeshCache(tmp_path / "cache")
     assert len(entries(tmp_path / "cache")) == 3
     assert all(kept.load(path.stem) for path in entries(tmp_path / "cache"))
+
+
+def test_what_a_killed_process_was_writing_is_removed_by_the_next_one_that_saves(tmp_path):
+    def name(process: int) -> str:
+        return f"{writer_prefix('.mimoc-')}{process}-0123456789abcdef.tmp"
+
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    kept = [name(os.getpid()), ".mimoc-another-machine-1-0123456789abcdef.tmp"]
+    (tmp_path / "meshes").mkdir()
+    for each in (*kept, name(dead.pid)):
+        (tmp_path / "meshes" / each).touch()
+    MeshCache(tmp_path).save("key", SHAPES["box"])
+    assert sorted(path.name for path in entries(tmp_path)) == sorted([*kept, "key.npz"])

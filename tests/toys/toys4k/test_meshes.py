@@ -336,18 +336,42 @@ def test_coacd_gives_the_same_parts_again(load):
         assert np.array_equal(one.mesh.vertices, other.mesh.vertices)
 
 
+@pytest.fixture
+def spoil_coacd(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str], None]:
+    """Return a function that puts a line before the import of coacd in the process that uses it."""
+
+    def spoil(line: str) -> None:
+        worker = Path(subprocesses.worker.__file__).read_text(encoding="utf-8")
+        (tmp_path / "worker.py").write_text(worker.replace("    import coacd\n", f"    {line}\n    import coacd\n"))
+        assert (tmp_path / "worker.py").read_text() != worker
+        monkeypatch.setattr(subprocesses.worker, "__file__", str(tmp_path / "worker.py"))
+        monkeypatch.setattr(convex, "has_coacd", lambda: True)
+
+    return spoil
+
+
 @pytest.mark.usefixtures("reading_here")
-@pytest.mark.parametrize(
-    "body", ["while True: pass", "import os; os.abort()", "raise SystemExit(0)", "print('hello')", "import nowhere"]
-)
-def test_if_coacd_fails_the_convex_hull_is_taken(body, load, monkeypatch, tmp_path):
-    worker = Path(subprocesses.worker.__file__).read_text(encoding="utf-8")
-    (tmp_path / "worker.py").write_text(worker.replace("    import coacd\n", f"    {body}\n    import coacd\n"))
-    assert (tmp_path / "worker.py").read_text() != worker
-    monkeypatch.setattr(subprocesses.worker, "__file__", str(tmp_path / "worker.py"))
-    monkeypatch.setattr(convex, "has_coacd", lambda: True)
-    monkeypatch.setattr(convex, "LIMIT_S", 1)
+@pytest.mark.parametrize("line", ["import os; os.abort()", "raise SystemExit(0)", "print('hello')", "import nowhere"])
+def test_if_coacd_fails_the_convex_hull_is_taken(line, load, spoil_coacd):
+    spoil_coacd(line)
     toy = load(USABLE["box"]())
+    assert_usable(toy)
+    assert len(toy.solids) == 1
+
+
+@pytest.mark.usefixtures("reading_here")
+def test_a_toy_on_which_coacd_takes_too_long_is_an_error_and_never_another_body(load, spoil_coacd, monkeypatch):
+    spoil_coacd("while True: pass")
+    monkeypatch.setattr(convex, "LIMIT_S", 1)
+    with pytest.raises(ToyError, match=r"^'thing_000' \(.*\) takes more than .* s to decompose into convex parts; "):
+        load(USABLE["box"]())
+
+
+@pytest.mark.usefixtures("reading_here")
+def test_coacd_does_not_see_a_soup_of_triangles(load, monkeypatch):
+    monkeypatch.setattr(convex, "has_coacd", lambda: True)
+    monkeypatch.setattr(convex, "run_worker", lambda *_, **__: pytest.fail("coacd was called"))
+    toy = load(mesh_kinds.confetti(500))
     assert_usable(toy)
     assert len(toy.solids) == 1
 

@@ -1,0 +1,140 @@
+"""Whether pictures, meshes and skins of a bundle are as large as they say, and no larger than infants need."""
+
+import struct
+import zlib
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from mimoc.errors import BundleError
+
+MOST_SIDE_PX = 4096
+"""Pixels along a side of a picture; those of infants have 256."""
+MOST_PIXELS = 2**26
+"""Pixels of all pictures of a bundle, which take three bytes each once they are decoded."""
+MOST_FACES = 20_000
+"""Triangles of a mesh; toys have at most 5,000."""
+MOST_MESH_BYTES = 10 * 2**20
+"""Of all meshes of a bundle together; fifty toys of 5,000 triangles each have 8 MB."""
+MOST_VERTICES = 200_000
+"""Vertices of all skins of a bundle; an infant has 7,000."""
+SURELY_SMALL = 2**16
+"""Bytes of a picture that need not be tried: Deflate's ratio is at most 1032, so that they unpack to 64 MB at most, and
+MuJoCo refuses the first one that is larger than it says."""
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_CHUNKS = (b"IHDR", b"PLTE", b"tRNS", b"IDAT", b"IEND")
+"""Chunks that mimoc writes; others can have compressed texts inside."""
+_CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
+"""Numbers of a pixel by colour type (PNG specification, table 11.1)."""
+_NAME_BYTES = 40
+"""The name of a bone in MuJoCo's files of skins."""
+
+
+def check_assets(files: Mapping[str, bytes], references: Mapping[str, str]) -> None:
+    """Check the files that the MJCF of a bundle refers to.
+
+    Args:
+        files: The files of the bundle, by path.
+        references: The element that refers to each, by path.
+
+    Raises:
+        BundleError: If one is missing, damaged, or too large.
+    """
+    sizes = dict.fromkeys(_CHECKS, 0)
+    for path, element in references.items():
+        if path not in files:
+            raise BundleError(f"{path}: <{element}> refers to it, but it is not among the files of the bundle")
+        try:
+            sizes[element] += _CHECKS[element](files[path])
+        except _UnusableError as error:
+            raise BundleError(f"{path}: {error}") from None
+        if sizes[element] > _MOST[element]:
+            raise BundleError(f"{path}: with this one, every <{element}> together is larger than any infant needs")
+
+
+class _UnusableError(Exception):
+    """A file is not what mimoc writes."""
+
+
+def _pixels(content: bytes) -> int:
+    """Return the number of pixels of a PNG."""
+    data = b"".join(_chunks(content))
+    width, height, depth, colour = struct.unpack_from(">IIBB", content, 16)
+    if not 0 < width <= MOST_SIDE_PX or not 0 < height <= MOST_SIDE_PX:
+        raise _UnusableError(
+            f"it says that it has {width:,} x {height:,} pixels; at most {MOST_SIDE_PX:,} a side may be"
+        )
+    if depth > 8 or colour not in _CHANNELS:
+        raise _UnusableError("its colours are of a kind that mimoc never writes")
+    if len(data) > SURELY_SMALL:
+        bytes_of_all = (1 + (width * _CHANNELS[colour] * depth + 7) // 8) * height
+        unpacked = zlib.decompressobj()
+        try:
+            is_as_large = len(unpacked.decompress(data, bytes_of_all + 1)) == bytes_of_all
+        except zlib.error:
+            is_as_large = False
+        if not is_as_large:
+            raise _UnusableError("it has not as many pixels as it says")
+    return width * height
+
+
+def _chunks(content: bytes) -> list[bytes]:
+    """Return the compressed data of a PNG, checked chunk by chunk."""
+    if content[:8] != _SIGNATURE or content[12:16] != b"IHDR" or len(content) < 45:
+        raise _UnusableError("it is not a PNG")
+    place, found = 8, []
+    while place + 12 <= len(content):
+        size, kind = struct.unpack_from(">I4s", content, place)
+        if kind not in _CHUNKS or place + 12 + size > len(content):
+            raise _UnusableError("it is damaged, or not a PNG as mimoc writes it")
+        if kind == b"IDAT":
+            found.append(content[place + 8 : place + 8 + size])
+        place += 12 + size
+    return found
+
+
+def _mesh_bytes(content: bytes) -> int:
+    """Return the size of an OBJ of vertices and triangles."""
+    if content.translate(None, b"0123456789-+.e \nvf") or content[:2] != b"v ":
+        raise _UnusableError("it is not an OBJ of vertices and triangles alone")
+    if content.count(b"f") > MOST_FACES or content.count(b"v") > MOST_FACES:
+        raise _UnusableError(f"it has more than {MOST_FACES:,} triangles")
+    return len(content)
+
+
+def _vertices(content: bytes) -> int:
+    """Return the number of vertices of a skin in MuJoCo's format (XML reference, `deformable/skin/file`)."""
+    if len(content) < 16:
+        raise _UnusableError("it is not a skin")
+    verts, texcoords, faces, bones = np.frombuffer(content, "<i4", 4).tolist()
+    if min(verts, faces, bones) < 1 or texcoords not in (0, verts) or verts > MOST_VERTICES:
+        raise _UnusableError("its sizes are not those of a skin")
+    place = 16 + 12 * verts + 8 * texcoords
+    indices = _indices(content, place, 3 * faces, verts)
+    place += indices
+    for _ in range(bones):
+        head = place + _NAME_BYTES + 28
+        count = _integers(content, head, 1)[0]
+        place = head + 4 + 2 * _indices(content, head + 4, count, verts)
+    if place != len(content):
+        raise _UnusableError("it is longer or shorter than it says")
+    return verts
+
+
+def _indices(content: bytes, place: int, count: int, verts: int) -> int:
+    """Return the bytes of some indices of vertices, all of which must be there."""
+    found = _integers(content, place, count)
+    if len(found) and (found.min() < 0 or found.max() >= verts):
+        raise _UnusableError("it refers to vertices that it does not have")
+    return 4 * count
+
+
+def _integers(content: bytes, place: int, count: int) -> "np.ndarray":
+    if count < 0 or place + 4 * count > len(content):
+        raise _UnusableError("it is longer or shorter than it says")
+    return np.frombuffer(content, "<i4", count, place)
+
+
+_CHECKS: Mapping[str, Callable[[bytes], int]] = {"texture": _pixels, "mesh": _mesh_bytes, "skin": _vertices}
+_MOST = {"texture": MOST_PIXELS, "mesh": MOST_MESH_BYTES, "skin": MOST_VERTICES}

@@ -1,0 +1,65 @@
+"""Types of what stands in a manifest: names of things in the model, and numbers in bounds.
+
+A bundle may come from anyone. Each number has the widest range that any infant can need, and each name says what it
+names, so that all are looked up in the model before anything runs.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, StringConstraints
+
+NameKind = Literal[
+    "body",
+    "hinge",
+    "free joint",
+    "geom",
+    "sensor of three numbers",
+    "actuator",
+    "camera",
+    "keyframe",
+    "material",
+    "skin",
+    "lock",
+    "weld",
+]
+"""Things of a model that a manifest names; a lock is an equality constraint of a joint, a weld one of two bodies."""
+
+
+@dataclass(frozen=True, slots=True)
+class NameOf:
+    """Marks a field, in its annotation, as the name of something in the model."""
+
+    kind: NameKind
+
+
+Label = Annotated[str, StringConstraints(max_length=1000)]
+"""A text that is only shown."""
+
+Body = Annotated[Label, NameOf("body")]
+Hinge = Annotated[Label, NameOf("hinge")]
+FreeJoint = Annotated[Label, NameOf("free joint")]
+Geom = Annotated[Label, NameOf("geom")]
+Sensor = Annotated[Label, NameOf("sensor of three numbers")]
+Actuator = Annotated[Label, NameOf("actuator")]
+Camera = Annotated[Label, NameOf("camera")]
+Keyframe = Annotated[Label, NameOf("keyframe")]
+Material = Annotated[Label, NameOf("material")]
+Skin = Annotated[Label, NameOf("skin")]
+LockName = Annotated[Label, NameOf("lock")]
+WeldName = Annotated[Label, NameOf("weld")]
+
+Number = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
+"""Any number, such as a reward."""
+Amount = Annotated[float, Field(ge=0, le=1e6, allow_inf_nan=False)]
+"""A number that is not negative, such as a weight."""
+Length = Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
+"""A length, in [m]."""
+Duration = Annotated[float, Field(ge=0, le=10_000, allow_inf_nan=False)]
+"""A delay, or a time constant, in [ms]."""
+Steps = Annotated[int, Field(ge=1, le=10**9)]
+"""Control steps."""
+Lengths: TypeAlias = tuple[Length, Length]
+"""Lowest and highest length, in [m]."""
+Numbers: TypeAlias = tuple[Number, Number]
+"""Lowest and highest number."""

@@ -1,0 +1,106 @@
+"""The form of an environment's state: whether one that comes from anywhere can be that of this environment."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+OWN_FORM = ("task", "noise.channels", "signals.senses", "signals.commands")
+"""What is checked elsewhere: by the delays, or where it is restored, as it is of another length at other times."""
+
+
+@contextmanager
+def checked_state(state: Any, own: Mapping[str, Any], check: Callable[[Any], None]) -> Iterator[None]:
+    """Restore a state within, which has the form of the present one: the same names and arrays, and finite numbers.
+
+    Raises:
+        ValueError: If it has not; the message says where. Or if it cannot be restored.
+    """
+    try:
+        check_form(state, own)
+        check(state)
+        yield
+    except (AttributeError, IndexError, KeyError, OverflowError, TypeError) as error:
+        raise ValueError(f"this state cannot be restored ({error}); give one that get_state returned") from error
+
+
+def check_form(given: Any, own: Any, where: str = "") -> None:
+    """Check that something in a state has the form that it has in another state.
+
+    Args:
+        given: What comes from anywhere.
+        own: What is there in a state of this environment.
+        where: Names that lead to it, for the message.
+
+    Raises:
+        ValueError: If it has another form.
+    """
+    if isinstance(own, Mapping):
+        demand(isinstance(given, Mapping), where, given)
+        for name in own:
+            inner = f"{where}.{name}".lstrip(".")
+            demand(name in given, inner, "nothing")
+            if inner not in OWN_FORM:
+                check_form(given[name], own[name], inner)
+    elif isinstance(own, (list, tuple)):
+        for each, like in zip(checked_list(given, where, len(own)), own, strict=True):
+            check_form(each, like, where)
+    elif isinstance(own, np.ndarray):
+        _check_array(given, own, where)
+    else:
+        demand(_is_like(given, own), where, given)
+
+
+def checked_list(given: Any, where: str, length: int | None = None) -> Sequence[Any]:
+    """Return what is there, which is a list, of this length if it is said.
+
+    Raises:
+        ValueError: If it is not.
+    """
+    demand(isinstance(given, (list, tuple)) and len(given) == (len(given) if length is None else length), where, given)
+    return given
+
+
+def demand(is_so: bool, where: str, given: Any) -> None:
+    """Raise a ValueError that tells what is wrong in a state and where, unless all is well."""
+    if not is_so:
+        raise ValueError(
+            f"this is not a state of an environment: {f'{where} is ' if where else ''}{_told(given)}; give one that"
+            " get_state returned"
+        )
+
+
+def _is_like(given: Any, own: Any) -> bool:
+    if own is None or isinstance(own, (bool, str)):
+        return type(given) is type(own)
+    if isinstance(own, (int, np.integer)):
+        return isinstance(given, (int, np.integer)) and not isinstance(given, bool)
+    return isinstance(given, (int, float, np.floating)) and bool(given < math.inf)  # -inf: a time that never was.
+
+
+def _check_array(given: Any, own: np.ndarray, where: str) -> None:
+    if not isinstance(given, np.ndarray) or (given.shape, given.dtype) != (own.shape, own.dtype):
+        raise ValueError(
+            f"state does not fit this infant, it may be of another: {where} is {_told(given)}, expected {_told(own)}"
+        )
+    check_finite(given, where)
+
+
+def check_finite(given: npt.NDArray[Any], where: str) -> None:
+    """Check that an array of a state has neither NaN nor infinity.
+
+    Raises:
+        ValueError: If it has one.
+    """
+    if given.dtype.kind == "f" and not np.isfinite(given).all():
+        raise ValueError(f"state cannot be restored: {where} has a NaN or an infinity")
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype}, shape {value.shape}"
+    text = value if isinstance(value, str) else repr(value)
+    return text if len(text) <= 40 else f"{text[:40]}..."

@@ -1,0 +1,44 @@
+"""Files that nobody may open, watched by the system, so that what MuJoCo opens is seen as well."""
+
+import ctypes
+import os
+import struct
+from pathlib import Path
+
+IN_OPEN = 0x20
+IN_NONBLOCK = os.O_NONBLOCK
+HEADER = struct.Struct("iIII")
+"""Of an event: watch, mask, cookie, and the length of the name that follows (inotify(7))."""
+
+
+class Canaries:
+    """A folder of files outside of all bundles, with a few that a stranger's bundle may refer to."""
+
+    def __init__(self, folder: Path, contents: dict[str, bytes]):
+        """Write the files, and watch the folder from then on (Linux)."""
+        folder.mkdir(parents=True)
+        for name, content in contents.items():
+            (folder / name).write_bytes(content)
+        self.folder = folder
+        library = ctypes.CDLL(None, use_errno=True)
+        self._handle = library.inotify_init1(IN_NONBLOCK)
+        if self._handle < 0 or library.inotify_add_watch(self._handle, os.fsencode(folder), IN_OPEN) < 0:
+            raise OSError(ctypes.get_errno(), "cannot watch", str(folder))
+
+    def opened(self) -> list[str]:
+        """Return the names of the files that have been opened since the last call."""
+        try:
+            events = os.read(self._handle, 2**16)
+        except BlockingIOError:
+            return []
+        names, place = set[str](), 0
+        while place < len(events):
+            length = HEADER.unpack_from(events, place)[3]
+            name = events[place + HEADER.size : place + HEADER.size + length]
+            names.add(os.fsdecode(name.rstrip(b"\0")))
+            place += HEADER.size + length
+        return sorted(names)
+
+    def close(self) -> None:
+        """Watch no longer."""
+        os.close(self._handle)

@@ -1,0 +1,179 @@
+"""Policies made to do harm: every way that was ever found, small, by code.
+
+Each changes the members of an honest one. `CRAFTED` says what mimoc answers.
+"""
+
+import io
+import json
+import os
+import pickle
+import struct
+import zipfile
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import torch
+
+Members = dict[str, bytes]
+Craft = Callable[[Members], None]
+MARKER = "MIMOC_FUZZ_MARKER"
+"""Variable of the environment that code of a stranger would set."""
+DAMAGED = "not a policy trained by mimoc, or it is damaged"
+
+
+class Runs:
+    """Unpickling it runs code."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return the code."""
+        return eval, (f"__import__('os').environ.__setitem__({MARKER!r}, 'yes')",)
+
+
+def packed(members: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
+    """Return members as a ZIP archive."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", compression) as archive:
+        for name, member in members.items():
+            archive.writestr(name, member)
+    return content.getvalue()
+
+
+def unpacked(content: bytes) -> Members:
+    """Return the members of a ZIP archive."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def _member(name: str, content: bytes | Callable[[bytes], bytes]) -> Craft:
+    def craft(members: Members) -> None:
+        members[name] = content if isinstance(content, bytes) else content(members[name])
+
+    return craft
+
+
+def _about(*keys: str, value: Any) -> Craft:
+    """Return what sets a key in the description; `*` is whatever comes first."""
+
+    def craft(members: Members) -> None:
+        about = json.loads(members["mimoc.json"])
+        inside: Any = about
+        for key in keys[:-1]:
+            inside = inside[next(iter(inside)) if key == "*" else key]
+        inside[keys[-1]] = value
+        members["mimoc.json"] = json.dumps(about).encode()
+
+    return craft
+
+
+def _weights(change: Callable[[dict[str, torch.Tensor]], Any]) -> Craft:
+    def craft(members: Members) -> None:
+        weights = torch.load(io.BytesIO(members["policy.pth"]))
+        content = io.BytesIO()
+        torch.save(change(weights) or weights, content)
+        members["policy.pth"] = content.getvalue()
+
+    return craft
+
+
+def _inside(change: Callable[[bytes], bytes], compression: int = zipfile.ZIP_STORED) -> Craft:
+    """Return what changes the pickle that is in the file of the weights."""
+
+    def craft(members: Members) -> None:
+        inner = unpacked(members["policy.pth"])
+        name = next(name for name in inner if name.endswith("/data.pkl"))
+        members["policy.pth"] = packed({**inner, name: change(inner[name])}, compression)
+
+    return craft
+
+
+def _statistics(change: Callable[[dict[str, np.ndarray]], Any]) -> Craft:
+    def craft(members: Members) -> None:
+        with np.load(io.BytesIO(members["scale.npz"])) as file:
+            arrays: dict[str, Any] = dict(file)
+        change(arrays)
+        content = io.BytesIO()
+        np.savez(content, **arrays)
+        members["scale.npz"] = content.getvalue()
+
+    return craft
+
+
+def _stored_twice(pickled: bytes) -> bytes:
+    """Return a pickle that says of each part that it is longer than it is."""
+    at = pickled.index(b"X\x03\0\0\0cpu") + 8 + 2
+    assert pickled[at : at + 1] in (b"K", b"M"), pickled[at : at + 8]
+    size = {b"K": 2, b"M": 3}[pickled[at : at + 1]]
+    return pickled[:at] + b"J" + struct.pack("<i", 2**30) + pickled[at + size :]
+
+
+ALLOCATES = b"\x80\x04\x96" + struct.pack("<Q", 2**36) + b"."
+"""A pickle of a bytearray of 64 GB, which is not there."""
+REMEMBERS = b"\x80\x02Nr" + struct.pack("<I", 2**32 - 2) + b"."
+"""A pickle that keeps None in the last of four billion places."""
+CODE = pickle.dumps(Runs(), protocol=2)
+NEW_CODE = pickle.dumps(Runs(), protocol=4)
+BOMB = bytes(2**24 + 1)
+
+CRAFTED: dict[str, tuple[Craft, str]] = {
+    # What would run code.
+    "code in place of the weights": (_member("policy.pth", CODE), DAMAGED),
+    "code in the archive of the weights": (_inside(lambda _: CODE), DAMAGED),
+    "code by another protocol": (_inside(lambda _: NEW_CODE), DAMAGED),
+    "code among the weights": (_weights(lambda weights: {**weights, "x": Runs()}), DAMAGED),
+    "code among the statistics": (
+        _statistics(lambda arrays: arrays.update(x=np.array([Runs()], object))),
+        DAMAGED,
+    ),
+    "a module of torch's": (_inside(lambda _: b"\x80\x02ctorch.hub\nload\nX\1\0\0\0x\x85R."), DAMAGED),
+    "a function of builtins": (_inside(lambda _: b"\x80\x02c__builtin__\neval\nX\1\0\0\0x\x85R."), DAMAGED),
+    "an instance": (_inside(lambda _: b"\x80\x02(X\1\0\0\0xios\nsystem\n."), DAMAGED),
+    # What would exhaust.
+    "a description that unpacks to 16 MB": (_member("mimoc.json", BOMB), DAMAGED),
+    "statistics that unpack to 16 MB": (_member("scale.npz", BOMB), DAMAGED),
+    "weights that unpack to 16 MB": (_member("policy.pth", BOMB), DAMAGED),
+    "weights that are packed": (_inside(lambda pickled: pickled, zipfile.ZIP_DEFLATED), DAMAGED),
+    "a pickle that allocates 64 GB": (_inside(lambda _: ALLOCATES), DAMAGED),
+    "a pickle that remembers four billion things": (_inside(lambda _: REMEMBERS), DAMAGED),
+    "a pickle of deep lists": (_inside(lambda _: b"\x80\x02" + b"]" * 10**6 + b"a" * (10**6 - 1) + b"."), DAMAGED),
+    "weights that are longer than the file": (_inside(_stored_twice), DAMAGED),
+    "layers of 16,384 units": (_about("settings", "hyper", "width", value=2**14), DAMAGED),
+    "a description of deep lists": (_member("mimoc.json", b"[" * 10**6), DAMAGED),
+    # What is damaged.
+    "an algorithm that nobody knows": (_about("settings", "algo", value="dqn"), DAMAGED),
+    "an algorithm that is a list": (_about("settings", "algo", value=["ppo"]), DAMAGED),
+    "a width of NaN": (_about("settings", "hyper", "width", value=float("nan")), DAMAGED),
+    "a width that is text": (_about("settings", "hyper", "width", value="8"), DAMAGED),
+    "settings that are a list": (_about("settings", value=[]), DAMAGED),
+    "observations that are a list": (_about("observes", value=[]), DAMAGED),
+    "a shape that is text": (_about("observes", "*", "shape", value="x"), DAMAGED),
+    "a layout that is missing": (_about("observes", "*", value={"shape": [1]}), DAMAGED),
+    "commands that are numbers": (_about("commands", value=[1, 2]), DAMAGED),
+    "a name that moves the cursor": (_about("infant", value="\x1b[2J"), DAMAGED),
+    "a later version": (_about("policy", value=2), DAMAGED),
+    "weights of another shape": (_weights(lambda weights: {name: part[:1] for name, part in weights.items()}), DAMAGED),
+    "weights in a list": (_weights(lambda weights: list(weights.values())), DAMAGED),
+    "weights that are numbers": (_weights(lambda weights: OrderedDict.fromkeys(weights, 1.0)), DAMAGED),
+    "weights that are not there": (_weights(lambda weights: {"log_std": weights["log_std"]}), DAMAGED),
+    "weights of NaN": (_weights(lambda weights: {name: part * torch.nan for name, part in weights.items()}), DAMAGED),
+    "statistics of another shape": (
+        _statistics(lambda arrays: arrays.update({name: np.zeros(3) for name in arrays})),
+        DAMAGED,
+    ),
+    "statistics that are infinite": (
+        _statistics(lambda arrays: arrays.update({name: np.full_like(part, np.inf) for name, part in arrays.items()})),
+        DAMAGED,
+    ),
+    "statistics that are not there": (_statistics(dict.clear), DAMAGED),
+    "weights that overflow": (
+        _weights(lambda weights: {name: torch.full_like(part, 3e38) for name, part in weights.items()}),
+        "this policy gives commands that are not finite; train it again",
+    ),
+}
+"""What was found, and what the error says of it."""
+
+
+def ran() -> bool:
+    """Return whether code of a stranger has run; it may run again then."""
+    return os.environ.pop(MARKER, None) is not None

@@ -1,0 +1,91 @@
+"""What tries to break mimoc with input from strangers: many tries, each known by a seed and a number.
+
+A fuzzer is one module with `FUZZER`, listed in `FUZZERS`. `make fuzz` runs all for minutes, `make test` for seconds.
+"""
+
+import resource
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fuzz.canaries import Canaries
+
+from mimoc.errors import MimocError, SpecError
+
+FUZZERS = ("bundles", "policies", "recordings", "specs", "meshes", "pictures")
+"""Modules beside this one."""
+LONGEST_S = 5.0
+LARGEST_MB = 1024
+"""Of a process that has imported everything, with what a try takes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fuzzer:
+    """Tries of one kind of input."""
+
+    name: str
+    about: str
+    """What is tried, in a few words."""
+    prepare: Callable[[Path], Any]
+    """Returns what all tries begin with; it may write into a folder of its own."""
+    attempt: Callable[[Any, np.random.Generator, Path], None]
+    """Spoils it by chance, and uses it, in an empty folder; what is refused raises a MimocError."""
+    short: int
+    """Tries in `make test`: a second or two."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a try."""
+
+    number: int
+    result: str
+    """`used`, `refused`, or what is wrong with mimoc: the end of a traceback, or an outside file that was opened."""
+
+    @property
+    def is_fault(self) -> bool:
+        """Whether mimoc should have done otherwise."""
+        return self.result not in ("used", "refused")
+
+
+def fuzzer(name: str) -> Fuzzer:
+    """Return a fuzzer by its name."""
+    return import_module(f"fuzz.{name}").FUZZER
+
+
+def run_try(made: Fuzzer, prepared: Any, seed: int, number: int, folder: Path, watch: Canaries) -> Outcome:
+    """Return what becomes of one try, the same for the same seed and number.
+
+    Args:
+        made: The fuzzer.
+        prepared: What it has prepared.
+        seed: Of the run.
+        number: Of the try.
+        folder: An empty folder.
+        watch: Files outside that nobody may open.
+    """
+    try:
+        made.attempt(prepared, np.random.default_rng([seed, number]), folder)
+        result = "used"
+    except MimocError as error:
+        result = "refused" if is_clear(error) else f"not clear: {error!r}"
+    except Exception:
+        result = " | ".join(traceback.format_exc().strip().splitlines()[-7:])
+    if opened := watch.opened():
+        result = f"opened outside files: {', '.join(opened)}"
+    return Outcome(number, result)
+
+
+def is_clear(error: MimocError) -> bool:
+    """Return whether an error is a line of text that a terminal shows as it is; of a spec, a line for each problem."""
+    lines = str(error).split("\n")
+    return all(line and line.isprintable() for line in lines) and (len(lines) == 1 or isinstance(error, SpecError))
+
+
+def peak_mb() -> float:
+    """Return the most memory that this process has ever had."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -1,0 +1,68 @@
+"""Every bundle that was ever made to do harm is refused in one line, and nothing outside of it is opened."""
+
+from pathlib import Path
+
+import pytest
+from fuzz.canaries import Canaries
+from fuzz.crafted_bundles import CRAFTED, PLANTED
+from fuzz.fuzzing import is_clear
+from fuzz.sealing import write_resealed
+from fuzz.strange_infants import CANARIES, VARIATIONS, honest_files
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.errors import MimocError
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+
+
+@pytest.fixture
+def outside(tmp_path):
+    canaries = Canaries(tmp_path / "outside", CANARIES)
+    yield canaries
+    canaries.close()
+
+
+def refusal(folder) -> str:
+    """Return the error of opening a bundle."""
+    with pytest.raises(MimocError) as error:
+        mimoc.make(folder).close()
+    assert is_clear(error.value)
+    return str(error.value)
+
+
+@pytest.mark.parametrize("name", CRAFTED)
+def test_a_crafted_bundle_is_refused_in_one_line(name, tmp_path, outside):
+    craft, said = CRAFTED[name]
+    files = dict(honest_files(0))
+    craft(files, outside.folder)
+    assert said in refusal(write_resealed(files, tmp_path / "bundle"))
+    assert outside.opened() == []
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_what_is_not_a_regular_file_of_the_bundle_is_refused(name, tmp_path, outside):
+    plant, said = PLANTED[name]
+    folder = write_resealed(honest_files(0), tmp_path / "bundle")
+    plant(folder, outside.folder)
+    assert said in refusal(folder)
+    assert outside.opened() == []
+
+
+def test_the_canaries_see_what_is_opened(outside):
+    (outside.folder / "canary.xml").read_bytes()
+    assert outside.opened() == ["canary.xml"]
+
+
+@pytest.mark.parametrize("number", range(len(VARIATIONS)))
+def test_an_honest_bundle_of_any_kind_is_opened(number, tmp_path):
+    env = mimoc.make(write_resealed(honest_files(number), tmp_path / "bundle"))
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    env.close()
+
+
+@pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_the_bundle_of_each_config_is_one_that_mimoc_could_have_written(config, tmp_path):
+    folder = mimoc.write_bundle(mimoc.build(config), tmp_path / "bundle")
+    assert load_model(mimoc.read_bundle(folder)).nbody > 10

@@ -1,0 +1,23 @@
+"""A few tries of each fuzzer; `make fuzz` makes thousands."""
+
+import pytest
+from fuzz.canaries import Canaries
+from fuzz.fuzzing import FUZZERS, fuzzer, run_try
+from fuzz.strange_infants import CANARIES
+
+SEED = 2026
+
+
+@pytest.mark.parametrize("name", FUZZERS)
+def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
+    """It is used, or refused in clear lines, and no file outside of it is opened."""
+    made, watch = fuzzer(name), Canaries(tmp_path / "outside", CANARIES)
+    (tmp_path / "prepared").mkdir()
+    prepared = made.prepare(tmp_path / "prepared")
+    outcomes = []
+    for number in range(made.short):
+        (tmp_path / f"{number}").mkdir()
+        outcomes.append(run_try(made, prepared, SEED, number, tmp_path / f"{number}", watch))
+    watch.close()
+    assert [outcome for outcome in outcomes if outcome.is_fault] == []
+    assert {outcome.result for outcome in outcomes} == {"used", "refused"}

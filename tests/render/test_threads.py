@@ -1,0 +1,53 @@
+"""Environments that draw, used from several threads."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from mimoc.errors import RenderingError
+from mimoc.render.renderer import Renderer
+
+
+@pytest.fixture
+def seeing(open_env):
+    return open_env(senses={"vision": {}}, render_mode="rgb_array")
+
+
+def test_an_infant_with_eyes_lives_in_any_thread_one_after_another(seeing, open_env):
+    """As PyQt, Jupyter and web servers do it."""
+    same = open_env(senses={"vision": {}}, render_mode="rgb_array")
+    action = np.zeros(seeing.action_space.shape)
+    for env in (seeing, same):
+        env.reset(seed=0)
+    for _ in range(2):
+        with ThreadPoolExecutor(1) as thread:
+            there, picture = thread.submit(lambda: (seeing.step(action)[0], seeing.render())).result()
+        here = same.step(action)[0]
+        assert all(np.array_equal(there[eye], here[eye]) for eye in here)
+        assert np.array_equal(picture, same.render())
+    seeing.close()
+
+
+def test_two_threads_that_draw_at_once_with_the_same_are_told(seeing):
+    """And none of them breaks what the other does."""
+    renderer = Renderer(seeing.model, 16, 16)
+    drawing, done = threading.Event(), threading.Event()
+
+    def draw():
+        with renderer.in_use():
+            drawing.set()
+            done.wait(60)
+
+    thread = threading.Thread(target=draw)
+    thread.start()
+    drawing.wait(60)
+    with pytest.raises(RenderingError, match="use an environment in one thread at a time"):
+        renderer.close()
+    done.set()
+    thread.join()
+    with renderer.in_use():
+        renderer.draw()
+        assert renderer.read().shape == (16, 16, 3)
+    renderer.close()
