@@ -38,8 +38,8 @@ def check_form(given: Any, own: Any, where: str = "") -> None:
     Raises:
         ValueError: If it has another form.
     """
-    if isinstance(own, Mapping):
-        demand(isinstance(given, Mapping), where, given)
+    if isinstance(own, dict):
+        demand(isinstance(given, dict), where, given)
         for name in own:
             inner = f"{where}.{name}".lstrip(".")
             demand(name in given, inner, "nothing")

@@ -290,11 +290,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             MimocError: If there is no such infant.
         """
         variant = growing.variant_of_state(self._variants, self.manifest, state)
-        with self._undone_on_failure():
+        with self._undone_on_failure() as own:
             if variant:
                 self._become(variant)
                 self._start(self.manifest.pose)
-            with checked_state(state, self.get_state(), self._living().check):
+            with checked_state(state, self.get_state() if variant else own, self._living().check):
                 self._restore(copy.deepcopy(state))
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
@@ -360,11 +360,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             check_same_space(self.observation_space, observation_space(self._senses, self._task))
 
     @contextmanager
-    def _undone_on_failure(self) -> Iterator[None]:
-        """Let the infant go on as it was if anything fails, be it in a sense of the caller's own."""
+    def _undone_on_failure(self) -> Iterator[dict[str, Any]]:
+        """Yield the state; let the infant go on in it if anything fails, be it in a sense of the caller's own."""
         former, fields, state = self._infant, self._model_fields, self.get_state()
         try:
-            yield
+            yield state
         except Exception:
             if self._infant is not former:
                 self.bundle, self._infant = former.bundle, former.again(fields.model_as_built())
