@@ -115,7 +115,7 @@ def _vertices(content: bytes) -> int:
     place += indices
     for _ in range(bones):
         head = place + _NAME_BYTES + 28
-        count = _integers(content, head, 1)[0]
+        count = int(_integers(content, head, 1)[0])
         place = head + 4 + 2 * _indices(content, head + 4, count, verts)
     if place != len(content):
         raise _UnusableError("it is longer or shorter than it says")

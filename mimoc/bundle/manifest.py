@@ -219,6 +219,12 @@ class Manifest(Model):
                 raise ValueError(f"{name}: {error}") from None
         return self
 
+    @model_validator(mode="after")
+    def _default_pose_is_a_pose(self) -> Self:
+        if self.pose not in self.poses:
+            raise ValueError(f"pose: '{self.pose}' is none of the poses")
+        return self
+
     @property
     def has_skin(self) -> bool:
         """Whether a skin is drawn over the infant's solids."""

@@ -87,6 +87,12 @@ def _integer(content: bytes, offset: int) -> int:
     return struct.unpack_from("<i", content, offset)[0]
 
 
+def _heavy_bone(content: bytes) -> bytes:
+    """Return a skin whose first bone says that it moves a billion vertices: their bytes are no 32-bit number."""
+    verts, texcoords, faces, _ = struct.unpack_from("<4i", content)
+    return _with_integer(16 + 12 * verts + 8 * texcoords + 12 * faces + 40 + 28, 10**9)(content)
+
+
 def _deep(files: Files, outside: Path) -> None:
     files["scene.xml"] = b"<mujoco>" + b"<worldbody><body>" * 50_000 + b"</body></worldbody>" * 50_000 + b"</mujoco>"
 
@@ -224,6 +230,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
         "it refers to vertices that it does not have",
     ),
     "a skin of a billion vertices": (_replaced("assets/head.skn", _with_integer(0, 10**9)), "its sizes are not those"),
+    "a bone of a billion vertices": (_replaced("assets/head.skn", _heavy_bone), "it is longer or shorter than it says"),
     "a skin of -1 bones": (_replaced("assets/head.skn", _with_integer(12, -1)), "its sizes are not those"),
     "a skin cut short": (
         _replaced("assets/head.skn", lambda content: content[:5000]),
@@ -232,6 +239,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "an empty skin": (_replaced("assets/head.skn", lambda _: b""), "it is not a skin"),
     # What the manifest says.
     "a physics step of 1e-300 ms": (_manifest(("timestep_ms", 1e-300)), "timestep_ms: Input should be greater"),
+    "no poses": (_manifest(("poses", [])), "is none of the poses"),
     "a control step of 0 ms": (_manifest(("step_ms", 0)), "step_ms: Input should be greater"),
     "a control step of 1e308 ms": (_manifest(("step_ms", 1e308)), "step_ms: Input should be less"),
     "a control step of NaN": (_manifest(("step_ms", float("nan"))), "step_ms: Input should be"),
@@ -260,7 +268,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
         "the model has no sensor of three numbers 'x'",
     ),
     "an unknown camera": (_manifest(("senses.vision.cameras.0", "x")), "the model has no camera 'x'"),
-    "an unknown pose": (_manifest(("pose", "x")), "pose: the model has no keyframe 'x'"),
+    "an unknown pose": (_manifest(("pose", "x"), ("poses.0", "x")), "pose: the model has no keyframe 'x'"),
     "an unknown root": (_manifest(("root_body", "x")), "root_body: the model has no body 'x'"),
     "a root that is a hinge": (
         _manifest(("root_joint", "robot:head_tilt")),
