@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.manifest import ConstraintsEntry
+from mimoc.errors import BundleError
 from mimoc.model_fields import ModelField
 from mimoc.mujoco_layout import LOCK_ANGLE
 from mimoc.senses.sense import FloatArray
@@ -25,7 +26,11 @@ class Gaze:
     """
 
     def __init__(self, entries: Sequence[GazeEntry], model: mujoco.MjModel, constraints: ConstraintsEntry):
-        """Find joints, lookers and locks in *model*."""
+        """Find joints, lookers and locks in *model*.
+
+        Raises:
+            BundleError: If a joint is not locked.
+        """
         joints = [model.joint(entry.joint) for entry in entries]
         self._model = model
         self._joints = [joint.id for joint in joints]
@@ -34,6 +39,9 @@ class Gaze:
         self._low, self._high = np.array([joint.range for joint in joints]).reshape(-1, 2).T
         self._lookers = [model.body(entry.looker).id for entry in entries]
         lock_of = {lock.joint: lock.equality for lock in constraints.locks}
+        for entry in entries:
+            if entry.joint not in lock_of:
+                raise BundleError(f"its gaze turns '{entry.joint}', which is not locked; build it again")
         self._locks = np.array([model.equality(lock_of[entry.joint]).id for entry in entries], np.intp)
 
     @property

@@ -87,5 +87,5 @@ def is_clear(error: MimocError) -> bool:
 
 
 def peak_mb() -> float:
-    """Return the most memory that this process has ever had."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    """Return the most memory that this process, or one that it started, has ever had."""
+    return max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1024

@@ -1,5 +1,6 @@
 """Every bundle that was ever made to do harm is refused in one line, and nothing outside of it is opened."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,15 @@ def test_a_crafted_bundle_is_refused_in_one_line(name, tmp_path, outside):
     craft(files, outside.folder)
     assert said in refusal(write_resealed(files, tmp_path / "bundle"))
     assert outside.opened() == []
+
+
+def test_a_gaze_without_locks_is_refused(tmp_path):
+    files = honest_files(1)
+    manifest = json.loads(files["manifest.json"])
+    assert manifest["task"]["gaze"]
+    manifest["constraints"]["locks"] = []
+    folder = write_resealed({**files, "manifest.json": json.dumps(manifest).encode()}, tmp_path / "bundle")
+    assert "its gaze turns 'robot:head_swivel', which is not locked" in refusal(folder)
 
 
 @pytest.mark.parametrize("name", PLANTED)
