@@ -27,6 +27,7 @@ pytest_plugins = [
     "support.driven",
     "support.registering",
     "support.running",
+    "support.scheduling",
 ]
 
 settings.register_profile("mimoc", deadline=None, derandomize=True)
