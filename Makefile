@@ -10,6 +10,8 @@ SEED ?= 0
 SOAK ?=
 # Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
+# More threads would wait for one another on the cores that the workers share.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 APPTAINER ?= $(shell command -v apptainer || command -v singularity)
 BIN := $(VENV)/bin
 SPHINX := $(BIN)/python -m sphinx -b html -E -W --keep-going -q docs
@@ -53,7 +55,7 @@ test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run e
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
 		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
-		"tests: $(BIN)/pytest $(TWO_WORKERS) --durations 15"
+		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15"
 
 docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
