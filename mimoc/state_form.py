@@ -60,7 +60,7 @@ def checked_list(given: Any, where: str, length: int | None = None) -> Sequence[
     Raises:
         ValueError: If it is not.
     """
-    demand(isinstance(given, (list, tuple)) and len(given) == (len(given) if length is None else length), where, given)
+    demand(isinstance(given, (list, tuple)) and length in (None, len(given)), where, given)
     return given
 
 

@@ -75,7 +75,7 @@ def make_vec(
         MissingExtraError: If the device needs MuJoCo Warp, which is not installed.
         MixtureError: If the infants do not sense and command the same; it names what differs.
         MimocError: If there is no such device, or there are more sources than infants.
-        ValueError: If a number of infants or threads is none.
+        ValueError: If the number of infants or of threads is not a whole number, or negative.
     """
     sources = _listed(source)
     count = len(sources) if num_envs is None else num_envs
@@ -202,14 +202,14 @@ def _on_device(
 
 
 def _check_numbers(**given: Any) -> None:
-    """Check what is a number of things.
+    """Check numbers of infants or threads, where they are given.
 
     Raises:
-        ValueError: If it is no integer, or negative.
+        ValueError: If one is not a whole number, or negative.
     """
     for name, number in given.items():
         if number is not None and (isinstance(number, bool) or not isinstance(number, Integral) or number < 0):
-            raise ValueError(f"expected a number of them as {name}, got {number!r}")
+            raise ValueError(f"expected a whole number that is not negative as {name}, got {number!r}")
 
 
 def _listed(source: Any) -> list[Any]:

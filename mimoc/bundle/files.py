@@ -1,4 +1,4 @@
-"""Atomic writing of single files."""
+"""Atomic writing of single files, and whether a page can be written to one."""
 
 import os
 from contextlib import suppress

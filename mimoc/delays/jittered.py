@@ -72,14 +72,13 @@ class JitteredSamples:
         """Check that the sample of each observation has been taken if it was due by now; see `check_form`."""
         now, deviation, due = checked_list(state, where, 3)
         check_form([now, deviation], [0, 0], where)
-        latest = now - 1
-        for number, (taken, sample) in enumerate(checked_list(due, where)):
+        demand(len(checked_list(due, where)) > 0, where, due)
+        for number, (taken, sample) in enumerate(due):
             check_form(taken, 0, where)
             demand(taken <= now + number * self._period and (sample is not None) == (taken <= now), where, due)
             if sample is not None:
                 check_form(sample, self.arrived, where)
-            latest = taken
-        demand(latest >= now, where, due)
+        demand(due[-1][0] >= now, where, due)
 
 
 class JitteredCommands:

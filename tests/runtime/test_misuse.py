@@ -182,5 +182,5 @@ def test_actions_of_many_are_arrays_of_numbers(pair, actions):
 
 @pytest.mark.parametrize("numbers", [{"num_envs": "a"}, {"num_envs": 1.5}, {"num_envs": 2, "threads": "x"}])
 def test_there_is_a_whole_number_of_infants_and_threads(bundle, numbers):
-    with pytest.raises(ValueError, match="expected a number of them as"):
+    with pytest.raises(ValueError, match="expected a whole number that is not negative as"):
         mimoc.make_vec(bundle, **numbers)
