@@ -1,38 +1,19 @@
-"""The form of an environment's state: whether one that comes from anywhere can be that of this environment."""
+"""The form of states: whether one that comes from anywhere has that of another."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-OWN_FORM = ("task", "noise.channels", "signals.senses", "signals.commands")
-"""What is checked elsewhere: by the delays, or where it is restored, as it is of another length at other times."""
-
-
-@contextmanager
-def checked_state(state: Any, own: Mapping[str, Any], check: Callable[[Any], None]) -> Iterator[None]:
-    """Restore a state within, which has the form of the present one: the same names and arrays, and finite numbers.
-
-    Raises:
-        ValueError: If it has not; the message says where. Or if it cannot be restored.
-    """
-    try:
-        check_form(state, own)
-        check(state)
-        yield
-    except (AttributeError, IndexError, KeyError, OverflowError, TypeError) as error:
-        raise ValueError(f"this state cannot be restored ({error}); give one that get_state returned") from error
-
 
 def check_form(given: Any, own: Any, where: str = "") -> None:
-    """Check that something in a state has the form that it has in another state.
+    """Check that a state, or something in it, has the form of another: the same names and arrays, and finite numbers.
 
     Args:
         given: What comes from anywhere.
-        own: What is there in a state of this environment.
+        own: What is there in a state of this environment; names that it leaves out are not looked at.
         where: Names that lead to it, for the message.
 
     Raises:
@@ -43,8 +24,7 @@ def check_form(given: Any, own: Any, where: str = "") -> None:
         for name in own:
             inner = f"{where}.{name}".lstrip(".")
             demand(name in given, inner, "nothing")
-            if inner not in OWN_FORM:
-                check_form(given[name], own[name], inner)
+            check_form(given[name], own[name], inner)
     elif isinstance(own, (list, tuple)):
         for each, like in zip(checked_list(given, where, len(own)), own, strict=True):
             check_form(each, like, where)

@@ -34,7 +34,6 @@ from mimoc.runtime.spaces import action_space, check_same_space, observation_spa
 from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
 from mimoc.senses.sense import Observation, Sense
-from mimoc.state_form import checked_state
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NO_REWARD, Task
@@ -294,7 +293,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             if variant:
                 self._become(variant)
                 self._start(self.manifest.pose)
-            with checked_state(state, self.get_state() if variant else own, self._living().check):
+            with self._living().checked(state, self.get_state() if variant else own):
                 self._restore(copy.deepcopy(state))
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
