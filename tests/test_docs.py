@@ -99,6 +99,20 @@ def test_every_file_that_a_page_links_to_exists():
     assert [(page.name, link) for page, link in links if not (page.parent / link).exists()] == []
 
 
+def test_every_page_says_something_where_no_site_is_built():
+    """Also those whose text the site takes from elsewhere, as on a host of code."""
+    pages = {path: path.read_text(encoding="utf-8") for path in (CHECKOUT / "docs").rglob("*.md")}
+    prose = {path: re.sub(r"(?ms)^```.*?^```|^#.*?$", "", text) for path, text in pages.items()}
+    assert [path.name for path, text in prose.items() if len(text.strip()) < 80] == []
+
+
+def test_no_temporary_file_is_kept():
+    """Only in the folders of the repository: whatever runs elsewhere may be writing one."""
+    folders = [CHECKOUT / name for name in ("benchmarks", "configs", "data", "docs", "examples", "mimoc", "tests")]
+    assert [path for folder in folders for path in folder.rglob("*.tmp")] == []
+    assert [path for folder in folders for path in folder.rglob(".mimoc-*")] == []
+
+
 def test_every_module_that_contributing_names_exists():
     named = re.findall(r"`(mimoc/[a-z0-9_/]+(?:\.py|/))`", (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
     assert len(named) > 20

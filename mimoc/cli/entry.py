@@ -5,6 +5,7 @@ import os
 import select
 import sys
 import traceback
+import warnings
 from typing import TextIO
 
 from mimoc.cli.exit_codes import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK
@@ -29,6 +30,7 @@ def main() -> None:
 
 
 def _run() -> None:
+    warnings.formatwarning = _warning_line
     try:
         from mimoc.cli.commands import app
 
@@ -43,6 +45,11 @@ def _run() -> None:
         problem = f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it or choose another"
         print(printable(problem), file=sys.stderr)
         sys.exit(BAD_INPUT)
+
+
+def _warning_line(message: Warning | str, *_place: object) -> str:
+    """Return a warning as one line, without the place in the code that it comes from."""
+    return f"warning: {printable(message)}\n"
 
 
 def _is_of_loading_mujoco(error: Exception) -> bool:
