@@ -8,7 +8,7 @@ from mimoc import interruption
 if interruption.is_command():
     interruption.quit_at_once()  # Before anything is imported that takes time.
 
-from mimoc.registration import register_envs
+from mimoc.registration import register_envs, register_formatters
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
@@ -122,6 +122,7 @@ __all__ = [
 ]
 
 register_envs()
+register_formatters()
 
 
 def __getattr__(name: str) -> Any:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
-from importlib import import_module
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any
@@ -71,10 +70,6 @@ class Bundle:
         at = f", read from {str(self.path)!r}" if self.path else ""
         who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
         return f"Bundle({who}, {len(self.files)} files, {size_kb:.0f} kB{at})"
-
-    def _repr_html_(self) -> str:
-        """Return what notebooks show: a picture, and the measures of the child."""
-        return import_module("mimoc.notebook").bundle_html(self)  # It draws and compares, which comes after bundles.
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Support copying and pickling, which the read-only mapping does not by itself."""
