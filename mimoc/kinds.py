@@ -74,6 +74,9 @@ class SenseKind:
     """Delay with `preset: physiological`; None is no delay."""
     noise: NoiseOption | None = None
     """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
+    many: Code | None = None
+    """`join(senses) -> Joined | None`: what reads many infants at once (`senses.joined.Joined`), or None if it cannot
+    join these senses; those, and senses of a kind without it, are read one after another."""
 
 
 @dataclass(frozen=True, slots=True)
