@@ -2,10 +2,12 @@
 
 import re
 import shlex
+import subprocess
 from pathlib import Path
 
 import gymnasium
 import pytest
+import yaml
 
 import mimoc
 
@@ -123,3 +125,19 @@ def test_every_environment_that_a_page_names_is_registered():
     pages = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
     named = {name for page in pages for name in re.findall(r"\bmimoc/\w+-v\d+", page.read_text(encoding="utf-8"))}
     assert {"mimoc/Infant-v0", "mimoc/Reach-v0"} <= named <= set(gymnasium.registry)
+
+
+def test_a_host_of_code_runs_what_ci_runs():
+    """And what a release must be: the tag's version in the code, and a section of the changelog that has its name."""
+    workflow = yaml.safe_load((CHECKOUT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8"))
+    commands = {name: [step["run"] for step in job["steps"] if "run" in step] for name, job in workflow["jobs"].items()}
+    assert commands["test"] == ["bash .ci/run"]
+    check, look, *_ = (command.replace("${GITHUB_REF_NAME#v}", mimoc.__version__) for command in commands["release"])
+    assert subprocess.run(check, shell=True, cwd=CHECKOUT, check=False).returncode == 0
+    assert "CHANGELOG.md" in look
+
+
+def test_the_changelog_has_each_change_under_a_release():
+    headings = re.findall(r"(?m)^## (.*)$", (CHECKOUT / "CHANGELOG.md").read_text(encoding="utf-8"))
+    assert headings
+    assert [text for text in headings if not re.fullmatch(r"Unreleased|\d+\.\d+\.\d+", text)] == []

@@ -61,7 +61,10 @@ class NoSpec:
         (record("legs"), "'legs' is already another key of DelaysEntry"),
         (record("motor"), "'motor' is already the name of commands among the delays"),
         (TaskKind("nap", VestibularSpec, VestibularEntry, "os", "os"), "the task 'nap' does not fit"),
-        (SenseKind("echo", NoSpec, VestibularEntry, "os", "os"), "SenseKind.spec is <class .*NoSpec.>: input should be a sub"),
+        (
+            SenseKind("echo", NoSpec, VestibularEntry, "os", "os"),
+            "SenseKind.spec is <class .*NoSpec.>: input should be a sub",
+        ),
         (SceneKind("seed", "A field.", "os", spec=VestibularSpec), "'seed' is already another key of SceneSpec"),
     ],
     ids=lambda value: getattr(value, "name", ""),
