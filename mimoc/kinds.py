@@ -234,6 +234,16 @@ class Kinds(Mapping[str, K]):
         del self._added[name]
 
 
+def check_custom_object(what: str, custom: object) -> None:
+    """Check that what a script passes instead of a record is an object, and not its class.
+
+    Raises:
+        KindError: If it is a class.
+    """
+    if isinstance(custom, type):
+        raise KindError(f"{what} is the class {custom.__name__}; pass an object of it: {custom.__name__}()")
+
+
 def announced(group: str) -> list[str]:
     """Return the names of the kinds that installed distributions announce in a group of entry points, not loaded."""
     return sorted(each.name for each in installed_entry_points().select(group=group))

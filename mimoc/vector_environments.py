@@ -143,7 +143,10 @@ def make_vec_infant(
     num_envs: int = 1, bundle: Any = None, source: Any = None, **options: Any
 ) -> "ManyInfants | WarpInfants":
     """Return what `make_vec` does, for Gymnasium, where the infants are called `bundle` as in `gymnasium.make`."""
-    return make_vec(bundle if source is None else source, num_envs, **options)
+    infants = bundle if source is None else source
+    if infants is None:
+        raise MimocError(f"{environments.NO_INFANT}, or a list of them")
+    return make_vec(infants, num_envs, **options)
 
 
 def _joined(
@@ -161,6 +164,7 @@ def _joined(
     if device != "cpu":
         return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
     limit = options.pop("max_episode_steps", None)
+    environments.check_options(options)
 
     def open_infant(parts: dict[str, Any]) -> InfantEnv:
         """Open one, with copies of a script's objects of its own."""

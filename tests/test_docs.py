@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 import gymnasium
@@ -113,6 +114,15 @@ def test_no_temporary_file_is_kept():
     folders = [CHECKOUT / name for name in ("benchmarks", "configs", "data", "docs", "examples", "mimoc", "tests")]
     assert [path for folder in folders for path in folder.rglob("*.tmp")] == []
     assert [path for folder in folders for path in folder.rglob(".mimoc-*")] == []
+
+
+def test_pages_that_build_in_the_same_folder_can_be_read_in_any_order():
+    pages = [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").rglob("*.md"))]
+    lines = [line for page in pages for line in "".join(blocks(str(page), "sh")).splitlines()]
+    builds = [(match[1], line) for line in lines if (match := re.search(r"mimoc build .*-o (\S+)", line))]
+    often = {out for out, count in Counter(out for out, _ in builds).items() if count > 1}
+    assert "out/nine_months" in often
+    assert [line for out, line in builds if out in often and "--force" not in line] == []
 
 
 def test_every_module_that_contributing_names_exists():

@@ -192,6 +192,8 @@ def _read_folder(folder: Path) -> Bundle:
             lock = _read_lock(folder, opened)
             files = _read_files(folder, opened, _locked_files(lock))
     except OSError:
+        if folder.is_file():
+            raise BundleError(f"{folder}: this is a file; {_ADVICE_FOR_FILES}") from None
         raise BundleError(f"{folder}: there is no such folder; {_ADVICE}") from None
     try:
         manifest = read_manifest(files[MANIFEST])
@@ -201,6 +203,7 @@ def _read_folder(folder: Path) -> Bundle:
 
 
 _ADVICE = "build one there with 'mimoc build SPEC -o OUT'"
+_ADVICE_FOR_FILES = "name the folder of a bundle, or a spec that ends in .yaml or .yml"
 
 
 def _read_lock(folder: Path, opened: RegularFiles) -> bytes:

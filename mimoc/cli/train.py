@@ -10,7 +10,7 @@ from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import resumable
 from mimoc.cli.infants import load_infant
 
-EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
+EXAMPLE = "Example:  mimoc train reach.yaml -o runs/reach --algo ppo --steps 4096"
 
 CheckpointEvery = Annotated[
     int, typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints: the most that a kill can lose.")

@@ -8,6 +8,8 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
+from mimoc.errors import KindError
+from mimoc.kinds import check_custom_object
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
 from mimoc.tasks.task import Task, Verdict
@@ -23,7 +25,14 @@ class CustomTask(Task):
     """
 
     def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
-        """Bind the object to a model."""
+        """Bind the object to a model.
+
+        Raises:
+            KindError: If it is a class, or has no `judge`.
+        """
+        check_custom_object("task", custom)
+        if not callable(getattr(custom, "judge", None)):
+            raise KindError(f"task is {custom!r:.60}, which has no method 'judge'; pass an object such as a mimoc.Task")
         super().__init__(getattr(custom, "steps", None))
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
