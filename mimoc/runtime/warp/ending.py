@@ -66,7 +66,8 @@ class Ending:
         """Add up rewards, find what ends, and choose where to begin again."""
         worlds = self._body.shape[0]
         state = [data.qpos, data.qvel, data.qacc, data.overflow]
-        inputs = [MODES[mode], self._body, self._limits, self.seeds, starts.first, starts.count, *state]
+        wp.launch(_check, worlds, state, [self.unstable, self.overflowed])
+        inputs = [MODES[mode], self._body, self._limits, self.seeds, starts.first, starts.count]
         counts = [self.steps, self.episode, self.terms, self.reward, self.success, self.terminated, self.truncated]
         ends = [self.unstable, self.overflowed, self.ended, self.finished, self.chosen]
         wp.launch(_judge, worlds, inputs, [*counts, *ends])
@@ -75,6 +76,21 @@ class Ending:
     def begin(self, chosen: wp.array) -> None:
         """Count from the start again in worlds that begin an episode."""
         wp.launch(_begin, chosen.shape, [chosen], [self.steps])
+
+
+@wp.kernel(enable_backward=False)
+def _check(
+    qpos: wp.array2d[float],
+    qvel: wp.array2d[float],
+    qacc: wp.array2d[float],
+    flags: wp.array[int],
+    unstable: wp.array[int],
+    overflowed: wp.array[int],
+):
+    world = wp.tid()
+    broken = _broken(qpos, world) or _broken(qvel, world) or _broken(qacc, world)
+    unstable[world] = wp.where(broken, 1, 0)
+    overflowed[world] = wp.where(overflow.is_losing(flags[world]) and not broken, 1, 0)
 
 
 @wp.func
@@ -105,10 +121,6 @@ def _judge(
     seeds: wp.array[int],
     first: wp.array[int],
     count: wp.array[int],
-    qpos: wp.array2d[float],
-    qvel: wp.array2d[float],
-    qacc: wp.array2d[float],
-    flags: wp.array[int],
     steps: wp.array[int],
     episode: wp.array[int],
     terms: wp.array2d[float],
@@ -124,16 +136,16 @@ def _judge(
 ):
     world = wp.tid()
     waiting = ended[world] == 1 and mode == wp.static(NEXT_STEP)
-    broken = (_broken(qpos, world) or _broken(qvel, world) or _broken(qacc, world)) and not waiting
+    if waiting:
+        unstable[world] = 0
+        overflowed[world] = 0
+    broken = unstable[world] == 1
     steps[world] = steps[world] + 1
     if broken or waiting:
         success[world] = 0
         terminated[world] = wp.where(broken, 1, 0)
     reward[world] = _total(terms, world, broken or waiting)
-    unstable[world] = wp.where(broken, 1, 0)
-    lost = overflow.is_losing(flags[world]) and not broken and not waiting
-    overflowed[world] = wp.where(lost, 1, 0)
-    truncated[world] = wp.where((steps[world] >= limits[body[world]] or lost) and not waiting, 1, 0)
+    truncated[world] = wp.where((steps[world] >= limits[body[world]] or overflowed[world] == 1) and not waiting, 1, 0)
     ends = truncated[world] == 1 or terminated[world] == 1
     finished[world] = wp.where(ends, 1, 0)
     chosen[world] = -1

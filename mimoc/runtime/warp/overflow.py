@@ -1,15 +1,15 @@
 """What did not fit on a device: MuJoCo Warp's flags, which stay set until they are cleared, and how much room was used.
 
-Three of the flags lose nothing: the depth of a contact of two convex shapes (`EPA_HORIZON`), or a solution (`ITERATIONS`,
-`LS_ITERATIONS`), is less exact. With all others, contacts or constraints of the infant were lost in a physics step.
-`NEFC`, `NJMAX_NNZ` and `CCD` are set for the worlds that lost something. The list of pairs of geoms and that of contacts
+Three of the flags lose nothing: the depth of a contact of two convex shapes (`EPA_HORIZON`) or a solution
+(`ITERATIONS`, `LS_ITERATIONS`) is less exact. With all others, contacts or constraints of the infant were lost.
+`NEFC`, `NJMAX_NNZ` and `CCD` are set for the worlds that lost something. The lists of pairs of geoms and of contacts
 are shared: where one is full, `BROADPHASE` or `NARROWPHASE` is set for all worlds, as any of them may have lost some.
 """
 
 import mujoco_warp as mjw
 import warp as wp
 
-FLAGS = {flag.name.lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
+FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
 """The bit of each flag."""
 HARMLESS = int(mjw.OverflowType.EPA_HORIZON | mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS)
 LOSING = int(mjw.OverflowType.ALL) & ~HARMLESS
@@ -19,8 +19,8 @@ OWN = ("nefc", "njmax_nnz")
 """Flags of the rows that each world has."""
 NOT_FINITE, OVERFLOWED, ROWS, PAIRS, COUNTS = range(5)
 """Places in a report of a control step: the last infant plus one whose commands were not finite; how many infants lost
-contacts; the rows of constraints of the infant with the most; pairs or contacts of all, whichever are more; then, in how
-many infants each flag was set, by its bit."""
+contacts; the rows of constraints of the infant with the most; pairs or contacts of all, whichever are more; then, of
+how many infants each flag was set, by its bit."""
 LENGTH = COUNTS + max(FLAGS.values()) + 1
 
 

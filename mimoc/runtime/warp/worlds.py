@@ -190,9 +190,9 @@ class Worlds:
         """Return what is wrong if many infants lose contacts and the room cannot grow."""
         first, limit = int(np.flatnonzero(self.ended.overflowed.numpy())[0]), self.room.present
         return (
-            f"contacts or constraints of {count} infants, such as {first}, did not fit in the last step, and there is no "
-            f"more room than contacts={limit.contacts} and constraints={limit.constraints}: look at what holds these "
-            "infants, or make the environment with more, or with fewer infants"
+            f"contacts or constraints of {count} infants, such as {first}, did not fit in the last step, and there is "
+            f"no more room than contacts={limit.contacts} and constraints={limit.constraints}: look at what holds "
+            "these infants, or make the environment with more, or with fewer infants"
         )
 
     def observe(self) -> None:

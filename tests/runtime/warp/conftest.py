@@ -2,6 +2,8 @@ import pytest
 import warp as wp
 from support.devices import WARP_DEVICE
 
+from mimoc.runtime.warp.needs import find_device
+
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled_quickly():
@@ -16,5 +18,5 @@ def compiled_quickly():
 @pytest.fixture(autouse=True)
 def on_the_device():
     """Let the device be Warp's present one, for tests that make arrays and launch kernels themselves."""
-    with wp.ScopedDevice(WARP_DEVICE):
+    with wp.ScopedDevice(find_device(WARP_DEVICE)):
         yield

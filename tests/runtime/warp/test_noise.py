@@ -104,7 +104,7 @@ def test_motors_are_driven_by_their_commands_and_noise_in_proportion(infant, cha
 
 
 def assert_same(values: np.ndarray, expected: np.ndarray) -> None:
-    """Compare what is sensed, up to the order of sums on a GPU, in which the lightest contact may vanish with its noise."""
+    """Compare what is sensed, up to a GPU's order of sums, by which a light contact may vanish with its noise."""
     errors = np.abs(values - expected) / np.maximum(1.0, np.abs(expected))
     assert np.quantile(errors, 0.95) < 1e-3
 

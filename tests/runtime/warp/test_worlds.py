@@ -275,7 +275,9 @@ def test_actuation_that_a_plugin_brings_is_refused_instead_of_ignored(registered
         alone.reset(seed=0)
         alone.step(np.full(alone.action_space.shape, 0.4, np.float32))
         assert alone.unwrapped.data.ctrl.max() == pytest.approx(0.2)
-        with pytest.raises(DeviceError, match=r"has the actuation model 'halved', .* choose from muscle, position, torque"):
+        with pytest.raises(
+            DeviceError, match=r"has the actuation model 'halved', .* choose from muscle, position, torque"
+        ):
             mimoc.make_vec(infant, 2, device=DEVICE)
         alone.close()
 
