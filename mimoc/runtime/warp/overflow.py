@@ -64,7 +64,8 @@ def _report(
     flags = overflow[world]
     overflow[world] = 0
     if unstable[world] == 0:
-        wp.atomic_add(written, wp.static(OVERFLOWED), overflowed[world])
+        if overflowed[world] == 1:
+            wp.atomic_add(written, wp.static(OVERFLOWED), 1)
         wp.atomic_max(written, wp.static(ROWS), nefc[world])
         for bit in range(wp.static(LENGTH - COUNTS)):
             if ((flags >> bit) & 1) == 1:

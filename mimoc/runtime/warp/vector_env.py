@@ -112,6 +112,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             TypeError: If the options are no dictionary.
             ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
             UnknownNameError: If there is no such pose or option.
+            ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong in the step before.
         """
         self._settle()
@@ -140,6 +141,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
 
         Raises:
             ValueError: If the actions have the wrong shape, or NumPy's are not finite.
+            ClosedEnvironmentError: If the environment is closed.
             DeviceError: If contacts or constraints of more than 1 % of the infants did not fit in the step before and
                 the room for them cannot grow, or if actions were not finite.
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
@@ -264,8 +266,11 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Deal with what the device reports of the step before, once.
 
         Raises:
+            ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong.
         """
+        if self.closed:
+            raise gymnasium.error.ClosedEnvironmentError("this environment has been closed; make a new one")
         if self._is_settled:
             return
         self._is_settled = True

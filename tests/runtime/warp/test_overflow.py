@@ -14,7 +14,7 @@ from mimoc.runtime.warp.overflow import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING,
 from mimoc.runtime.warp.room import Room
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants
 
-CLOSE = 1e-3
+CLOSE = 3e-3
 NEFC = int(mjw.OverflowType.NEFC)
 ENOUGH = {"contacts": 100, "constraints": 200}
 SENSES = {

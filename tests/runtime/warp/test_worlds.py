@@ -6,6 +6,7 @@ Warp compiles its kernels once for each kind of model, so these tests share few 
 from dataclasses import dataclass
 from functools import cache
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
@@ -224,7 +225,11 @@ def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
     env.step(torch.from_numpy(command))
     with pytest.raises(DeviceError, match="last actions of infant 1 were not finite"):
         env.step(0 * command)
-    env.close()
+    for _ in range(2):
+        env.close()
+    for used in (env.reset, lambda: env.step(0 * command)):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="this environment has been closed"):
+            used()
 
 
 def test_a_task_that_is_passed_as_an_object_stays_on_the_cpu():
