@@ -49,13 +49,13 @@ demo: $(DEMO) opengl ## Build, validate, check, run, render and show an infant o
 	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test; say how long each part took.
+test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test (or TESTS=tests/body); say how long each part took.
 	@$(BIN)/python .ci/parts.py \
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
 		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
-		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15"
+		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 $(TESTS)"
 
 docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
@@ -138,7 +138,8 @@ $(DOCS): $(DEMO)
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.
-torch_without_cuda = [ "$$(uname)" != Linux ] || { $(BIN)/pip install uv && \
+# Tests on a GPU need the default build, which knows CUDA.
+torch_without_cuda = [ "$$(uname)" != Linux ] || [ "$${MIMOC_TEST_DEVICE#cuda}" != "$$MIMOC_TEST_DEVICE" ] || { $(BIN)/pip install uv && \
 	UV_HTTP_CONNECT_TIMEOUT=4 UV_HTTP_TIMEOUT=8 UV_HTTP_RETRIES=1 \
 	$(BIN)/uv pip install --python $(BIN)/python --torch-backend cpu --no-deps 'torch<3'; }
 

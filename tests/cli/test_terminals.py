@@ -133,4 +133,5 @@ def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp
     done = finished("check", built, MUJOCO_GL=library, LD_LIBRARY_PATH=str(tmp_path))
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith(f"MuJoCo cannot be loaded with MUJOCO_GL={library} (")
+    assert "apt-get install libegl1, or libosmesa6" in done.err
     assert len(done.err.splitlines()) == 1
