@@ -106,7 +106,7 @@ def train(
     others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": every}
     bundle = load_infant(infant)
     others |= {"hyper": hyperparameters.parse(algo, assignments or []), "task": import_object(task) if task else None}
-    with training_output.shown() as show, resumable():
+    with training_output.shown() as show, resumable(out / "policy.zip"):
         others |= {"progress": show.report, "on_row": show.on_row}
         done = training.train(bundle, out, algo=algo, steps=steps, seed=seed, envs=envs, **others)
     training_output.print_training(done, out, task)
