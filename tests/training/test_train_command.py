@@ -193,7 +193,6 @@ def test_control_c_ends_a_run_quietly_and_it_can_be_resumed(invoke, here):
             shown = reading.result()
     assert running.returncode == 130
     assert b"Traceback" not in shown
-    assert b"run the same command again to resume" in shown
     kept = read_progress(Path("run/state.zip").read_bytes()).steps if Path("run/state.zip").exists() else 0
     code, out, _ = invoke("train", "out", "-o", "run", "--steps", kept + EVERY, *TOLD, *growth)
     assert code == 0
