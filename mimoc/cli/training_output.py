@@ -45,8 +45,9 @@ class TrainingProgress(Protocol):
 @contextmanager
 def shown() -> Iterator[TrainingProgress]:
     """Show a training by a progress bar in terminals, and elsewhere by lines now and then; warnings are a line each."""
+    in_terminal = sys.stderr.isatty()  # Which a bar replaces by something that is no terminal.
     with console.progress("training") as bar, _warnings_as_lines():
-        yield _Bar(bar) if sys.stderr.isatty() else Lines(_print)
+        yield _Bar(bar) if in_terminal else Lines(_print)
 
 
 class Lines:

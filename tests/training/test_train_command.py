@@ -1,4 +1,5 @@
 import inspect
+import io
 import json
 import os
 import pty
@@ -6,8 +7,10 @@ import re
 import shlex
 import signal
 import subprocess
+import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 
@@ -16,8 +19,9 @@ from support.commands import process
 
 import mimoc
 from mimoc import cli
+from mimoc.cli import console
 from mimoc.cli.exit_codes import resumable
-from mimoc.cli.training_output import Lines
+from mimoc.cli.training_output import Lines, shown
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize
 
@@ -130,6 +134,24 @@ def test_lines_come_with_the_first_row_and_then_now_and_then():
     pauses = [after - before for before, after in pairwise(done)]
     assert pauses == sorted(pauses)
     assert (min(pauses), len(written) < 120) == (100, True)
+
+
+def test_in_a_terminal_a_bar_has_the_return_before_it(monkeypatch):
+    """Though while there is a bar, what is printed goes through something that is no terminal."""
+    drawn = []
+
+    @contextmanager
+    def progress(what):
+        monkeypatch.setattr(sys, "stderr", io.StringIO())
+        yield lambda done, total, what=what: drawn.append((done, total, what))
+
+    monkeypatch.setattr(console, "progress", progress)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    with shown() as training:
+        training.report(1, 9)
+        training.on_row(summarize([FinishedEpisode(-2.0, 9, False)], 2, 0.01, 1.0))
+        training.report(2, 9)
+    assert drawn == [(1, 9, "training"), (2, 9, "training, mean return -2")]
 
 
 def test_ctrl_c_says_which_file_has_what_was_learnt_so_far(capsys, tmp_path):
