@@ -25,7 +25,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -91,6 +91,9 @@ soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours 
 
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
+
+trainings: $(TEST) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
+	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest tests/test_trainings_in_docs.py
 
 viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
 	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }

@@ -36,8 +36,9 @@ def test_the_help_of_each_command_has_an_example(invoke, command, option):
     assert f"Example: mimoc {command} " in " ".join(done.out.split()) + " "
 
 
-def without_notes(told: str) -> list[str]:
-    return [line for line in told.splitlines() if not line.startswith("note: ")]
+def without_notes(printed: str) -> list[str]:
+    """Return lines that are neither notes nor how far a training is."""
+    return [line for line in printed.splitlines() if not (line.startswith("note: ") or line.endswith(" left"))]
 
 
 @pytest.mark.slow
