@@ -223,7 +223,7 @@ def zeros(data):
         ({"age_months": 9}, "'age_months' is not a keyword of an environment (what the infant is like is said in"),
         ({"render_size": 9}, "'render_size' is not a keyword of an environment"),
     ],
-    ids=str,
+    ids=["class", "function", "string", "no space", "class as sense", "number", "list", "key of a spec", "no key"],
 )
 @pytest.mark.parametrize(
     "make",
