@@ -234,14 +234,16 @@ class Kinds(Mapping[str, K]):
         del self._added[name]
 
 
-def check_custom_object(what: str, custom: object) -> None:
-    """Check that what a script passes instead of a record is an object, and not its class.
+def check_custom_object(what: str, custom: object, method: str, example: str) -> None:
+    """Check that what a script passes instead of a record is an object with a method, and not its class.
 
     Raises:
-        KindError: If it is a class.
+        KindError: If it is not.
     """
     if isinstance(custom, type):
         raise KindError(f"{what} is the class {custom.__name__}; pass an object of it: {custom.__name__}()")
+    if not callable(getattr(custom, method, None)):
+        raise KindError(f"{what} is {custom!r:.60}, which has no method '{method}'; pass {example}")
 
 
 def announced(group: str) -> list[str]:

@@ -218,7 +218,7 @@ def zeros(data):
         ({"task": "reach"}, "task is 'reach', which has no method 'judge'"),
         ({"senses": {"hum": zeros}}, "sense 'hum' has no attribute 'space', the gymnasium.spaces.Box of"),
         ({"senses": {"hum": Regard}}, "sense 'hum' is the class Regard; pass an object of it: Regard()"),
-        ({"senses": {"hum": 3}}, "sense 'hum' is 3, which cannot be called"),
+        ({"senses": {"hum": 3}}, "sense 'hum' is 3, which has no method '__call__'"),
         ({"senses": [zeros]}, "pass a dictionary of objects by the name of their observation"),
         ({"age_months": 9}, "'age_months' is not a keyword of an environment (what the infant is like is said in"),
         ({"render_size": 9}, "'render_size' is not a keyword of an environment"),

@@ -1,6 +1,6 @@
 """Senses that a script passes as objects, without a record or a bundle that knows of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import mujoco
@@ -29,9 +29,7 @@ class CustomSense(Sense):
         Raises:
             KindError: If it is a class, cannot be called, has no `space`, or a delay of no whole physics steps.
         """
-        check_custom_object(f"sense '{name}'", custom)
-        if not isinstance(custom, Callable):
-            raise KindError(f"sense '{name}' is {custom!r:.60}, which cannot be called; it gets MuJoCo's data")
+        check_custom_object(f"sense '{name}'", custom, "__call__", "an object that is called with MuJoCo's data")
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
         if not isinstance(getattr(custom, "space", None), Box):

@@ -8,7 +8,6 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
-from mimoc.errors import KindError
 from mimoc.kinds import check_custom_object
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
@@ -31,9 +30,7 @@ class CustomTask(Task):
         Raises:
             KindError: If it is a class, or has no `judge`.
         """
-        check_custom_object("task", custom)
-        if not callable(getattr(custom, "judge", None)):
-            raise KindError(f"task is {custom!r:.60}, which has no method 'judge'; pass an object such as a mimoc.Task")
+        check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
         super().__init__(getattr(custom, "steps", None) or bundle.manifest.task.steps)
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
