@@ -49,6 +49,7 @@ def programs() -> dict[str, list[str]]:
 def here(tmp_path, monkeypatch) -> Path:
     """Return a working directory with the configs, and with the tasks of the guide in `my_tasks.py`."""
     (tmp_path / "configs").symlink_to(CHECKOUT / "configs")
+    (tmp_path / "reach.yaml").symlink_to(CHECKOUT / "configs" / "reach.yaml")  # As `mimoc new` writes it.
     blocks = re.findall(r"^```python\n(.*?)^```$", (CHECKOUT / "docs" / "own_reward.md").read_text(), re.M | re.S)
     (tmp_path / "my_tasks.py").write_text(blocks[0].partition("\nenv = ")[0])
     monkeypatch.chdir(tmp_path)

@@ -192,8 +192,8 @@ def _read_folder(folder: Path) -> Bundle:
             lock = _read_lock(folder, opened)
             files = _read_files(folder, opened, _locked_files(lock))
     except OSError:
-        if folder.is_file():
-            raise BundleError(f"{folder}: this is a file; {_ADVICE_FOR_FILES}") from None
+        if os.path.isfile(folder):  # Unlike a path's own method, also for paths that no file can have.
+            raise BundleError(f"{folder}: there is no such folder, as this is a file; {_ADVICE_FOR_FILES}") from None
         raise BundleError(f"{folder}: there is no such folder; {_ADVICE}") from None
     try:
         manifest = read_manifest(files[MANIFEST])
