@@ -152,7 +152,8 @@ def test_it_passes_its_own_test(container):
     assert done.returncode == 0, done.stdout + done.stderr
     for said in ("try: mimoc run infant", "ok: within one SD", "20 control steps", "infant.png"):
         assert said in done.stdout
-    assert {path.name for path in set(container.root.iterdir()) - before} <= {".cache", ".config"}
+    left = {path.name for path in set(container.root.iterdir()) - before}
+    assert {name for name in left if not name.startswith("torchinductor_")} <= {".cache", ".config"}
 
 
 def test_its_own_test_fails_as_soon_as_a_command_does(container):

@@ -252,7 +252,5 @@ def test_an_environment_of_no_infant_is_one_clear_error(make, options):
 @pytest.mark.parametrize("file", ["scene.xml", "manifest.json"])
 def test_a_file_of_a_bundle_is_no_bundle(function, file, bundle_at, tmp_path):
     folder = mimoc.write_bundle(bundle_at(9), tmp_path / "infant")
-    with pytest.raises(
-        BundleError, match=f"{file}: this is a file; name the folder of a bundle, or a spec that ends in"
-    ):
+    with pytest.raises(BundleError, match=f"{file}: there is no such folder, as this is a file; name the folder of a"):
         function(folder / file)
