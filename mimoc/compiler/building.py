@@ -187,7 +187,7 @@ class Builder:
     ) -> dict[str, bytes]:
         return {
             **self.files,
-            **printing.render_world(furnished.scene),
+            **printing.render_world(furnished.scene, self.files["infant.xml"]),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
             "provenance.json": render_json(packed({**world_origins, **self.origins}), 2),

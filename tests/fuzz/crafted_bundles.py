@@ -126,12 +126,13 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "include of an absolute path": (_at_root('<include file="{outside}/canary.xml"/>'), NOT_THERE),
     "include of a path above": (_at_root('<include file="../canary.xml"/>'), NOT_THERE),
     "include of itself": (_at_root('<include file="scene.xml"/>'), NOT_THERE),
-    "include of the infant twice": (_at_root('<include file="infant.xml"/>'), "2 times <include>"),
+    "include of the infant twice": (_at_root('<include file="infant.xml"/>' * 2), "2 times <include>"),
+    "include of an infant that is there already": (_at_root('<include file="infant.xml"/>'), "repeated default class"),
     "include in the infant": (
         _xml("infant.xml", "<asset>", '<include file="infant.xml"/><asset>'),
-        "scene.xml alone includes infant.xml",
+        "only scene.xml may include infant.xml",
     ),
-    "no include": (_xml("scene.xml", '<include file="infant.xml"/>', ""), "scene.xml alone includes infant.xml"),
+    "no infant": (_xml("scene.xml", "worldbody>", "asset>", 2), "Schema violation"),
     "a texture of an absolute path": (
         _xml("infant.xml", 'file="assets/stripes.png"', 'file="{outside}/canary.png"'),
         NOT_THERE,
