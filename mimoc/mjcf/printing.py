@@ -15,33 +15,35 @@ TEMPLATES = Path(__file__).parents[1] / "templates"
 
 def render_scene(scene: SceneTree) -> dict[str, bytes]:
     """Return the MJCF and assets of a scene, by path in the bundle."""
-    infant = render_infant(scene)
-    return {**infant, **render_world(scene, infant["infant.xml"])}
+    return {**render_infant(scene), **render_world(scene, render_inhabitant(scene))}
 
 
 def render_infant(scene: SceneTree) -> dict[str, bytes]:
-    """Return the MJCF and assets of the infant alone."""
+    """Return the MJCF of the infant alone, with its solids shown instead of its skin, and its assets.
+
+    MuJoCo attaches skins to other models from 3.17 on, and dm_control includes and copies none.
+    """
     skin = scene.skin.files if scene.skin else {}
-    return {
-        "infant.xml": _indented(_parsed(render_text("infant.xml.j2", scene=scene))),
-        **scene.appearance.assets,
-        **skin,
-    }
+    return {"infant.xml": render_inhabitant(scene.without_skin), **scene.appearance.assets, **skin}
 
 
-def render_world(scene: SceneTree, infant: bytes) -> dict[str, bytes]:
+def render_inhabitant(scene: SceneTree) -> bytes:
+    """Return the MJCF of the infant as it is in its world: with its skin."""
+    return _indented(_parsed(render_text("infant.xml.j2", scene=scene)))
+
+
+def render_world(scene: SceneTree, inhabitant: bytes) -> dict[str, bytes]:
     """Return the MJCF of an infant in its world, and the assets of the world.
 
-    An infant with a skin is not included from its own file but printed again: dm_control reads no `<skin>` of a file
-    that another one includes.
+    It includes the file of the infant alone, unless the infant has a skin; then it is complete by itself.
 
     Args:
         scene: Both.
-        infant: The MJCF of the infant alone, as printed.
+        inhabitant: What `render_inhabitant` returned for the infant.
     """
     whole = _parsed(render_text("scene.xml.j2", scene=scene))
     if scene.skin:
-        whole = _with_included(whole, _parsed(infant))
+        whole = _with_included(whole, _parsed(inhabitant))
     return {"scene.xml": _indented(whole), **scene.world.assets}
 
 

@@ -68,6 +68,8 @@ def surroundings(bundle: mimoc.Bundle) -> str:
         for section in infant:
             same = scene.find(section.tag)
             assert same.attrib.items() >= section.attrib.items()
+            for geom in [*section.iter("geom"), *same.iter("geom")]:  # Under a skin, in another group.
+                geom.attrib.pop("group", None)
             assert [*map(etree.tostring, same[: len(section)])] == [*map(etree.tostring, section)]
             del same[: len(section)]
             for attribute in section.attrib:
