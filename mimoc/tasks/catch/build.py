@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
-from mimoc.body.poses import POSES, Pose, resting_state
+from mimoc.body.poses import Pose, pose_of, resting_state
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.ball import BALL, RADIUS_M, ball
 from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
@@ -44,7 +44,7 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
     """
     side: Side = task.hand or "right"
     require(tree, task.kind, f"{side}_hand", middle_finger(tree, side))
-    start = resting_state(tree, _offering(side))
+    start = resting_state(tree, _offering(tree, side))
     hand_m = _hand_length(tree, side)
     entry = CatchEntry(
         steps=task.steps or STEPS,
@@ -58,9 +58,9 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
     return one_armed(tree, side, entry, start, (ball(_above(tree, entry, start)),))
 
 
-def _offering(side: Side) -> Pose:
+def _offering(tree: BodyTree, side: Side) -> Pose:
     """Return the pose of an infant that sits and offers a palm."""
-    sitting = POSES["sitting"]
+    sitting = pose_of(tree, "sitting")
     arm = {f"{side}_{joint}": angle_deg for joint, angle_deg in OFFERING.items()}
     return Pose(sitting.pitch_deg, {**sitting.angles_deg, **UPRIGHT, **LOOKING, **arm})
 

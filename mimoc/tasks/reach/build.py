@@ -4,7 +4,7 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import POSES, resting_state
+from mimoc.body.poses import pose_of, resting_state
 from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.ball import BALL, ball
 from mimoc.tasks.base import GazeEntry
@@ -31,7 +31,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     side: Side = task.hand or "right"
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
-    start = resting_state(tree, POSES["standing"])
+    start = resting_state(tree, pose_of(tree, "standing"))
     entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
