@@ -2,15 +2,17 @@
 
     python sculpt/postures.py
 
-An infant without commands is laid down, sat or stood as `GUESSES_DEG` says, while what strength must hold is held; a
-few seconds later it rests. What is left and right is made alike, and the whole is repeated from there until hands and
-feet stay where they are.
+An infant without commands is laid down, sat or stood as `first_deg` says, while what strength must hold is held; a few
+seconds later it rests. Left and right are made alike, and it begins again from there, until hands and feet stay where
+they are. The next younger age begins where the older one came to rest.
 """
 
 import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fnmatch import fnmatch
+from itertools import product
+from multiprocessing import Pool
 
 import mujoco
 import numpy as np
@@ -23,89 +25,109 @@ from mimoc.fits.tables import data_folder
 from mimoc.schema.infant import InfantSpec
 
 AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 18, 24)
-GUESSES_DEG: Mapping[str, Mapping[str, float]] = {
-    "supine": {"{side}_shoulder_ad_ab": 45},
-    "prone": {"{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75},
-    "sitting": {"{side}_shoulder_ad_ab": 10},
-    "standing": {},
-}
-FREE = (
-    *("hip_bend1", "hip_bend2", "head_tilt"),
-    *("shoulder_horizontal", "shoulder_ad_ab", "shoulder_rotation", "elbow", "hand1", "hand2", "hand3", "fingers"),
-    *("hip1", "hip2", "hip3", "knee", "foot1", "foot2", "foot3", "toes"),
-)
-"""Joints whose angles are looked for; those without a side by their names, of the others the mean of both."""
-SECONDS, ROUNDS = 4.0, 12
+MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt")
+"""Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
+SECONDS, ROUNDS = 3.0, 8
 STILL_M = 0.001
 """Hands and feet that move by less rest."""
 HELD_KGM2 = 1e6
 """Armature of joints that are held."""
 
+Angles = dict[str, float]
+"""Degrees by joint; `{side}` stands for both sides."""
+
+
+def first_deg(name: str, age_months: float) -> Angles:
+    """Return how an infant is laid down, sat or stood; joints that are held stay so."""
+    if name == "supine":
+        return {"{side}_shoulder_ad_ab": 45}
+    if name == "prone":
+        return {"{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
+    if name == "standing":
+        return {}
+    young = max(0.0, 1 - age_months / 6)
+    hips = {"{side}_hip1": -102 - 13 * young, "{side}_hip2": -33 - 7 * young, "{side}_hip3": 35 * young}
+    back = dict.fromkeys(("hip_bend1", "hip_bend2"), 8 + 14 * young)
+    return {**back, **hips, "{side}_shoulder_ad_ab": 10, "{side}_shoulder_horizontal": 30}
+
 
 def main() -> None:
-    """Fit all poses, print by how much hands and feet move in the end, and write the table."""
-    rows = []
-    for development in ("maturing", "published"):
-        for name in POSES:
-            angles: dict[str, list[float]] = {}
-            for age_months in AGES_MONTHS:
-                settled, moved_m = fit(development, name, age_months)
-                print(f"{development:10} {name:9} {age_months:3} months: {moved_m * 1e3:5.1f} mm", flush=True)
-                for joint, angle_deg in settled.items():
-                    angles.setdefault(joint, []).append(angle_deg)
-            rows += [[development, name, joint, *(f"{angle:g}" for angle in of_ages)] for joint, of_ages in angles.items()]
-    with (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([["development", "pose", "joint", *AGES_MONTHS], *rows])
+    """Fit all poses, and write the table."""
+    kinds = [*product(("maturing", "published"), ("mitten", "five_finger"), (False, True), POSES)]
+    with Pool(2) as pool, (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["development", "hands", "chest_joint", "pose", "joint", *AGES_MONTHS])
+        for kind, ages in zip(kinds, pool.imap(all_ages, kinds), strict=True):
+            development, hands, chest_joint, pose = kind
+            for joint in ages[0]:
+                angles = [f"{angles_deg[joint]:g}" for angles_deg in ages]
+                table.writerow([development, hands, str(chest_joint).lower(), pose, joint, *angles])
 
 
-def fit(development: str, name: str, age_months: float) -> tuple[dict[str, float], float]:
-    """Return the angles of a pose at rest, in degrees, and how far hands and feet move in the last round, in [m]."""
-    body = {"hands": "mitten", "skin": False}
-    data = {"mimoc": 1, "name": "x", "age_months": age_months, "development": development, "body": body}
-    made = builder(InfantSpec.model_validate(data))
-    model = compile_model(made(0, check=False).files)
-    held(model, POSES[name])
-    wanted = replace(POSES[name], angles_deg={**GUESSES_DEG[name], **POSES[name].angles_deg})
+def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
+    """Return the angles of a pose at all ages, and print by how much hands and feet move in the end."""
+    development, hands, chest_joint, name = kind
+    body = {"hands": hands, "chest_joint": chest_joint, "skin": False}
+    spec = {"mimoc": 1, "name": "x", "development": development, "body": body}
+    found: list[Angles] = []
+    for age_months in reversed(AGES_MONTHS):
+        made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
+        older = {joint: angle for joint, angle in (found[-1] if found else {}).items() if not is_held(joint, name)}
+        angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, {**first_deg(name, age_months), **older})
+        print(f"{development} {hands} {chest_joint} {name} {age_months} months: {moved_m * 1e3:.1f} mm", flush=True)
+        found.append(angles)
+    return found[::-1]
+
+
+def is_held(joint: str, name: str) -> bool:
+    """Return whether strength holds a joint in a pose."""
+    return any(fnmatch(joint.format(side="left"), each.format(side="left")) for each in POSES[name].held)
+
+
+def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tuple[Angles, float]:
+    """Return the angles of a pose at rest, and how far hands and feet move in the last round, in [m]."""
+    for index in range(1, model.njnt):
+        joint = model.joint(index).name.removeprefix("robot:").replace("right_", "left_")
+        if is_held(joint, name):
+            model.dof_armature[model.jnt_dofadr[index]] = HELD_KGM2
+    angles, moved_m = first, np.inf
     for _ in range(ROUNDS):
-        settled, moved_m = settle(model, made.tree, wanted)
-        wanted = replace(wanted, angles_deg={**settled, **POSES[name].angles_deg})
+        wanted = replace(POSES[name], angles_deg={**angles, **POSES[name].angles_deg})
+        angles, moved_m = settle(model, tree, wanted)
         if moved_m < STILL_M:
             break
-    return settled, moved_m
+    return angles, moved_m
 
 
-def held(model: mujoco.MjModel, pose: Pose) -> None:
-    """Hold the joints of a model that strength holds in a pose."""
-    for joint in range(1, model.njnt):
-        name = model.joint(joint).name.removeprefix("robot:")
-        if any(fnmatch(name, each.format(side="*")) for each in pose.held):
-            model.dof_armature[model.jnt_dofadr[joint]] = HELD_KGM2
-
-
-def settle(model: mujoco.MjModel, tree: BodyTree, wanted: Pose) -> tuple[dict[str, float], float]:
-    """Return the angles after some seconds without commands, in degrees, and how far hands and feet moved, in [m]."""
+def settle(model: mujoco.MjModel, tree: BodyTree, wanted: Pose) -> tuple[Angles, float]:
+    """Return the angles after some seconds without commands, and how far hands and feet moved, in [m]."""
     data = mujoco.MjData(model)
-    data.qpos[: model.nq] = resting_state(tree, wanted)
+    data.qpos[:] = resting_state(tree, wanted)
     mujoco.mj_forward(model, data)
     ends = [index for index in range(model.nbody) if model.body(index).name.endswith(("_hand", "_foot"))]
     before = data.xipos[ends].copy()
     mujoco.mj_step(model, data, nstep=round(SECONDS / model.opt.timestep))
     moved_m = float(np.linalg.norm(data.xipos[ends] - before, axis=1).max())
-    return dict(_angles_deg(model, data, wanted)), moved_m
+    return {joint: round(angle, 1) + 0.0 for joint, angle in _alike(model, data) if joint not in wanted_fixed(wanted)}, moved_m
 
 
-def _angles_deg(model: mujoco.MjModel, data: mujoco.MjData, wanted: Pose) -> Iterator[tuple[str, float]]:
-    def of(joint: str) -> float:
-        return float(np.degrees(data.qpos[model.joint(f"robot:{joint}").qposadr[0]]))
+def wanted_fixed(wanted: Pose) -> Mapping[str, float]:
+    return next(pose.angles_deg for pose in POSES.values() if pose.held == wanted.held and pose.pitch_deg == wanted.pitch_deg)
 
-    for joint in FREE:
-        if joint.startswith("hip_bend"):
-            pattern, angle = joint, (of("hip_bend1") + of("hip_bend2")) / 2
-        elif joint.startswith("head"):
-            pattern, angle = joint, of(joint)
-        else:
-            pattern, angle = f"{{side}}_{joint}", (of(f"left_{joint}") + of(f"right_{joint}")) / 2
-        yield pattern, round(angle, 1) + 0.0
+
+def _alike(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[tuple[str, float]]:
+    """Yield the angles in a state, the mean of left and right."""
+    angles = {
+        model.joint(index).name.removeprefix("robot:"): float(np.degrees(data.qpos[model.jnt_qposadr[index]]))
+        for index in range(1, model.njnt)
+    }
+    bend = (angles["hip_bend1"] + angles["hip_bend2"]) / 2
+    for joint, angle in {**angles, "hip_bend1": bend, "hip_bend2": bend}.items():
+        side, _, limb = joint.partition("_")
+        if side == "left" and not limb.startswith("eye"):
+            yield f"{{side}}_{limb}", (angle + angles[f"right_{limb}"]) / 2
+        elif joint in MIDDLE:
+            yield joint, angle
 
 
 if __name__ == "__main__":

@@ -35,11 +35,7 @@ _TRUNK = ("hip_*", "chest_*", "head_*")
 POSES: Mapping[str, Pose] = {
     "supine": Pose(-90, {}),
     "prone": Pose(90, {"head_swivel": -70}),
-    "sitting": Pose(
-        0,
-        {"{side}_hip1": -102, "{side}_hip2": -33, "hip_bend1": 8, "hip_bend2": 8},
-        held=(*_TRUNK, "{side}_hip*"),
-    ),
+    "sitting": Pose(0, {}, held=(*_TRUNK, "{side}_hip*")),
     "standing": Pose(
         0,
         {f"{{side}}_{joint}": 0 for joint in ("hip1", "hip2", "hip3", "knee", "foot1", "foot2", "foot3")},
@@ -50,6 +46,8 @@ POSES: Mapping[str, Pose] = {
 """What is the same at all ages in the poses of infants; `pose_of` adds the angles at which the rest of the body rests.
 Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
+CHEST_JOINT = "robot:chest_lean"
+"""One of the joints of bodies whose chest has some."""
 CONTACT_DEPTH_M = 1e-4
 """Penetration depth of a resting body, such that the first physics step already supports its weight."""
 
@@ -62,7 +60,8 @@ def standing_height(tree: BodyTree) -> float:
 def pose_of(tree: BodyTree, name: str) -> Pose:
     """Return the pose of `POSES` that a body takes, with the angles at which a body of its age comes to rest in it."""
     wanted = POSES[name]
-    return replace(wanted, angles_deg={**settled_deg(tree.development, name, tree.age_months), **wanted.angles_deg})
+    settled = settled_deg(tree.development, tree.hands, CHEST_JOINT in tree.joints, name, tree.age_months)
+    return replace(wanted, angles_deg={**settled, **wanted.angles_deg})
 
 
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:

@@ -46,8 +46,8 @@ class Postures:
     """The angles at which the average child comes to rest."""
 
     ages_months: tuple[float, ...]
-    angles_deg: Mapping[tuple[str, str], Mapping[str, tuple[float, ...]]]
-    """By the law of development and the pose: by joint, for each of the ages."""
+    angles_deg: Mapping[tuple[str, str, bool, str], Mapping[str, tuple[float, ...]]]
+    """By the law of development, the hands and the pose: by joint, for each of the ages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +100,15 @@ def load_tables() -> GrowthTables:
     )
 
 
-def settled_deg(development: str, pose: str, age_months: float) -> dict[str, float]:
+def settled_deg(
+    development: str, hands: str, chest_joint: bool, pose: str, age_months: float
+) -> dict[str, float]:
     """Return the angles at which the average child of an age rests in a pose, linear between the ages of the table.
 
     Args:
         development: The law that its joints follow.
+        hands: Their kind.
+        chest_joint: Whether the chest has joints of its own.
         pose: Name of the pose.
         age_months: From 0 to 24.
 
@@ -117,7 +121,7 @@ def settled_deg(development: str, pose: str, age_months: float) -> dict[str, flo
     share = (age_months - ages[after - 1]) / (ages[after] - ages[after - 1])
     return {
         joint: angles[after - 1] + share * (angles[after] - angles[after - 1])
-        for joint, angles in postures.angles_deg.get((development, pose), {}).items()
+        for joint, angles in postures.angles_deg.get((development, hands, chest_joint, pose), {}).items()
     }
 
 
@@ -155,11 +159,11 @@ def _read_who(path: Path) -> GrowthStandard:
 
 def _read_postures(path: Path) -> Postures:
     ages: tuple[str, ...] = ()
-    found: dict[tuple[str, str], dict[str, tuple[float, ...]]] = {}
+    found: dict[tuple[str, str, bool, str], dict[str, tuple[float, ...]]] = {}
     for _, row in _rows(path):
-        ages = tuple(row)[3:]
+        ages = tuple(row)[5:]
         angles = tuple(_finite(row[age]) for age in ages)
-        found.setdefault((row["development"], row["pose"]), {})[row["joint"]] = angles
+        found.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[row["joint"]] = angles
     return Postures(tuple(map(float, ages)), found)
 
 
