@@ -8,7 +8,7 @@ they are. The next younger age begins where the older one came to rest.
 """
 
 import csv
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fnmatch import fnmatch
 from itertools import product
@@ -17,14 +17,14 @@ from multiprocessing import Pool
 import mujoco
 import numpy as np
 
-from mimoc.body.poses import POSES, Pose, resting_state
+from mimoc.body.poses import PITCH, POSES, Pose, resting_state
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.compiler.model_check import compile_model
 from mimoc.fits.tables import data_folder
 from mimoc.schema.infant import InfantSpec
 
-AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 18, 24)
+AGES_MONTHS = (0, 0.5, 1, 2, 3, 4, 6, 9, 12, 18, 24)
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 8
@@ -37,24 +37,29 @@ Angles = dict[str, float]
 """Degrees by joint; `{side}` stands for both sides."""
 
 
-def first_deg(name: str, age_months: float) -> Angles:
+def first_deg(name: str, development: str, age_months: float) -> Angles:
     """Return how an infant is laid down, sat or stood; joints that are held stay so."""
     if name == "supine":
         return {"{side}_shoulder_ad_ab": 45}
+    if name == "prone" and development == "published":
+        return {"{side}_shoulder_ad_ab": 25}
     if name == "prone":
         return {"{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "standing":
         return {}
     young = max(0.0, 1 - age_months / 6)
-    hips = {"{side}_hip1": -102 - 13 * young, "{side}_hip2": -33 - 7 * young, "{side}_hip3": 35 * young}
-    back = dict.fromkeys(("hip_bend1", "hip_bend2"), 8 + 14 * young)
-    return {**back, **hips, "{side}_shoulder_ad_ab": 10, "{side}_shoulder_horizontal": 30}
+    hips = {"{side}_hip1": -102 - 4 * young, "{side}_hip2": -33 - 7 * young, "{side}_hip3": 30 * young}
+    back = dict.fromkeys(("hip_bend1", "hip_bend2"), 8 + 6 * young)
+    return {**back, **hips, "{side}_shoulder_ad_ab": 20}
 
 
 def main() -> None:
     """Fit all poses, and write the table."""
     kinds = [*product(("maturing", "published"), ("mitten", "five_finger"), (False, True), POSES)]
-    with Pool(2) as pool, (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file:
+    with (
+        Pool(2) as pool,
+        (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file,
+    ):
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["development", "hands", "chest_joint", "pose", "joint", *AGES_MONTHS])
         for kind, ages in zip(kinds, pool.imap(all_ages, kinds), strict=True):
@@ -72,55 +77,55 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     found: list[Angles] = []
     for age_months in reversed(AGES_MONTHS):
         made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
-        older = {joint: angle for joint, angle in (found[-1] if found else {}).items() if not is_held(joint, name)}
-        angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, {**first_deg(name, age_months), **older})
+        older = found[-1] if found else {}
+        free = {joint: angle for joint, angle in older.items() if not is_held(joint.format(side="right"), name)}
+        model = compile_model(made(0, check=False).files)
+        angles, moved_m = fit(model, made.tree, name, {**first_deg(name, development, age_months), **free})
         print(f"{development} {hands} {chest_joint} {name} {age_months} months: {moved_m * 1e3:.1f} mm", flush=True)
         found.append(angles)
     return found[::-1]
 
 
-def is_held(joint: str, name: str) -> bool:
-    """Return whether strength holds a joint in a pose."""
-    return any(fnmatch(joint.format(side="left"), each.format(side="left")) for each in POSES[name].held)
-
-
 def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tuple[Angles, float]:
     """Return the angles of a pose at rest, and how far hands and feet move in the last round, in [m]."""
-    for index in range(1, model.njnt):
-        joint = model.joint(index).name.removeprefix("robot:").replace("right_", "left_")
-        if is_held(joint, name):
-            model.dof_armature[model.jnt_dofadr[index]] = HELD_KGM2
+    held = [index for index in range(1, model.njnt) if is_held(_name(model, index), name)]
+    model.dof_armature[model.jnt_dofadr[held]] = HELD_KGM2
     angles, moved_m = first, np.inf
     for _ in range(ROUNDS):
-        wanted = replace(POSES[name], angles_deg={**angles, **POSES[name].angles_deg})
-        angles, moved_m = settle(model, tree, wanted)
+        angles, moved_m = settle(model, resting_state(tree, posed(name, angles)))
         if moved_m < STILL_M:
             break
-    return angles, moved_m
+    w, _, y, _ = resting_state(tree, posed(name, angles))[3:7]
+    return {PITCH: round(np.degrees(2 * np.arctan2(y, w)), 1), **angles}, moved_m
 
 
-def settle(model: mujoco.MjModel, tree: BodyTree, wanted: Pose) -> tuple[Angles, float]:
+def is_held(joint: str, name: str) -> bool:
+    """Return whether strength holds a joint in a pose."""
+    return any(fnmatch(joint, each.format(side="*")) for each in POSES[name].held)
+
+
+def posed(name: str, angles: Angles) -> Pose:
+    """Return a pose with these angles."""
+    return replace(POSES[name], angles_deg={**angles, **POSES[name].angles_deg})
+
+
+def settle(model: mujoco.MjModel, state: Sequence[float]) -> tuple[Angles, float]:
     """Return the angles after some seconds without commands, and how far hands and feet moved, in [m]."""
     data = mujoco.MjData(model)
-    data.qpos[:] = resting_state(tree, wanted)
+    data.qpos[:] = state
     mujoco.mj_forward(model, data)
     ends = [index for index in range(model.nbody) if model.body(index).name.endswith(("_hand", "_foot"))]
     before = data.xipos[ends].copy()
     mujoco.mj_step(model, data, nstep=round(SECONDS / model.opt.timestep))
     moved_m = float(np.linalg.norm(data.xipos[ends] - before, axis=1).max())
-    return {joint: round(angle, 1) + 0.0 for joint, angle in _alike(model, data) if joint not in wanted_fixed(wanted)}, moved_m
-
-
-def wanted_fixed(wanted: Pose) -> Mapping[str, float]:
-    return next(pose.angles_deg for pose in POSES.values() if pose.held == wanted.held and pose.pitch_deg == wanted.pitch_deg)
-
-
-def _alike(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[tuple[str, float]]:
-    """Yield the angles in a state, the mean of left and right."""
     angles = {
-        model.joint(index).name.removeprefix("robot:"): float(np.degrees(data.qpos[model.jnt_qposadr[index]]))
-        for index in range(1, model.njnt)
+        _name(model, index): float(np.degrees(data.qpos[model.jnt_qposadr[index]])) for index in range(1, model.njnt)
     }
+    return {joint: round(angle, 1) + 0.0 for joint, angle in _alike(angles)}, moved_m
+
+
+def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
+    """Yield the mean of left and right, and of the two joints of the lumbar spine, which are coupled."""
     bend = (angles["hip_bend1"] + angles["hip_bend2"]) / 2
     for joint, angle in {**angles, "hip_bend1": bend, "hip_bend2": bend}.items():
         side, _, limb = joint.partition("_")
@@ -128,6 +133,10 @@ def _alike(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[tuple[str, fl
             yield f"{{side}}_{limb}", (angle + angles[f"right_{limb}"]) / 2
         elif joint in MIDDLE:
             yield joint, angle
+
+
+def _name(model: mujoco.MjModel, joint: int) -> str:
+    return model.joint(joint).name.removeprefix("robot:")
 
 
 if __name__ == "__main__":

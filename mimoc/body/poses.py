@@ -9,6 +9,7 @@ import numpy as np
 from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import pose
 from mimoc.body.resting import rollers
+from mimoc.body.strength import muscle_groups
 from mimoc.fits.tables import settled_deg
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.schema.names import SIDES
@@ -46,6 +47,8 @@ POSES: Mapping[str, Pose] = {
 """What is the same at all ages in the poses of infants; `pose_of` adds the angles at which the rest of the body rests.
 Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
+PITCH = "pitch"
+"""Rotation of the hip about y, among the angles of `data/postures.csv`."""
 CHEST_JOINT = "robot:chest_lean"
 """One of the joints of bodies whose chest has some."""
 CONTACT_DEPTH_M = 1e-4
@@ -59,9 +62,23 @@ def standing_height(tree: BodyTree) -> float:
 
 def pose_of(tree: BodyTree, name: str) -> Pose:
     """Return the pose of `POSES` that a body takes, with the angles at which a body of its age comes to rest in it."""
-    wanted = POSES[name]
-    settled = settled_deg(tree.development, tree.hands, CHEST_JOINT in tree.joints, name, tree.age_months)
-    return replace(wanted, angles_deg={**settled, **wanted.angles_deg})
+    wanted, settled = POSES[name], _settled_deg(tree, name)
+    pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
+    return replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
+
+
+def hands_at_rest(tree: BodyTree) -> dict[str, float]:
+    """Return the angles of fingers and thumbs of an infant that sits and does nothing, in degrees by joint."""
+    groups = muscle_groups(tree)
+    return {
+        joint: angle_deg
+        for joint, angle_deg in _settled_deg(tree, "sitting").items()
+        if groups.get("robot:" + joint.format(side="left")) == "left_hand" and "hand" not in joint
+    }
+
+
+def _settled_deg(tree: BodyTree, name: str) -> dict[str, float]:
+    return settled_deg(tree.development, tree.hands, CHEST_JOINT in tree.joints, name, tree.age_months)
 
 
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:

@@ -100,9 +100,7 @@ def load_tables() -> GrowthTables:
     )
 
 
-def settled_deg(
-    development: str, hands: str, chest_joint: bool, pose: str, age_months: float
-) -> dict[str, float]:
+def settled_deg(development: str, hands: str, chest_joint: bool, pose: str, age_months: float) -> dict[str, float]:
     """Return the angles at which the average child of an age rests in a pose, linear between the ages of the table.
 
     Args:
@@ -163,7 +161,9 @@ def _read_postures(path: Path) -> Postures:
     for _, row in _rows(path):
         ages = tuple(row)[5:]
         angles = tuple(_finite(row[age]) for age in ages)
-        found.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[row["joint"]] = angles
+        found.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[
+            row["joint"]
+        ] = angles
     return Postures(tuple(map(float, ages)), found)
 
 

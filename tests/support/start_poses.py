@@ -82,9 +82,7 @@ def held_dofs(model: mujoco.MjModel, pose: str) -> list[int]:
     patterns = [each.format(side="*") for each in POSES[pose].held] if pose in POSES else []
     names = {model.joint(index).name.removeprefix("robot:"): index for index in range(model.njnt)}
     return [
-        int(model.jnt_dofadr[index])
-        for name, index in names.items()
-        if any(fnmatch(name, each) for each in patterns)
+        int(model.jnt_dofadr[index]) for name, index in names.items() if any(fnmatch(name, each) for each in patterns)
     ]
 
 
