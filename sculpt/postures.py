@@ -4,11 +4,11 @@
 
 An infant without commands is laid down, sat or stood as `first_deg` says, while what strength must hold is held; a few
 seconds later it rests. Left and right are made alike, and it begins again from there, until hands and feet stay where
-they are. The next younger age begins where the older one came to rest.
+they are. The next younger age begins where the older one came to rest, but on the back, where tone alone decides.
 """
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from fnmatch import fnmatch
 from itertools import product
@@ -24,10 +24,10 @@ from mimoc.compiler.model_check import compile_model
 from mimoc.fits.tables import data_folder
 from mimoc.schema.infant import InfantSpec
 
-AGES_MONTHS = (0, 0.5, 1, 2, 3, 4, 6, 9, 12, 18, 24)
+AGES_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
-SECONDS, ROUNDS = 3.0, 8
+SECONDS, ROUNDS = 3.0, 12
 STILL_M = 0.001
 """Hands and feet that move by less rest."""
 HELD_KGM2 = 1e6
@@ -56,14 +56,12 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
 def main() -> None:
     """Fit all poses, and write the table."""
     kinds = [*product(("maturing", "published"), ("mitten", "five_finger"), (False, True), POSES)]
-    with (
-        Pool(2) as pool,
-        (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file,
-    ):
+    with Pool(2) as pool:
+        fitted = pool.map(all_ages, kinds, chunksize=1)
+    with (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["development", "hands", "chest_joint", "pose", "joint", *AGES_MONTHS])
-        for kind, ages in zip(kinds, pool.imap(all_ages, kinds), strict=True):
-            development, hands, chest_joint, pose = kind
+        for (development, hands, chest_joint, pose), ages in zip(kinds, fitted, strict=True):
             for joint in ages[0]:
                 angles = [f"{angles_deg[joint]:g}" for angles_deg in ages]
                 table.writerow([development, hands, str(chest_joint).lower(), pose, joint, *angles])
@@ -77,7 +75,7 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     found: list[Angles] = []
     for age_months in reversed(AGES_MONTHS):
         made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
-        older = found[-1] if found else {}
+        older = found[-1] if found and name != "supine" else {}
         free = {joint: angle for joint, angle in older.items() if not is_held(joint.format(side="right"), name)}
         model = compile_model(made(0, check=False).files)
         angles, moved_m = fit(model, made.tree, name, {**first_deg(name, development, age_months), **free})
@@ -92,7 +90,7 @@ def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tupl
     model.dof_armature[model.jnt_dofadr[held]] = HELD_KGM2
     angles, moved_m = first, np.inf
     for _ in range(ROUNDS):
-        angles, moved_m = settle(model, resting_state(tree, posed(name, angles)))
+        angles, moved_m = settle(model, tree, name, angles)
         if moved_m < STILL_M:
             break
     w, _, y, _ = resting_state(tree, posed(name, angles))[3:7]
@@ -109,19 +107,20 @@ def posed(name: str, angles: Angles) -> Pose:
     return replace(POSES[name], angles_deg={**angles, **POSES[name].angles_deg})
 
 
-def settle(model: mujoco.MjModel, state: Sequence[float]) -> tuple[Angles, float]:
+def settle(model: mujoco.MjModel, tree: BodyTree, name: str, angles: Angles) -> tuple[Angles, float]:
     """Return the angles after some seconds without commands, and how far hands and feet moved, in [m]."""
     data = mujoco.MjData(model)
-    data.qpos[:] = state
+    data.qpos[:] = resting_state(tree, posed(name, angles))
     mujoco.mj_forward(model, data)
     ends = [index for index in range(model.nbody) if model.body(index).name.endswith(("_hand", "_foot"))]
     before = data.xipos[ends].copy()
     mujoco.mj_step(model, data, nstep=round(SECONDS / model.opt.timestep))
     moved_m = float(np.linalg.norm(data.xipos[ends] - before, axis=1).max())
-    angles = {
+    after = {
         _name(model, index): float(np.degrees(data.qpos[model.jnt_qposadr[index]])) for index in range(1, model.njnt)
     }
-    return {joint: round(angle, 1) + 0.0 for joint, angle in _alike(angles)}, moved_m
+    found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after)}
+    return {joint: angle for joint, angle in found.items() if joint not in POSES[name].angles_deg}, moved_m
 
 
 def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
