@@ -4,15 +4,16 @@
 
 An infant without commands is laid down, sat or stood as `first_deg` says, while what strength must hold is held; a few
 seconds later it rests. Left and right are made alike, and it begins again from there, until hands and feet stay where
-they are. The next younger age begins where the older one came to rest, but on the back, where tone alone decides.
+they are.
 """
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fnmatch import fnmatch
 from itertools import product
 from multiprocessing import Pool
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -24,8 +25,11 @@ from mimoc.compiler.model_check import compile_model
 from mimoc.fits.tables import data_folder
 from mimoc.schema.infant import InfantSpec
 
-AGES_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
-MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt")
+YOUNG_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.2499)
+OLD_MONTHS = (1.25, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
+"""Ages, in two series: each begins at its far end, and the next age where the one before came to rest. Where they meet,
+arms are stretched no longer by weight but bent by tone, and hands that lay beside the trunk lie on it."""
+MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 12
 STILL_M = 0.001
@@ -42,9 +46,9 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
     if name == "supine":
         return {"{side}_shoulder_ad_ab": 45}
     if name == "prone" and development == "published":
-        return {"{side}_shoulder_ad_ab": 25}
+        return {"head_swivel": -70, "{side}_shoulder_ad_ab": 25}
     if name == "prone":
-        return {"{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
+        return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "standing":
         return {}
     young = max(0.0, 1 - age_months / 6)
@@ -60,7 +64,7 @@ def main() -> None:
         fitted = pool.map(all_ages, kinds, chunksize=1)
     with (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["development", "hands", "chest_joint", "pose", "joint", *AGES_MONTHS])
+        table.writerow(["development", "hands", "chest_joint", "pose", "joint", *YOUNG_MONTHS, *OLD_MONTHS])
         for (development, hands, chest_joint, pose), ages in zip(kinds, fitted, strict=True):
             for joint in ages[0]:
                 angles = [f"{angles_deg[joint]:g}" for angles_deg in ages]
@@ -68,20 +72,27 @@ def main() -> None:
 
 
 def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
-    """Return the angles of a pose at all ages, and print by how much hands and feet move in the end."""
+    """Return the angles of a pose at all ages."""
     development, hands, chest_joint, name = kind
     body = {"hands": hands, "chest_joint": chest_joint, "skin": False}
     spec = {"mimoc": 1, "name": "x", "development": development, "body": body}
+    young = series(spec, name, YOUNG_MONTHS)
+    old = series(spec, name, OLD_MONTHS[::-1])
+    return [*young, *reversed(old)]
+
+
+def series(spec: dict[str, Any], name: str, ages_months: Sequence[float]) -> list[Angles]:
+    """Return the angles of a pose at some ages, and print by how much hands and feet move in the end."""
     found: list[Angles] = []
-    for age_months in reversed(AGES_MONTHS):
+    for age_months in ages_months:
         made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
-        older = found[-1] if found and name != "supine" else {}
-        free = {joint: angle for joint, angle in older.items() if not is_held(joint.format(side="right"), name)}
-        model = compile_model(made(0, check=False).files)
-        angles, moved_m = fit(model, made.tree, name, {**first_deg(name, development, age_months), **free})
-        print(f"{development} {hands} {chest_joint} {name} {age_months} months: {moved_m * 1e3:.1f} mm", flush=True)
+        before = found[-1] if found else {}
+        free = {joint: angle for joint, angle in before.items() if not is_held(joint.format(side="right"), name)}
+        first = {**first_deg(name, spec["development"], age_months), **free}
+        angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, first)
+        print(*spec["body"].values(), spec["development"], name, age_months, f"{moved_m * 1e3:.1f} mm", flush=True)
         found.append(angles)
-    return found[::-1]
+    return found
 
 
 def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tuple[Angles, float]:

@@ -35,7 +35,7 @@ class Pose:
 _TRUNK = ("hip_*", "chest_*", "head_*")
 POSES: Mapping[str, Pose] = {
     "supine": Pose(-90, {"head_tilt": 0}),
-    "prone": Pose(90, {"head_swivel": -70}),
+    "prone": Pose(90, {}),
     "sitting": Pose(0, {}, held=(*_TRUNK, "{side}_hip*")),
     "standing": Pose(
         0,
