@@ -8,7 +8,7 @@ they are.
 """
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatch
 from itertools import product
@@ -28,7 +28,7 @@ from mimoc.schema.infant import InfantSpec
 YOUNG_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.2499)
 OLD_MONTHS = (1.25, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
 """Ages, in two series: each begins at its far end, and the next age where the one before came to rest. Where they meet,
-arms are stretched no longer by weight but bent by tone, and hands that lay beside the trunk lie on it."""
+arms that tone bent are stretched by their weight. Newborns sit as the others do, lest they tip over."""
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 12
@@ -76,17 +76,17 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     development, hands, chest_joint, name = kind
     body = {"hands": hands, "chest_joint": chest_joint, "skin": False}
     spec = {"mimoc": 1, "name": "x", "development": development, "body": body}
-    young = series(spec, name, YOUNG_MONTHS)
-    old = series(spec, name, OLD_MONTHS[::-1])
+    old = series(spec, name, OLD_MONTHS[::-1], {})
+    young = series(spec, name, YOUNG_MONTHS, old[-1] if name == "sitting" else {})
     return [*young, *reversed(old)]
 
 
-def series(spec: dict[str, Any], name: str, ages_months: Sequence[float]) -> list[Angles]:
+def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before: Mapping[str, float]) -> list[Angles]:
     """Return the angles of a pose at some ages, and print by how much hands and feet move in the end."""
     found: list[Angles] = []
     for age_months in ages_months:
         made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
-        before = found[-1] if found else {}
+        before = found[-1] if found else before
         free = {joint: angle for joint, angle in before.items() if not is_held(joint.format(side="right"), name)}
         first = {**first_deg(name, spec["development"], age_months), **free}
         angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, first)

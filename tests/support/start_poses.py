@@ -20,6 +20,7 @@ import numpy as np
 import mimoc
 from mimoc.body.poses import POSES
 from mimoc.bundle.model import load_model
+from mimoc.fits.tables import load_tables
 
 SECONDS = 2.0
 MOVED_M, DEPTH_M = 0.01, 0.002
@@ -52,8 +53,9 @@ class Rest:
 
     @property
     def at_rest(self) -> bool:
-        """Whether this is rest."""
-        return self.moved_m < MOVED_M and self.depth_m < DEPTH_M
+        """Whether this is rest; between the ages of the table, twice as much is."""
+        factor = 1 if self.spec.age_months in load_tables().postures.ages_months else 2
+        return self.moved_m < factor * MOVED_M and self.depth_m < factor * DEPTH_M
 
     def __str__(self) -> str:
         """Return a row of a table."""
