@@ -54,7 +54,7 @@ class Rest:
     @property
     def at_rest(self) -> bool:
         """Whether this is rest; between the ages of the table, twice as much is."""
-        factor = 1 if self.spec.age_months in load_tables().postures.ages_months else 2
+        factor = 1 if self.spec.age_months in load_tables().postures.ages_months else 1.1
         return self.moved_m < factor * MOVED_M and self.depth_m < factor * DEPTH_M
 
     def __str__(self) -> str:
