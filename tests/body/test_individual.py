@@ -89,7 +89,7 @@ HAND_IN_TRUNK_M = 0.015
 @pytest.mark.parametrize(("hands", "ages_months"), [("mitten", (0, 6, 24)), ("five_finger", (0,))])
 @pytest.mark.slow
 def test_the_smallest_and_largest_children_rest_without_penetration(hands, ages_months, sex):
-    """Standing with all joints at zero, and on the floor in every pose; hands may be in a trunk far thicker than usual."""
+    """Standing with all joints at zero, and on the floor in every pose; hands may be in a very thick trunk."""
     for age_months, wanted in product(ages_months, EXTREMES):
         model = compile_infant(at_percentiles(age_months, sex, wanted, hands))
         data = mujoco.MjData(model)
