@@ -131,7 +131,8 @@ def settle(model: mujoco.MjModel, tree: BodyTree, name: str, angles: Angles) -> 
         _name(model, index): float(np.degrees(data.qpos[model.jnt_qposadr[index]])) for index in range(1, model.njnt)
     }
     found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after)}
-    return {joint: angle for joint, angle in found.items() if joint not in POSES[name].angles_deg}, moved_m
+    kept = {joint: angle for joint, angle in found.items() if joint not in POSES[name].angles_deg}
+    return kept, moved_m
 
 
 def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
