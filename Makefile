@@ -25,7 +25,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench trainings pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak poses bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -88,6 +88,9 @@ fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES
 
 soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)
+
+poses: $(TEST) ## See whether start poses rest at all ages (a minute); docs/development.md.
+	PYTHONPATH=tests $(BIN)/python -m support.start_poses
 
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done

@@ -17,6 +17,7 @@ import pytest
 from hypothesis import settings
 
 os.environ["MIMOC_PLUGINS"] = "none"  # Before mimoc looks for any: tests that need plug-ins name them.
+
 from mimoc.errors import problem_of_loading_mujoco
 
 try:
