@@ -201,12 +201,12 @@ def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value
 @pytest.fixture
 def no_left_hand(monkeypatch):
     """Let every hand be written with a size that MuJoCo refuses."""
-    render_infant = building.printing.render_infant
+    render = building.printing.render_inhabitant
 
     def spoil(tree):
-        return broken(render_infant(tree), "left_hand1", "size", "-1 1 1")
+        return broken({"infant.xml": render(tree)}, "left_hand1", "size", "-1 1 1")["infant.xml"]
 
-    monkeypatch.setattr(building.printing, "render_infant", spoil)
+    monkeypatch.setattr(building.printing, "render_inhabitant", spoil)
 
 
 def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):

@@ -1,11 +1,11 @@
-"""MuJoCo's MjSpec: an infant with muscles and one with motors, attached beside each other to a scene of somebody else."""
+"""MuJoCo's MjSpec: an infant with muscles and one with motors, attached to a scene of somebody else."""
 
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
-OPTIONS = "timestep cone jacobian solver iterations ls_iterations tolerance disableflags".split()
+OPTIONS = ("timestep", "cone", "jacobian", "solver", "iterations", "ls_iterations", "tolerance", "disableflags")
 
 
 def use(bundles: Path) -> str:

@@ -19,7 +19,7 @@ def use(bundles: Path) -> str:
         posture = mink.PostureTask(model, cost=1e-4)
         posture.set_target_from_configuration(at_hand)
         start = at_hand.get_transform_frame_to_world("left_hand", "body")
-        target = start.translation() + (0.02, 0.01, 0.03)
+        target = start.translation() + np.array((0.02, 0.01, 0.03))
         hand.set_target(mink.SE3.from_rotation_and_translation(start.rotation(), target))
         limits = [mink.ConfigurationLimit(model)]
         for _ in range(ITERATIONS):

@@ -42,11 +42,13 @@ def use(bundles: Path) -> str:
         spaces = {"observation_space": env.observation_space, "action_space": env.action_space, "device": "cpu"}
         models = {"policy": Policy(**spaces), "value": Value(**spaces)}
         cfg = PPO_CFG(rollouts=ROLLOUT, learning_epochs=1)
-        cfg.experiment.write_interval = cfg.experiment.checkpoint_interval = 0
+        cfg.experiment.write_interval = cfg.experiment.checkpoint_interval = 0  # No files.
         memory = RandomMemory(memory_size=ROLLOUT, num_envs=INFANTS, device="cpu")
         agent = PPO(models=models, memory=memory, cfg=cfg, **spaces)
         before = models["policy"].mean.weight.clone()
-        settings = SequentialTrainerCfg(timesteps=2 * ROLLOUT, disable_progressbar=True, close_environment_at_exit=False)
+        settings = SequentialTrainerCfg(
+            timesteps=2 * ROLLOUT, disable_progressbar=True, close_environment_at_exit=False
+        )
         SequentialTrainer(env=env, agents=agent, cfg=settings).train()
         after = models["policy"].mean.weight
         assert torch.isfinite(after).all()

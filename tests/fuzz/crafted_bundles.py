@@ -149,7 +149,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "a mesh of an absolute path": (_in_assets('<mesh name="m" file="{outside}/canary.obj"/>'), NOT_THERE),
     "a mesh with a plug-in": (_in_assets('<mesh name="m"><plugin plugin="mujoco.sdf.bolt"/></mesh>'), ELEMENT),
     "a skin of an absolute path": (
-        _xml("infant.xml", 'file="assets/head.skn"', 'file="{outside}/canary.skn"'),
+        _xml("scene.xml", 'file="assets/head.skn"', 'file="{outside}/canary.skn"'),
         NOT_THERE,
     ),
     "a height field of a file": (_in_assets('<hfield name="h" file="{outside}/canary.png" size="1 1 1 1"/>'), ELEMENT),
