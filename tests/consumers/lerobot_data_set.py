@@ -19,7 +19,7 @@ def use(bundles: Path) -> str:
                 assert frame[name].shape[0] == 3
                 assert 0 < frame[name].mean() < 1
             elif name in frame:
-                assert np.size(frame[name]) == np.prod(feature["shape"]), name
+                assert np.asarray(frame[name]).size == np.prod(feature["shape"]), name
     batch = next(iter(torch.utils.data.DataLoader(data_set, batch_size=4)))
     assert len(batch["action"]) == 4
     return f"{data_set.meta.total_episodes} episodes, {len(data_set)} frames, {len(data_set.meta.camera_keys)} cameras"
