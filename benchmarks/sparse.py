@@ -2,8 +2,8 @@
 
     python benchmarks/sparse.py [--states 6000]
 
-Run it with each new MuJoCo 4: 4.0.0 is excluded because of what this shows (`mimoc.bundle.model`). A state is one that
-random commands lead to, or the same with random velocities, as in a fall; both solvers begin with the same accelerations.
+Run it with each new MuJoCo 4: 4.0.0 is excluded because both differ in rare states (see `mimoc.bundle`). A state is one
+that random commands lead to, or the same with random velocities; both solvers begin with the same accelerations.
 """
 
 import argparse
