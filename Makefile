@@ -25,7 +25,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench trainings pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix consumers fuzz soak poses bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -83,11 +83,17 @@ skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image);
 matrix: ## Test several versions of MuJoCo and Python, and the oldest of all else, in .matrix (9 GB, an hour).
 	@$(PYTHON) .ci/matrix.py
 
+consumers: opengl ## Let libraries of others read default bundles, in .consumers (15 GB; minutes after the first time).
+	@$(PYTHON) .ci/consumers.py
+
 fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0); docs/trust.md.
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED)
 
 soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)
+
+poses: $(TEST) ## See whether start poses rest at all ages (a minute); docs/development.md.
+	PYTHONPATH=tests $(BIN)/python -m support.start_poses
 
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
@@ -117,7 +123,7 @@ apptainer:
 		"(https://apptainer.org/docs/admin/main/installation.html), or give its path: make container APPTAINER=..."; exit 1; }
 
 clean: ## Remove everything that was built: .venv, .matrix, out, caches.
-	rm -rf $(VENV) .matrix .viewer out docs/gallery dist build .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .matrix .consumers .viewer out docs/gallery dist build .pytest_cache .ruff_cache .hypothesis
 	find mimoc tests benchmarks -name __pycache__ -prune -exec rm -rf {} +
 
 $(DEMO): pyproject.toml

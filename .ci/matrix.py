@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,6 +69,8 @@ class Environment:
     name: str
     wanted: tuple[str, ...]
     """What pip is told to install."""
+    first: tuple[tuple[str, ...], ...] = ()
+    """What this Python is run with before that; it may fail."""
 
     @property
     def folder(self) -> Path:
@@ -82,6 +85,9 @@ class Environment:
         shutil.rmtree(self.folder, ignore_errors=True)
         self.log.write_text("")
         self._tell([self.python, "-m", "venv", str(self.folder)], {})
+        for arguments in self.first:
+            with suppress(TrialError):
+                self.run(*arguments)
         self.run("-m", "pip", "install", *self.wanted)
         ready.write_text(digest)
 

@@ -16,6 +16,9 @@ body's quaternion in the world."""
 LAST_VISIBLE_GROUP = 2
 """MuJoCo draws geoms up to this group unless asked otherwise."""
 
+BODY_GROUP = 0
+"""Group of an infant's solids where no skin is drawn over them, and of eyeballs."""
+
 SOLIDS_GROUP = 5
 """Group of an infant's solids where a skin is drawn over them: one that MuJoCo does not draw unless asked to, and that
 has nothing else in it, unlike group 3 with the shapes that toys collide with."""

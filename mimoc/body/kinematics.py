@@ -8,7 +8,13 @@ import numpy as np
 
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.geometry.primitives import Extents, extents
-from mimoc.geometry.rotations import FloatArray, matrix_from_axis, matrix_from_euler, matrix_from_quaternion
+from mimoc.geometry.rotations import (
+    FloatArray,
+    matrices_from_axes,
+    matrix_from_axis,
+    matrix_from_euler,
+    matrix_from_quaternion,
+)
 
 Frame = tuple[FloatArray, FloatArray]
 """Origin and rotation."""
@@ -148,17 +154,20 @@ def _frame(
 
 def _frames_of_all(tree: BodyTree, poses_rad: Sequence[Mapping[str, float]]) -> dict[str, Frame]:
     """Return what `frames` does, of p poses at once: shapes (p, 3) and (p, 3, 3)."""
-    count = len(poses_rad)
+    count, joints = len(poses_rad), tree.joints
+    angles = [[angles_rad.get(name, 0.0) for angles_rad in poses_rad] for name in joints]
+    rotations = matrices_from_axes([joint.axis for joint in joints.values()], angles)
+    turns = dict(zip(joints, zip(angles, rotations, strict=True), strict=True))
     found: dict[str | None, Frame] = {None: (np.zeros((count, 3)), np.broadcast_to(np.eye(3), (count, 3, 3)))}
     for body in tree.bodies:
         origin, turn = found[body.parent]
         origin, turn = origin + turn @ body.pos_m, turn @ matrix_from_euler(body.euler_deg)
         for joint in body.joints:
-            turned = [index for index, angles_rad in enumerate(poses_rad) if angles_rad.get(joint.name)]
+            angles_rad, rotation = turns[joint.name]
+            turned = [index for index, angle in enumerate(angles_rad) if angle]
             if turned:
                 anchor_m, before = np.array(joint.anchor_m), turn[turned]
-                own = [matrix_from_axis(joint.axis, poses_rad[index][joint.name]) for index in turned]
-                turn[turned] = after = before @ np.array(own)
+                turn[turned] = after = before @ rotation[turned]
                 origin[turned] = origin[turned] + before @ anchor_m - after @ anchor_m
         found[body.name] = origin, turn
     return {body.name: found[body.name] for body in tree.bodies}

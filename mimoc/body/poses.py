@@ -2,13 +2,15 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import pose
 from mimoc.body.resting import rollers
+from mimoc.body.strength import muscle_groups
+from mimoc.fits.tables import settled_deg
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.schema.names import SIDES
 from mimoc.units import deg_to_rad, rad_to_deg
@@ -24,49 +26,31 @@ class Pose:
     """Angles by joint, without `robot:`; `{side}` stands for both sides."""
     on_feet: bool = False
     """Whether hips that do not straighten bend the knees, such that the soles are flat below the hips."""
+    relaxed: bool = True
+    """Whether joints without an angle are where their springs are slack; if not, they are straight."""
+    held: tuple[str, ...] = ()
+    """Joints, likewise, that strength holds: without it, an infant leaves this pose."""
 
 
+_TRUNK = ("hip_*", "chest_*", "head_*")
 POSES: Mapping[str, Pose] = {
-    "supine": Pose(
-        -90,
-        {
-            "{side}_hip1": -50,
-            "{side}_hip2": -25,
-            "{side}_knee": -70,
-            "{side}_shoulder_ad_ab": 60,
-            "{side}_elbow": -60,
-            "{side}_fingers": -40,
-        },
-    ),
-    "prone": Pose(
-        90,
-        {
-            "{side}_shoulder_ad_ab": 75,
-            "{side}_shoulder_rotation": -80,
-            "{side}_elbow": -75,
-            "{side}_hip2": -20,
-            "{side}_foot1": -50,
-            "head_tilt": -55,
-        },
-    ),
-    "sitting": Pose(
+    "supine": Pose(-90, {"head_tilt": 0}),
+    "prone": Pose(90, {}),
+    "sitting": Pose(0, {}, held=(*_TRUNK, "{side}_hip*")),
+    "standing": Pose(
         0,
-        {
-            "{side}_hip1": -102,
-            "{side}_hip2": -33,
-            "{side}_knee": -25,
-            "{side}_shoulder_ad_ab": 30,
-            "{side}_elbow": -45,
-            "{side}_fingers": -40,
-            "hip_bend1": 8,
-            "hip_bend2": 8,
-        },
+        {f"{{side}}_{joint}": 0 for joint in ("hip1", "hip2", "hip3", "knee", "foot1", "foot2", "foot3")},
+        on_feet=True,
+        held=(*_TRUNK, "{side}_hip*", "{side}_knee", "{side}_foot*"),
     ),
-    "standing": Pose(0, {"{side}_elbow": -15, "{side}_fingers": -30}, on_feet=True),
 }
-"""Natural poses of infants; joints that do not reach an angle at some age stop at the end of their range. Lumbar joints
-satisfy their couplings."""
+"""What is the same at all ages in the poses of infants; `pose_of` adds the angles at which the rest of the body rests.
+Joints that do not reach an angle at some age stop at the end of their range. Lumbar joints satisfy their couplings."""
 
+PITCH = "pitch"
+"""Rotation of the hip about y, among the angles of `data/postures.csv`."""
+CHEST_JOINT = "robot:chest_lean"
+"""One of the joints of bodies whose chest has some."""
 CONTACT_DEPTH_M = 1e-4
 """Penetration depth of a resting body, such that the first physics step already supports its weight."""
 
@@ -76,25 +60,41 @@ def standing_height(tree: BodyTree) -> float:
     return pose(tree, {}).extent(np.array([0.0, 0.0, -1.0]))
 
 
+def pose_of(tree: BodyTree, name: str) -> Pose:
+    """Return the pose of `POSES` that a body takes, with the angles at which a body of its age comes to rest in it."""
+    wanted, settled = POSES[name], _settled_deg(tree, name)
+    pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
+    return replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
+
+
+def hands_at_rest(tree: BodyTree) -> dict[str, float]:
+    """Return the angles of fingers and thumbs of an infant that sits and does nothing, in degrees by joint."""
+    groups = muscle_groups(tree)
+    return {
+        joint: angle_deg
+        for joint, angle_deg in _settled_deg(tree, "sitting").items()
+        if groups.get("robot:" + joint.format(side="left")) == "left_hand" and "hand" not in joint
+    }
+
+
+def _settled_deg(tree: BodyTree, name: str) -> dict[str, float]:
+    return settled_deg(tree.development, tree.hands, CHEST_JOINT in tree.joints, name, tree.age_months)
+
+
 def pose_angles(tree: BodyTree, wanted: Pose) -> dict[str, float]:
     """Return the angle of each hinge of *tree* in a pose, in [rad], within its range."""
-    return _angles(tree, wanted, tree.joints, _straight(tree))
+    return _angles(tree, wanted, tree.joints)
 
 
-def _straight(tree: BodyTree) -> dict[str, float]:
-    """Return the angle of each hinge that is nearest to zero, in [rad]."""
-    return {name: deg_to_rad(clip(joint, 0.0)) for name, joint in tree.joints.items()}
-
-
-def _angles(
-    tree: BodyTree, wanted: Pose, joints: Mapping[str, Joint], straight: Mapping[str, float]
-) -> dict[str, float]:
-    """Return `pose_angles` of a body with these joints and these angles when it is straight."""
+def _angles(tree: BodyTree, wanted: Pose, joints: Mapping[str, Joint]) -> dict[str, float]:
+    """Return `pose_angles` of a body with these joints."""
     named_deg = {
         "robot:" + name.format(side=side): angle for name, angle in wanted.angles_deg.items() for side in SIDES
     }
-    bent = {name: deg_to_rad(clip(joints[name], angle)) for name, angle in named_deg.items() if name in joints}
-    angles = {**straight, **bent}
+    angles = {
+        name: deg_to_rad(clip(joint, named_deg.get(name, joint.springref_deg if wanted.relaxed else 0.0)))
+        for name, joint in joints.items()
+    }
     if wanted.on_feet:
         for side in SIDES:
             angles |= _on_foot(tree, side, angles)
@@ -140,8 +140,8 @@ def resting_states(tree: BodyTree, wanted: Sequence[Pose]) -> list[tuple[float, 
         tree: The body.
         wanted: The poses; the minimum is the one that is reached downhill from the pitch of each.
     """
-    joints, straight = tree.joints, _straight(tree)
-    poses_rad = [_angles(tree, each, joints, straight) for each in wanted]
+    joints = tree.joints
+    poses_rad = [_angles(tree, each, joints) for each in wanted]
     found = rollers(tree, poses_rad).rest(np.array([deg_to_rad(each.pitch_deg) for each in wanted]))
     return [
         (0.0, 0.0, height_m - CONTACT_DEPTH_M, *pitched(pitch_rad), *angles.values())

@@ -15,7 +15,7 @@ from mimoc.errors import BundleError
 from mimoc.units import ms_to_s
 
 INFANT, SCENE = "infant.xml", "scene.xml"
-"""The MJCF of a bundle; the second includes the first."""
+"""The MJCF of a bundle; the second includes the first, or is complete by itself."""
 
 
 def check_files(bundle: Bundle) -> None:
@@ -31,8 +31,8 @@ def check_files(bundle: Bundle) -> None:
         raise BundleError(f"{bundle.path}: {' and '.join(missing)} are missing; build it again")
     try:
         infant, scene = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
-        if infant.counts["include"] or scene.counts["include"] != 1:
-            raise BundleError(f"{SCENE} alone includes {INFANT}, once")
+        if infant.counts["include"]:
+            raise BundleError(f"only {SCENE} may include {INFANT}")
         check_assets(bundle.files, {**infant.references, **scene.references})
     except BundleError as error:
         raise BundleError(f"{bundle.path}: {error}; do not use it") from None

@@ -97,6 +97,11 @@ class Builder:
         return {**printing.render_infant(self.infant), **arrays}
 
     @cached_property
+    def _inhabitant(self) -> bytes:
+        """The MJCF of the infant as it is in its scenes."""
+        return printing.render_inhabitant(self.infant)
+
+    @cached_property
     def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
         """The large arrays of all senses by name, as they are in the file, read-only."""
         return MappingProxyType(dict(_arrays(self.sources.senses)))
@@ -187,7 +192,7 @@ class Builder:
     ) -> dict[str, bytes]:
         return {
             **self.files,
-            **printing.render_world(furnished.scene),
+            **printing.render_world(furnished.scene, self._inhabitant),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
             "provenance.json": render_json(packed({**world_origins, **self.origins}), 2),

@@ -17,12 +17,12 @@ from mimoc.mjcf.keypoints import keypoint_sites
 from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.scene import SceneTree, Solver
 from mimoc.mjcf.world import World
-from mimoc.mujoco_layout import SOLIDS_GROUP
+from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
 
-BODY_GROUP, LOOKS_GROUP = 0, 1
+LOOKS_GROUP = 1
 EYEBALLS = tuple(EYE[0].format(side=side) for side in EYE_SIDES)
 
 

@@ -22,7 +22,7 @@ STEP_MS = 5.0
 """Duration of both control and physics steps, as in the paper."""
 STEPS = 500
 SETTLING_STEPS = 400
-FLAT = Pose(pitch_deg=-90, angles_deg={})
+FLAT = Pose(pitch_deg=-90, angles_deg={}, relaxed=False)
 """Lying on the back, all joints at zero."""
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -41,6 +42,15 @@ class GroupMean:
 
 
 @dataclass(frozen=True, slots=True)
+class Postures:
+    """The angles at which the average child comes to rest."""
+
+    ages_months: tuple[float, ...]
+    angles_deg: Mapping[tuple[str, str, bool, str], Mapping[str, tuple[float, ...]]]
+    """By the law of development, the hands and the pose: by joint, for each of the ages."""
+
+
+@dataclass(frozen=True, slots=True)
 class GrowthTables:
     """Everything that is known of how children grow."""
 
@@ -50,6 +60,8 @@ class GrowthTables:
     """MIMo v2's own coefficients by measurement, in cm."""
     who: Mapping[str, GrowthStandard]
     """WHO Child Growth Standards by indicator, in the unit of its name."""
+    postures: Postures
+    """How children of the ages lie, sit and stand."""
 
 
 def data_folder() -> Path:
@@ -84,7 +96,31 @@ def load_tables() -> GrowthTables:
         anthrokids=MappingProxyType(_read(_read_anthrokids, folder / "anthrokids.csv")),
         published=MappingProxyType(_read(_read_published, folder / "anthrokids_published_fits.csv")),
         who=MappingProxyType({name: _read(_read_who, folder / "who" / file) for name, file in WHO_FILES.items()}),
+        postures=_read(_read_postures, folder / "postures.csv"),
     )
+
+
+def settled_deg(development: str, hands: str, chest_joint: bool, pose: str, age_months: float) -> dict[str, float]:
+    """Return the angles at which the average child of an age rests in a pose, linear between the ages of the table.
+
+    Args:
+        development: The law that its joints follow.
+        hands: Their kind.
+        chest_joint: Whether the chest has joints of its own.
+        pose: Name of the pose.
+        age_months: From 0 to 24.
+
+    Returns:
+        Angles by joint; `{side}` stands for both sides.
+    """
+    postures = load_tables().postures
+    ages = postures.ages_months
+    after = min(bisect_right(ages, age_months), len(ages) - 1)
+    share = (age_months - ages[after - 1]) / (ages[after] - ages[after - 1])
+    return {
+        joint: angles[after - 1] + share * (angles[after] - angles[after - 1])
+        for joint, angles in postures.angles_deg.get((development, hands, chest_joint, pose), {}).items()
+    }
 
 
 def _read(reader: Callable[[Path], Table], path: Path) -> Table:
@@ -117,6 +153,18 @@ def _read_who(path: Path) -> GrowthStandard:
     if not np.isfinite(numbers).all() or not set(SEXES) <= set(sexes):
         raise ValueError("not a number for every sex and day")
     return GrowthStandard({sex: numbers[sexes == sex] for sex in SEXES})
+
+
+def _read_postures(path: Path) -> Postures:
+    ages: tuple[str, ...] = ()
+    found: dict[tuple[str, str, bool, str], dict[str, tuple[float, ...]]] = {}
+    for _, row in _rows(path):
+        ages = tuple(row)[5:]
+        angles = tuple(_finite(row[age]) for age in ages)
+        found.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[
+            row["joint"]
+        ] = angles
+    return Postures(tuple(map(float, ages)), found)
 
 
 def _finite(text: str) -> float:

@@ -29,6 +29,21 @@ def matrix_from_euler(euler_deg: Vec3) -> FloatArray:
     return matrix
 
 
+def matrices_from_axes(axes: Sequence[Sequence[float]], angles_rad: Sequence[Sequence[float]]) -> FloatArray:
+    """Return what `matrix_from_axis` does, to the bit, of n axes with p angles each, shape (n, p, 3, 3)."""
+    lengths = np.array([math.hypot(*axis) for axis in axes])
+    x, y, z = (np.array(axes) / lengths[:, None]).T[:, :, None]
+    sine = np.array([[math.sin(angle) for angle in angles] for angles in angles_rad])
+    cosine = np.array([[math.cos(angle) for angle in angles] for angles in angles_rad])
+    rest = 1 - cosine
+    entries = (
+        *(cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y),
+        *(rest * x * y + sine * z, cosine + rest * y * y, rest * y * z - sine * x),
+        *(rest * x * z - sine * y, rest * y * z + sine * x, cosine + rest * z * z),
+    )
+    return np.stack(entries, axis=-1).reshape(*sine.shape, 3, 3)
+
+
 def matrix_from_axis(axis: Sequence[float] | FloatArray, angle_rad: float) -> FloatArray:
     """Return the rotation about an axis of any length, shape (3, 3) (Rodrigues 1840)."""
     x, y, z = axis

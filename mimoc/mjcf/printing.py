@@ -15,18 +15,49 @@ TEMPLATES = Path(__file__).parents[1] / "templates"
 
 def render_scene(scene: SceneTree) -> dict[str, bytes]:
     """Return the MJCF and assets of a scene, by path in the bundle."""
-    return {**render_infant(scene), **render_world(scene)}
+    return {**render_infant(scene), **render_world(scene, render_inhabitant(scene))}
 
 
 def render_infant(scene: SceneTree) -> dict[str, bytes]:
-    """Return the MJCF and assets of the infant alone."""
+    """Return the MJCF of the infant alone, with its solids shown instead of its skin, and its assets.
+
+    MuJoCo attaches skins to other models from 3.17 on, and dm_control includes and copies none.
+    """
     skin = scene.skin.files if scene.skin else {}
-    return {"infant.xml": _indented(render_text("infant.xml.j2", scene=scene)), **scene.appearance.assets, **skin}
+    return {"infant.xml": render_inhabitant(scene.without_skin), **scene.appearance.assets, **skin}
 
 
-def render_world(scene: SceneTree) -> dict[str, bytes]:
-    """Return the MJCF and assets of what is around the infant."""
-    return {"scene.xml": _indented(render_text("scene.xml.j2", scene=scene)), **scene.world.assets}
+def render_inhabitant(scene: SceneTree) -> bytes:
+    """Return the MJCF of the infant as it is in its world: with its skin."""
+    return _indented(_parsed(render_text("infant.xml.j2", scene=scene)))
+
+
+def render_world(scene: SceneTree, inhabitant: bytes) -> dict[str, bytes]:
+    """Return the MJCF of an infant in its world, and the assets of the world.
+
+    It includes the file of the infant alone, unless the infant has a skin; then it is complete by itself.
+
+    Args:
+        scene: Both.
+        inhabitant: What `render_inhabitant` returned for the infant.
+    """
+    whole = _parsed(render_text("scene.xml.j2", scene=scene))
+    if scene.skin:
+        whole = _with_included(whole, _parsed(inhabitant))
+    return {"scene.xml": _indented(whole), **scene.world.assets}
+
+
+def _with_included(including: etree._Element, included: etree._Element) -> etree._Element:
+    """Return MJCF in which the one `<include>`, which comes first, is replaced by the elements of its file."""
+    included.attrib.update(including.attrib)
+    for section in including[1:]:
+        same = included.find(section.tag)
+        if same is None:
+            included.append(section)
+        else:
+            same.attrib.update(section.attrib)
+            same.extend(section)
+    return included
 
 
 def render_text(template: str, **values: Any) -> bytes:
@@ -34,9 +65,13 @@ def render_text(template: str, **values: Any) -> bytes:
     return environment().get_template(template).render(**values).encode()
 
 
-def _indented(xml: bytes) -> bytes:
+def _parsed(xml: bytes) -> etree._Element:
+    """Return the elements of XML, without the blanks between them."""
+    return etree.fromstring(xml, etree.XMLParser(remove_blank_text=True))
+
+
+def _indented(root: etree._Element) -> bytes:
     """Return XML with each element on a line of its own, indented by its depth."""
-    root = etree.fromstring(xml, etree.XMLParser(remove_blank_text=True))
     etree.indent(root)
     return etree.tostring(root, encoding="utf-8") + b"\n"
 

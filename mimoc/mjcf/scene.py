@@ -1,11 +1,12 @@
 """A scene as the templates print it: SI units, angles in radians, every value decided."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mimoc.mjcf.infant import Actuator, Node, PrintedTendon, Sensor
 from mimoc.mjcf.materials import Appearance, Material
 from mimoc.mjcf.skin import Skin
 from mimoc.mjcf.world import World
+from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,12 @@ class SceneTree:
     """Its skin, which is different at each age, as numbers are; None for its bare solids."""
 
     @property
+    def without_skin(self) -> "SceneTree":
+        """The same with the infant's solids shown instead of its skin."""
+        appearance = replace(self.appearance, skins=())
+        return replace(self, roots=tuple(map(_with_solids_shown, self.roots)), appearance=appearance, skin=None)
+
+    @property
     def textured_materials(self) -> tuple[Material, ...]:
         """Materials with a texture."""
         return tuple(material for material in self.appearance.materials if material.texture)
@@ -61,3 +68,9 @@ class SceneTree:
     def plain_materials(self) -> tuple[Material, ...]:
         """Materials of one colour."""
         return tuple(material for material in self.appearance.materials if not material.texture)
+
+
+def _with_solids_shown(node: Node) -> Node:
+    """Return a body and its descendants with no solid in the group that is not drawn."""
+    geoms = (replace(geom, group=BODY_GROUP) if geom.group == SOLIDS_GROUP else geom for geom in node.geoms)
+    return replace(node, geoms=tuple(geoms), children=tuple(map(_with_solids_shown, node.children)))

@@ -109,14 +109,23 @@ def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[muj
     roots = [first.manifest.root_body]
     for number, (bundle, y_m) in enumerate(zip(bundles[1:], places_m[1:], strict=True), start=1):
         infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_assets(bundle, number))
-        for skin in infant.skins:
-            skin.file = _own_file(skin.file, number)
+        _dress(infant, bundle, number)
         infant.option.integrator, infant.option.timestep = row.option.integrator, row.option.timestep
         prefix = f"infant {number}: "
         row.attach(infant, frame=row.worldbody.add_frame(pos=[0, y_m, 0]), prefix=prefix)
         roots.append(prefix + bundle.manifest.root_body)
     row.visual.map.shadowclip = max(row.visual.map.shadowclip, places_m[-1] / 2 + BESIDE_M)
     return row.compile(), roots
+
+
+def _dress(infant: mujoco.MjSpec, bundle: Bundle, number: int) -> None:
+    """Show an infant that stands alone as it is in its scene: with its skin, if it has one there."""
+    scene = mujoco.MjSpec.from_string(_text(bundle, bundle.manifest.scene), include=dict(bundle.files))
+    for skin in scene.skins:
+        own = {"file": _own_file(skin.file, number), "material": skin.material, "group": skin.group}
+        infant.add_skin(name=skin.name, **own)
+    for geom in infant.geoms:
+        geom.group = scene.geom(geom.name).group
 
 
 def _text(bundle: Bundle, name: str) -> str:

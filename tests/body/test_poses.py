@@ -5,10 +5,11 @@ import math
 import mujoco
 import numpy as np
 import pytest
+from support.start_poses import DEPTH_M
 
 import mimoc
 from mimoc.body import assemble, grow
-from mimoc.body.poses import CONTACT_DEPTH_M, POSES
+from mimoc.body.poses import CONTACT_DEPTH_M, POSES, pose_of
 from mimoc.fits import measure
 from mimoc.mjcf.keyframes import keyframes
 from mimoc.scenes.spec import SceneSpec
@@ -39,20 +40,23 @@ def test_there_is_a_keyframe_for_every_pose_of_the_language(infant_at):
     assert named == POSES.keys()
 
 
-def test_poses_name_joints_that_exist():
-    joints = grow(measure(9), assemble("mitten", False)).joints
-    for pose in POSES.values():
-        for name in pose.angles_deg:
-            assert {f"robot:{name.format(side=side)}" for side in ("left", "right")} <= joints.keys()
+@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+@pytest.mark.parametrize("chest_joint", [False, True])
+def test_poses_name_joints_that_exist(hands, chest_joint):
+    tree = grow(measure(9), assemble(hands, chest_joint))
+    for pose in POSES:
+        for name in pose_of(tree, pose).angles_deg:
+            assert {f"robot:{name.format(side=side)}" for side in ("left", "right")} <= tree.joints.keys()
 
 
 @pytest.mark.parametrize("pose", POSES)
-def test_nothing_but_the_floor_is_touched_and_that_by_a_hair(infants, pose):
+def test_the_floor_is_touched_by_a_hair_and_hands_sink_into_nothing(infants, pose):
+    """Hands that lie on the body press into it a little; so do fingers of a fist."""
     for infant in infants:
         data = start(infant.model, pose)
-        assert data.ncon, infant
-        assert {infant.model.geom(first).name for first, _ in data.contact.geom} == {"floor"}, infant
-        assert data.contact.dist.min() == pytest.approx(-CONTACT_DEPTH_M, abs=1e-8), infant
+        of_floor = data.contact.geom[:, 0] == infant.model.geom("floor").id
+        assert data.contact.dist[of_floor].min() == pytest.approx(-CONTACT_DEPTH_M, abs=1e-8), infant
+        assert data.contact.dist.min() > -DEPTH_M, infant
 
 
 @pytest.mark.parametrize("pose", POSES)
@@ -80,7 +84,7 @@ def test_a_statue_in_this_pose_does_not_tip(bundle_at, age_months, pose, hands):
     data = start(model, pose)
     before = up_of_hip(data), data.qpos.copy()
     mujoco.mj_step(model, data, nstep=100)
-    assert math.degrees(math.acos(min(1.0, before[0] @ up_of_hip(data)))) < 0.2
+    assert math.degrees(math.acos(min(1.0, before[0] @ up_of_hip(data)))) < 0.3
     assert data.qpos[:3] == pytest.approx(before[1][:3], abs=1e-3)
     assert data.qpos[7:] == pytest.approx(before[1][7:], abs=1e-5)
 
@@ -97,10 +101,12 @@ def test_the_body_lies_and_stands_as_the_pose_says(infant_at, age_months):
 
 
 def test_left_and_right_are_posed_alike():
+    """But on its belly, an infant lies on its cheek."""
     tree = grow(measure(9), assemble("mitten", False))
     for keyframe in keyframes(tree):
         angles = dict(zip(tree.joints, keyframe.qpos[7:], strict=True))
         assert all(angles[name] == angles[name.replace("left", "right")] for name in angles)
+        assert (angles["robot:head_swivel"] != 0) == (keyframe.name == "prone")
 
 
 @pytest.fixture(scope="module")

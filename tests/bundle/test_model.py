@@ -47,7 +47,7 @@ def test_the_faulty_release_of_mujoco_uses_the_dense_solver_and_says_so_once(bun
 @pytest.mark.matrix
 @pytest.mark.parametrize("content", [b"", b"<mujoco>", b"<mujoco><worldbody><geom size='-1'/></worldbody></mujoco>"])
 def test_a_model_that_mujoco_rejects_is_one_clear_line(bundle, content):
-    broken = dataclasses.replace(bundle, files={**bundle.files, "infant.xml": content})
+    broken = dataclasses.replace(bundle, files={**bundle.files, "scene.xml": content})
     with pytest.raises(ModelError, match=f"MuJoCo {mujoco.__version__} rejects the bundle: ") as refusal:
         load_model(broken)
     assert "\n" not in str(refusal.value)

@@ -102,7 +102,7 @@ def test_check_passes_an_intact_and_stable_bundle(invoke, built):
 def test_check_fails_an_unstable_bundle(invoke, built, here):
     """Intact, as its lock fits, but with motors as strong as a crane's."""
     files = dict(mimoc.read_bundle(built).files)
-    files["infant.xml"] = re.sub(rb'gear="[^"]+"', b'gear="1e9"', files["infant.xml"])
+    files["scene.xml"] = re.sub(rb'gear="[^"]+"', b'gear="1e9"', files["scene.xml"])
     files.pop(LOCK)
     mimoc.write_bundle(seal(files, versions={}, inputs={}), "crane")
     done = invoke("check", "crane")

@@ -137,7 +137,7 @@ def test_every_element_has_a_name_of_its_own(built):
             above = {ancestor.tag for ancestor in element.iterancestors()}
             if element.tag in NAMELESS or above & {"default", "visual", "fixed"}:
                 continue
-            kind = "joint" if element.tag == "freejoint" else element.tag
+            kind = "joint" if element.tag == "freejoint" else "equality" if "equality" in above else element.tag
             names[kind, element.get("name", "")] += 1
         assert not [key for key in names if not key[1]]
         assert set(names.values()) == {1}
@@ -171,11 +171,15 @@ def test_what_mujoco_changed_between_versions_is_not_in_the_files(built):
 
 
 def broken(files, name: str, attribute: str, value: str) -> dict[str, bytes]:
-    """Return files with one attribute of the infant's XML changed."""
-    tree = etree.fromstring(files["infant.xml"])
-    (element,) = tree.xpath(f"//*[@name='{name}' and @{attribute}]")
-    element.set(attribute, value)
-    return {**files, "infant.xml": etree.tostring(tree)}
+    """Return files with one attribute of the infant changed, wherever it is printed."""
+    changed = dict(files)
+    for file in {"infant.xml", "scene.xml"} & files.keys():
+        tree = etree.fromstring(files[file])
+        for element in tree.xpath(f"//*[@name='{name}' and @{attribute}]"):
+            element.set(attribute, value)
+        changed[file] = etree.tostring(tree)
+    assert changed != files
+    return changed
 
 
 @pytest.mark.parametrize(
@@ -197,12 +201,12 @@ def test_a_refusal_of_mujoco_names_the_element(bundle_at, name, attribute, value
 @pytest.fixture
 def no_left_hand(monkeypatch):
     """Let every hand be written with a size that MuJoCo refuses."""
-    render_infant = building.printing.render_infant
+    render = building.printing.render_inhabitant
 
     def spoil(tree):
-        return broken(render_infant(tree), "left_hand1", "size", "-1 1 1")
+        return broken({"infant.xml": render(tree)}, "left_hand1", "size", "-1 1 1")["infant.xml"]
 
-    monkeypatch.setattr(building.printing, "render_infant", spoil)
+    monkeypatch.setattr(building.printing, "render_inhabitant", spoil)
 
 
 def test_a_refusal_of_mujoco_leads_back_to_the_spec(no_left_hand, tmp_path):

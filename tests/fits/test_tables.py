@@ -29,6 +29,7 @@ def test_every_table_ships_with_mimoc():
     assert tables.data_files().keys() == {
         "anthrokids.csv",
         "anthrokids_published_fits.csv",
+        "postures.csv",
         *(f"who/{file}" for file in tables.WHO_FILES.values()),
     }
 

@@ -126,12 +126,13 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "include of an absolute path": (_at_root('<include file="{outside}/canary.xml"/>'), NOT_THERE),
     "include of a path above": (_at_root('<include file="../canary.xml"/>'), NOT_THERE),
     "include of itself": (_at_root('<include file="scene.xml"/>'), NOT_THERE),
-    "include of the infant twice": (_at_root('<include file="infant.xml"/>'), "2 times <include>"),
+    "include of the infant twice": (_at_root('<include file="infant.xml"/>' * 2), "2 times <include>"),
+    "include of an infant that is there already": (_at_root('<include file="infant.xml"/>'), "repeated default class"),
     "include in the infant": (
         _xml("infant.xml", "<asset>", '<include file="infant.xml"/><asset>'),
-        "scene.xml alone includes infant.xml",
+        "only scene.xml may include infant.xml",
     ),
-    "no include": (_xml("scene.xml", '<include file="infant.xml"/>', ""), "scene.xml alone includes infant.xml"),
+    "no infant": (_xml("scene.xml", "worldbody>", "asset>", 2), "Schema violation"),
     "a texture of an absolute path": (
         _xml("infant.xml", 'file="assets/stripes.png"', 'file="{outside}/canary.png"'),
         NOT_THERE,
@@ -148,7 +149,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "a mesh of an absolute path": (_in_assets('<mesh name="m" file="{outside}/canary.obj"/>'), NOT_THERE),
     "a mesh with a plug-in": (_in_assets('<mesh name="m"><plugin plugin="mujoco.sdf.bolt"/></mesh>'), ELEMENT),
     "a skin of an absolute path": (
-        _xml("infant.xml", 'file="assets/head.skn"', 'file="{outside}/canary.skn"'),
+        _xml("scene.xml", 'file="assets/head.skn"', 'file="{outside}/canary.skn"'),
         NOT_THERE,
     ),
     "a height field of a file": (_in_assets('<hfield name="h" file="{outside}/canary.png" size="1 1 1 1"/>'), ELEMENT),

@@ -26,12 +26,13 @@ def room(request) -> dict[str, bytes]:
 def with_solid_walls(files: dict[str, bytes]) -> mujoco.MjModel:
     """Return the room with walls and ceiling that touch by their contact bits, and no listed pairs of theirs."""
     tree = etree.fromstring(files["scene.xml"])
-    pairs = tree.find("contact")
+    pairs = tree.findall("contact/pair")
     for name in {pair.get("geom1") for pair in pairs}:
         (wall,) = tree.xpath(f"worldbody/geom[@name='{name}']")
         wall.set("contype", "1")
         wall.set("conaffinity", "1")
-    tree.remove(pairs)
+    for pair in pairs:
+        pair.getparent().remove(pair)
     return model_check.compile_model({**files, "scene.xml": etree.tostring(tree)})
 
 

@@ -11,9 +11,9 @@ from mimoc.runtime.check import COMMANDS, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, P
 
 def changed(bundle, pattern, replacement):
     """Return a bundle whose body says something else."""
-    body, count = re.subn(pattern, replacement, bundle.files["infant.xml"].decode())
+    body, count = re.subn(pattern, replacement, bundle.files["scene.xml"].decode())
     assert count
-    return dataclasses.replace(bundle, files={**bundle.files, "infant.xml": body.encode()})
+    return dataclasses.replace(bundle, files={**bundle.files, "scene.xml": body.encode()})
 
 
 @pytest.mark.matrix

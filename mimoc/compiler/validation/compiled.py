@@ -14,7 +14,7 @@ from mimoc.compiler.model_check import compile_model
 from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.mjcf import printing
-from mimoc.mujoco_layout import SOLIDS_GROUP
+from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.units import ms_to_s
@@ -24,8 +24,6 @@ Progress = Callable[[int, int], None]
 
 ROOT = "hip"
 """The root body of the infant."""
-BODY_GROUP = 0
-"""Geom group of the body; geoms in other groups are only visual."""
 
 IntArray = npt.NDArray[np.intp]
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
-from mimoc.body.poses import POSES, Pose, resting_state
+from mimoc.body.poses import Pose, resting_state
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.ball import BALL, RADIUS_M, ball
 from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
@@ -22,8 +22,17 @@ OFFERING = {
 }
 """Of the arm that catches: upper arm beside the body, which no forearm touches, palm as level as the wrist turns it,
 because balls roll, fingers a little curled; in degrees."""
-UPRIGHT = {"{side}_hip1": -95.0}
-"""The trunk leans forward by 4 to 7 degrees, so that the forearm is level."""
+SITTING = {
+    "{side}_hip1": -95.0,
+    "{side}_hip2": -33.0,
+    "{side}_knee": -25.0,
+    "{side}_shoulder_ad_ab": 30.0,
+    "{side}_elbow": -45.0,
+    "{side}_fingers": -40.0,
+    "hip_bend1": 8.0,
+    "hip_bend2": 8.0,
+}
+"""The trunk leans forward by 4 to 7 degrees, so that the forearm is level; all but the arm that catches is locked."""
 LOOKING = {"head_tilt": 10.0}
 """Down, but not so far that the ball would fall on a newborn's head."""
 ALONG_PALM = 0.4
@@ -60,9 +69,8 @@ def build(task: CatchSpec, tree: BodyTree) -> TaskSetup:
 
 def _offering(side: Side) -> Pose:
     """Return the pose of an infant that sits and offers a palm."""
-    sitting = POSES["sitting"]
     arm = {f"{side}_{joint}": angle_deg for joint, angle_deg in OFFERING.items()}
-    return Pose(sitting.pitch_deg, {**sitting.angles_deg, **UPRIGHT, **LOOKING, **arm})
+    return Pose(0, {**SITTING, **LOOKING, **arm}, relaxed=False)
 
 
 def _hand_length(tree: BodyTree, side: Side) -> float:

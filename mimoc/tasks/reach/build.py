@@ -1,15 +1,17 @@
 """The setup of reaching: a ball hangs before an infant that is held upright and looks at it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import frames, frames_in_world
-from mimoc.body.poses import POSES, resting_state
+from mimoc.body.poses import Pose, pose_of, resting_state
 from mimoc.geometry.rotations import Vec3, direction
 from mimoc.tasks.ball import BALL, ball
 from mimoc.tasks.base import GazeEntry
 from mimoc.tasks.reach.spec import ReachEntry, ReachSpec
-from mimoc.tasks.setup import Side, TaskSetup, middle_finger, one_armed, require
+from mimoc.tasks.setup import Side, TaskSetup, joints_of, middle_finger, one_armed, require
 from mimoc.units import deg_to_rad
 
 STEPS = 1000
@@ -31,7 +33,7 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
     side: Side = task.hand or "right"
     effector = middle_finger(tree, side)
     require(tree, task.kind, effector)
-    start = resting_state(tree, POSES["standing"])
+    start = resting_state(tree, _standing(tree, side))
     entry = ReachEntry(
         steps=task.steps or STEPS,
         effector=effector,
@@ -44,6 +46,14 @@ def build(task: ReachSpec, tree: BodyTree) -> TaskSetup:
         gaze=_gaze(tree),
     )
     return one_armed(tree, side, entry, start, (ball(_middle(tree, entry, start)),), weightless=True)
+
+
+def _standing(tree: BodyTree, side: Side) -> Pose:
+    """Return how an infant stands whose arm floats, as its springs have it: there is no gravity."""
+    standing = pose_of(tree, "standing")
+    arm = joints_of(tree, f"{side}_arm", f"{side}_hand")
+    slack = {joint.removeprefix("robot:"): tree.joints[joint].springref_deg for joint in arm}
+    return replace(standing, angles_deg={**standing.angles_deg, **slack})
 
 
 def _distances(tree: BodyTree, side: Side) -> tuple[float, float]:

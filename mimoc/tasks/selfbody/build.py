@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from mimoc.body import BodyTree
-from mimoc.body.poses import Pose, resting_state
+from mimoc.body.poses import Pose, hands_at_rest, resting_state
 from mimoc.schema.names import SIDES
 from mimoc.tasks.selfbody.spec import SelfbodyEntry, SelfbodySpec, TargetEntry
 from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
@@ -26,7 +26,7 @@ AWAY: Mapping[Side, Mapping[str, float]] = {
 }
 """The trunk turned away from a hand, which gets to the other leg so, past a trunk as deep as infants' are."""
 TOUCHING: Mapping[str, float] = {"shoulder_ad_ab": 40, "elbow": -45, "fingers": -20}
-"""The arm that touches, in the air beside the body at first."""
+"""The arm that touches, in the air beside the body at first: where it would rest, it would touch a leg."""
 TOUCHED: Mapping[str, float] = {"shoulder_horizontal": 45, "shoulder_ad_ab": 70, "elbow": -85, "fingers": -40}
 """The other arm, above the lap."""
 TRUNK = {"head": ("head", "left_eye", "right_eye"), "upper_body": ("upper_body", "chest"), "hip": ("hip",)}
@@ -48,14 +48,14 @@ def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
         effectors=bodies_of(tree, f"{side}_hand"),
         targets=tuple(_targets(tree, OTHER[side])),
     )
-    return one_armed(tree, side, entry, resting_state(tree, _pose(side)))
+    return one_armed(tree, side, entry, resting_state(tree, _pose(tree, side)))
 
 
-def _pose(side: Side) -> Pose:
+def _pose(tree: BodyTree, side: Side) -> Pose:
     """Return how an infant sits that touches itself with a hand."""
     arms = {f"{side}_{name}": angle for name, angle in TOUCHING.items()}
     arms |= {f"{OTHER[side]}_{name}": angle for name, angle in TOUCHED.items()}
-    return Pose(0, {**SITTING, **AWAY[side], **arms})
+    return Pose(0, {**hands_at_rest(tree), **SITTING, **AWAY[side], **arms}, relaxed=False)
 
 
 def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:

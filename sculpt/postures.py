@@ -1,0 +1,154 @@
+"""Find the angles at which infants of an age come to rest in their start poses, and write `data/postures.csv`.
+
+    python sculpt/postures.py
+
+An infant without commands is laid down, sat or stood as `first_deg` says, while what strength must hold is held; a few
+seconds later it rests. Left and right are made alike, and it begins again from there, until hands and feet stay where
+they are.
+"""
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from fnmatch import fnmatch
+from itertools import product
+from multiprocessing import Pool
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from mimoc.body.poses import PITCH, POSES, Pose, resting_state
+from mimoc.body.tree import BodyTree
+from mimoc.compiler.building import builder
+from mimoc.compiler.model_check import compile_model
+from mimoc.fits.tables import data_folder
+from mimoc.schema.infant import InfantSpec
+
+YOUNG_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.2499)
+OLD_MONTHS = (1.25, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
+"""Ages, in two series: each begins at its far end, and the next age where the one before came to rest. Where they meet,
+arms that tone bent are stretched by their weight. Newborns sit as the others do, lest they tip over."""
+MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
+"""Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
+SECONDS, ROUNDS = 3.0, 12
+STILL_M = 0.001
+"""Hands and feet that move by less rest."""
+HELD_KGM2 = 1e6
+"""Armature of joints that are held."""
+
+Angles = dict[str, float]
+"""Degrees by joint; `{side}` stands for both sides."""
+
+
+def first_deg(name: str, development: str, age_months: float) -> Angles:
+    """Return how an infant is laid down, sat or stood; joints that are held stay so."""
+    if name == "supine":
+        return {"{side}_shoulder_ad_ab": 45}
+    if name == "prone" and development == "published":
+        return {"head_swivel": -70, "{side}_shoulder_ad_ab": 25}
+    if name == "prone":
+        return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
+    if name == "standing":
+        return {}
+    young = max(0.0, 1 - age_months / 6)
+    hips = {"{side}_hip1": -102 - 4 * young, "{side}_hip2": -33 - 7 * young, "{side}_hip3": 30 * young}
+    back = dict.fromkeys(("hip_bend1", "hip_bend2"), 8 + 6 * young)
+    return {**back, **hips, "{side}_shoulder_ad_ab": 20}
+
+
+def main() -> None:
+    """Fit all poses, and write the table."""
+    kinds = [*product(("maturing", "published"), ("mitten", "five_finger"), (False, True), POSES)]
+    with Pool(2) as pool:
+        fitted = pool.map(all_ages, kinds, chunksize=1)
+    with (data_folder() / "postures.csv").open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["development", "hands", "chest_joint", "pose", "joint", *YOUNG_MONTHS, *OLD_MONTHS])
+        for (development, hands, chest_joint, pose), ages in zip(kinds, fitted, strict=True):
+            for joint in ages[0]:
+                angles = [f"{angles_deg[joint]:g}" for angles_deg in ages]
+                table.writerow([development, hands, str(chest_joint).lower(), pose, joint, *angles])
+
+
+def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
+    """Return the angles of a pose at all ages."""
+    development, hands, chest_joint, name = kind
+    body = {"hands": hands, "chest_joint": chest_joint, "skin": False}
+    spec = {"mimoc": 1, "name": "x", "development": development, "body": body}
+    old = series(spec, name, OLD_MONTHS[::-1], {})
+    young = series(spec, name, YOUNG_MONTHS, old[-1] if name == "sitting" else {})
+    return [*young, *reversed(old)]
+
+
+def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before: Mapping[str, float]) -> list[Angles]:
+    """Return the angles of a pose at some ages, and print by how much hands and feet move in the end."""
+    found: list[Angles] = []
+    for age_months in ages_months:
+        made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
+        before = found[-1] if found else before
+        free = {joint: angle for joint, angle in before.items() if not is_held(joint.format(side="right"), name)}
+        first = {**first_deg(name, spec["development"], age_months), **free}
+        angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, first)
+        print(*spec["body"].values(), spec["development"], name, age_months, f"{moved_m * 1e3:.1f} mm", flush=True)
+        found.append(angles)
+    return found
+
+
+def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tuple[Angles, float]:
+    """Return the angles of a pose at rest, and how far hands and feet move in the last round, in [m]."""
+    held = [index for index in range(1, model.njnt) if is_held(_name(model, index), name)]
+    model.dof_armature[model.jnt_dofadr[held]] = HELD_KGM2
+    angles, moved_m = first, np.inf
+    for _ in range(ROUNDS):
+        angles, moved_m = settle(model, tree, name, angles)
+        if moved_m < STILL_M:
+            break
+    w, _, y, _ = resting_state(tree, posed(name, angles))[3:7]
+    return {PITCH: round(np.degrees(2 * np.arctan2(y, w)), 1), **angles}, moved_m
+
+
+def is_held(joint: str, name: str) -> bool:
+    """Return whether strength holds a joint in a pose."""
+    return any(fnmatch(joint, each.format(side="*")) for each in POSES[name].held)
+
+
+def posed(name: str, angles: Angles) -> Pose:
+    """Return a pose with these angles."""
+    return replace(POSES[name], angles_deg={**angles, **POSES[name].angles_deg})
+
+
+def settle(model: mujoco.MjModel, tree: BodyTree, name: str, angles: Angles) -> tuple[Angles, float]:
+    """Return the angles after some seconds without commands, and how far hands and feet moved, in [m]."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = resting_state(tree, posed(name, angles))
+    mujoco.mj_forward(model, data)
+    ends = [index for index in range(model.nbody) if model.body(index).name.endswith(("_hand", "_foot"))]
+    before = data.xipos[ends].copy()
+    mujoco.mj_step(model, data, nstep=round(SECONDS / model.opt.timestep))
+    moved_m = float(np.linalg.norm(data.xipos[ends] - before, axis=1).max())
+    after = {
+        _name(model, index): float(np.degrees(data.qpos[model.jnt_qposadr[index]])) for index in range(1, model.njnt)
+    }
+    found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after)}
+    kept = {joint: angle for joint, angle in found.items() if joint not in POSES[name].angles_deg}
+    return kept, moved_m
+
+
+def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
+    """Yield the mean of left and right, and of the two joints of the lumbar spine, which are coupled."""
+    bend = (angles["hip_bend1"] + angles["hip_bend2"]) / 2
+    for joint, angle in {**angles, "hip_bend1": bend, "hip_bend2": bend}.items():
+        side, _, limb = joint.partition("_")
+        if side == "left" and not limb.startswith("eye"):
+            yield f"{{side}}_{limb}", (angle + angles[f"right_{limb}"]) / 2
+        elif joint in MIDDLE:
+            yield joint, angle
+
+
+def _name(model: mujoco.MjModel, joint: int) -> str:
+    return model.joint(joint).name.removeprefix("robot:")
+
+
+if __name__ == "__main__":
+    main()
