@@ -60,6 +60,13 @@ Factor = Annotated[Real, Field(ge=0.5, le=2)]
 LENGTHS_CM, WEIGHTS_KG, HEADS_CM = (35.0, 110.0), (1.0, 25.0), (25.0, 60.0)
 """Smallest and largest value of any child up to two years of age."""
 
+INDICATORS: Mapping[str, str] = {
+    "length_cm": "length_percentile",
+    "weight_kg": "weight_percentile",
+    "head_circumference_cm": "head_percentile",
+}
+"""What can be measured of an individual, by the names of WHO's standards, and the key of its percentile."""
+
 
 class IndividualSpec(Model):
     """An individual child, given by WHO percentiles or by measurements, in place of the average child."""
@@ -81,15 +88,7 @@ class IndividualSpec(Model):
 
     @model_validator(mode="after")
     def _is_one_child(self) -> Self:
-        pairs = (
-            ("length_percentile", "length_cm"),
-            ("weight_percentile", "weight_kg"),
-            ("head_percentile", "head_circumference_cm"),
-        )
-        for percentile, measured in pairs:
-            if getattr(self, percentile) is not None and getattr(self, measured) is not None:
-                raise KeyedError((measured,), f"'{percentile}' already says this; keep one of the two")
-        given = [key for pair in pairs for key in pair if getattr(self, key) is not None]
+        given = [key for pair in INDICATORS.items() for key in pair if getattr(self, key) is not None]
         if not given:
             message = (
                 "gives no length, weight or head circumference; add one, such as 'length_percentile: 50', or omit it"
