@@ -10,11 +10,13 @@ from mimoc.cohorts.children import draw_children
 from mimoc.cohorts.levels import draws, levels_of
 from mimoc.errors import Problem, SpecError
 from mimoc.random_streams import stream, whole_between
+from mimoc.schema.base import KeyedError
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.plain import changed, given, plain
 from mimoc.schema.same_child import at_another_age
+from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
 
 MAX_INFANTS = 1_000_000
@@ -65,6 +67,7 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
     _check_lengths(cohort, source)
     _check_number(cohort, source)
     children, origin = children_of(cohort), read_spec(base)
+    _check_children(cohort, source, origin)
     found, problems = [], []
     for choice in _choices(cohort, len(children)):
         child = None if choice.child is None else children[choice.child]
@@ -78,6 +81,18 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
     if problems:
         raise SpecError(problems)
     return tuple(found)
+
+
+def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> None:
+    """Raise a SpecError if a listed child, together with the base, gives two values of one size."""
+    problems = []
+    for index, child in enumerate(cohort.children if isinstance(cohort.children, tuple) else ()):
+        try:
+            check_sizes(origin.body.model_copy(update={"individual": child}), origin.age_months)
+        except KeyedError as error:
+            problems.append(source.problem(("children", index, *error.key[2:]), str(error)))
+    if problems:
+        raise SpecError(problems)
 
 
 def _check_lengths(cohort: CohortSpec, source: Source) -> None:

@@ -59,12 +59,21 @@ class Naming:
         """Whether it is a factor of a part."""
         return self.path[1] == "parts"
 
-    def __str__(self) -> str:
+    def measure(self, body: BodySpec, age_months: float) -> float:
+        """Return the value in cm or kg, that of a percentile by WHO's standard for the child's sex and age."""
+        if not self.percentile_of:
+            return self.value
+        from mimoc.fits import load_tables  # Bundles are opened without tables of growth.
+
+        sex = (body.individual and body.individual.sex) or "female"  # The schema requires a sex with a percentile.
+        return load_tables().who[self.percentile_of].value(NormalDist().inv_cdf(self.value / 100), age_months, sex)
+
+    def said(self, body: BodySpec, age_months: float) -> str:
         """Return the value with its unit, for messages."""
+        unit = "kg" if "weight_kg" in self.sizes else "cm"
         if self.percentile_of:
-            return f"percentile {self.value:g}"
-        unit = "" if self.is_factor else " kg" if dotted(self.path).endswith("_kg") else " cm"
-        return f"{self.value:.10g}{unit}"
+            return f"percentile {self.value:g}, {self.measure(body, age_months):.1f} {unit}"
+        return f"{self.value:.10g}" + ("" if self.is_factor else f" {unit}")
 
 
 def namings(body: BodySpec) -> Iterator[Naming]:
@@ -84,7 +93,7 @@ def namings(body: BodySpec) -> Iterator[Naming]:
     for name, part in body.parts.items():
         side = next((side for side in SIDES if name.startswith(f"{side}_")), "")
         for key, measurements in PART_SIZES.get(name.removeprefix(f"{side}_"), {}).items():
-            if key in part.model_fields_set:
+            if getattr(part, key) != 1:
                 sizes = frozenset().union(*(_sizes(measurement, side) for measurement in measurements))
                 yield Naming(("body", "parts", name, key), getattr(part, key), sizes)
 
@@ -111,13 +120,15 @@ def check_sizes(body: BodySpec, age_months: float, written: object = None) -> No
         KeyedError: If one has; at the key that says more, naming the other.
     """
     for other, naming, agree in pairs(body, age_months):
-        if not agree:
-            line = written.locate(other.path)[0] if isinstance(written, Source) and written.has_lines else 0
-            place = f"'{dotted(other.path)}'" + (f" in line {line}" if line else "")
-            what = f"a factor of {naming} changes" if naming.is_factor else f"{naming} contradicts"
-            is_of_both = naming.sizes < other.sizes and not naming.is_factor
-            advice = "give left_ and right_ instead of both sides" if is_of_both else "leave one of the two out"
-            raise KeyedError(naming.path, f"{what} {place}, which is {other}; {advice}", against=other.path)
+        if agree:
+            continue
+        line = written.locate(other.path)[0] if isinstance(written, Source) and written.has_lines else 0
+        place, value = f"'{dotted(other.path)}'" + (f" in line {line}" if line else ""), naming.said(body, age_months)
+        what = f"a factor of {value} changes" if naming.is_factor else f"{value} contradicts"
+        is_of_both = naming.sizes < other.sizes and not naming.is_factor
+        advice = "give left_ and right_ instead of both sides" if is_of_both else "leave one of the two out"
+        message = f"{what} {place}, which is {other.said(body, age_months)}; {advice}"
+        raise KeyedError(naming.path, message, against=other.path)
 
 
 def _sizes(measurement: str, side: str = "") -> frozenset[str]:
@@ -129,15 +140,6 @@ def _sizes(measurement: str, side: str = "") -> frozenset[str]:
 
 def _agree(earlier: Naming, later: Naming, body: BodySpec, age_months: float) -> bool:
     if later.is_factor:
-        return later.value == 1
-    return _agree_on_charts(earlier, later, body, age_months) if earlier.percentile_of else later.value == earlier.value
-
-
-def _agree_on_charts(percentile: Naming, measure: Naming, body: BodySpec, age_months: float) -> bool:
-    """Return whether a measure is the one of a percentile, as WHO's charts print it."""
-    from mimoc.fits import load_tables  # Bundles are opened without tables of growth.
-
-    sex = (body.individual and body.individual.sex) or "female"  # The schema requires a sex if a percentile is given.
-    z = NormalDist().inv_cdf(percentile.value / 100)
-    value = load_tables().who[percentile.percentile_of].value(z, age_months, sex)
-    return abs(measure.value - value) <= CHART_DIGIT / 2
+        return False
+    apart = abs(later.value - earlier.measure(body, age_months))
+    return apart <= (CHART_DIGIT / 2 if earlier.percentile_of else 0)
