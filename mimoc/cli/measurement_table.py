@@ -22,8 +22,8 @@ def print_measurements(report: MeasurementReport, tolerance: float) -> None:
     """
     console = open_console()
     is_average = all(row.requested == 1 for row in report.rows)
-    goal = "AnthroKids' means" if is_average else "AnthroKids' means, times what the spec asks for"
-    console.print(f"deviation from {goal} [%]")
+    goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")
+    console.print(f"deviation from {goal.removesuffix(',')} [%]")
     table = Table(padding=0)
     for heading in ("months", *(f"{age_months:g}" for age_months in report.ages_months)):
         table.add_column(heading, justify="left" if heading == "months" else "right", no_wrap=True)

@@ -24,8 +24,8 @@ def print_milestones(report: MilestoneReport) -> None:
         table.add_row(*_row(each))
     out.print(table)
     for milestone in report.milestones:
-        if window := milestone.window:
-            out.print(f"{milestone.trial.title}: {window.source} ({window.certainty})")
+        window, trial = milestone.window, milestone.trial
+        out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
     out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
     failing = [each.trial.name for each in report.milestones if each.verdict not in ("inside", "no verdict")]
     if failing:
@@ -38,7 +38,7 @@ def _row(each: Milestone) -> tuple[str | Text, ...]:
     age, window = each.found.youngest_months, each.window
     colour = {"inside": "green", "no verdict": ""}.get(each.verdict, "red")
     return (
-        each.trial.title,
+        each.trial.name,
         "not by 24" if age is None else "birth" if age == 0 else f"{age:g}",
         f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
         f"{window.median_months:g}" if window else "",
