@@ -14,6 +14,7 @@ from mimoc.schema.base import KeyedError
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.key_paths import dotted
 from mimoc.schema.plain import changed, given, plain
 from mimoc.schema.same_child import at_another_age
 from mimoc.schema.sizes import check_sizes
@@ -90,7 +91,11 @@ def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> N
         try:
             check_sizes(origin.body.model_copy(update={"individual": child}), origin.age_months)
         except KeyedError as error:
-            problems.append(source.problem(("children", index, *error.key[2:]), str(error)))
+            is_own = error.key[:2] == ("body", "individual")
+            place = ("children", index, *(error.key[2:] if is_own else ()))
+            problems.append(
+                source.problem(place, str(error) if is_own else f"with the base's {dotted(error.key)}: {error}")
+            )
     if problems:
         raise SpecError(problems)
 

@@ -153,7 +153,8 @@ def _canonical(value: Any) -> str:
     if isinstance(value, list):
         return repr([_canonical(item) for item in value])
     if isinstance(value, float):
-        return repr(int(value) if value.is_integer() else rounded(value))
+        value = rounded(value)
+        return repr(int(value) if value.is_integer() else value)
     return repr(value)
 
 

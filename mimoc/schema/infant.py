@@ -47,7 +47,9 @@ class InfantSpec(InfantKeys):
             SpecError: If the new spec is invalid; the error lists all problems by key.
         """
         data = self._source.data if self._source and _says(self._source, self) else given(self)
-        if "age_months" in changes and (grown := at_another_age(self.body, self.age_months, plain(changes["age_months"]))):
+        if "age_months" in changes and (
+            grown := at_another_age(self.body, self.age_months, plain(changes["age_months"]))
+        ):
             data = changed(data, {"body": grown})
         return _checked(type(self), changed(data, changes), self)
 

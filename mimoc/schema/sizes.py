@@ -33,9 +33,10 @@ PART_SIZES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "foot": {"length": ("foot_length",), "girth": ("foot_breadth",)},
     "toes": {"girth": ("foot_breadth",)},
 }
-"""The measurements that a factor of a part changes by half of itself or more, by name of the part without its side.
+"""The measurements that a factor of a part changes by about half of itself or more, by name of the part without side.
 
-Taken on compiled bodies (`tests/compiler/test_sizes.py`). Sums of many parts, such as crown-sole length, are not there.
+With one kind of hands or the other, taken on compiled bodies (`tests/compiler/test_sizes.py`). Sums of many parts, such
+as crown-sole length, are not there.
 """
 
 CHART_DIGIT = 0.1
@@ -77,10 +78,11 @@ class Naming:
 
 
 def namings(body: BodySpec) -> Iterator[Naming]:
-    """Yield every key of a body that names a size, in the order of precedence: a later one changes what earlier ones say.
+    """Yield every key of a body that names a size, in the order of precedence: a later one says more of fewer parts.
 
-    Percentiles, then cm and kg of the individual, which are of the whole child; measurements of both sides, then of one;
-    factors of parts.
+    1. Percentiles of the individual, and 2. its cm and kg: of the whole child.
+    3. Measurements of both sides, and 4. of one side: in place of what follows from age and individual.
+    5. Factors of parts: on what the part would be otherwise.
     """
     for measure, percentile in INDICATORS.items() if body.individual else ():
         sizes = frozenset({MEASUREMENT_OF.get(measure, measure)})

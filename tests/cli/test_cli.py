@@ -58,6 +58,31 @@ def test_validate_gives_numbers_to_other_programs(invoke, here, one_age):
     assert Path("growth.png").read_bytes().startswith(PNG)
 
 
+SMALL = "mimoc: 1\nname: kim\nage_months: 7\nbody: {individual: {sex: male, length_percentile: 3}}\n"
+BROAD = "mimoc: 1\nname: kim\nage_months: 7\nbody: {measurements: {upper_arm_circumference_cm: 16}}\n"
+VALIDATED = [("who", ""), ("who", SMALL), ("who", BROAD), ("anthrokids", ""), ("anthrokids", BROAD)]
+
+
+@pytest.mark.parametrize(("against", "text"), VALIDATED)
+def test_tables_of_validate_fit_80_columns_and_have_no_empty_column(invoke, here, against, text):
+    Path("kim.yaml").write_text(text)
+    done = invoke("validate", *(["kim.yaml"] if text else []), "--against", against)
+    assert (done.code, done.err) == (0, "")
+    check_tables(done.out)
+
+
+def check_tables(text):
+    """Check the width of each table, and that each of its columns has a heading and something below."""
+    lines = [line for line in text.splitlines() if line.startswith(tuple("┏┃┡│└"))]
+    assert max(map(len, lines)) <= 80
+    tables = "\n".join(lines).split("┏")[1:]
+    assert tables
+    for table in tables:
+        _, head, _, *rows, _ = table.splitlines()
+        assert all(cell.strip() for cell in head.split("┃")[1:-1])
+        assert all(any(map(str.strip, cells)) for cells in zip(*(row.split("│")[1:-1] for row in rows), strict=True))
+
+
 def test_validate_fails_outside_one_sd(invoke, monkeypatch):
     row = validation.Row(3.0, "weight_kg", 9.0, {"male": 1.1, "female": 1.3, "mean": 1.2})
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))

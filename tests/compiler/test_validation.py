@@ -220,3 +220,56 @@ def test_the_average_infant_is_within_one_sd_of_boys_and_of_girls_alone(report):
     """Boys of four months were 1.15 standard deviations too short by the paper's growth law."""
     for row in report.rows:
         assert max(abs(z) for z in row.z.values()) < 1, row
+
+
+# The child that is asked for.
+
+
+def asked(**body) -> InfantSpec:
+    return InfantSpec.model_validate({"mimoc": 1, "name": "kim", "age_months": 7, "body": body})
+
+
+@pytest.mark.parametrize("sex", ["male", "female"])
+@pytest.mark.parametrize("wanted", [3, 97])
+def test_a_child_is_judged_by_its_sex_and_the_percentile_it_is_asked_for(sex, wanted):
+    """Not by the mean of both sexes, beyond one SD of which it is at every age."""
+    report = grow_against_who(asked(individual={"sex": sex, "length_percentile": wanted, "weight_percentile": wanted}))
+    assert report.passed
+    assert report.reference == sex
+    for row in report.rows:
+        if row.indicator in ("length_cm", "weight_kg"):
+            assert row.percentile[sex] == pytest.approx(wanted, abs=0.1)
+            assert abs(row.z["mean"]) > 1
+        assert row.is_judged == (row.indicator in ("length_cm", "weight_kg"))
+
+
+def test_a_child_of_no_sex_is_judged_by_the_mean_of_both():
+    report = grow_against_who(asked(individual={"length_cm": 63.5}), (0, 12))
+    assert (report.reference, report.passed) == ("mean", True)
+    assert {row.requested_z is None for row in report.by_indicator["length_cm"]} == {False}
+
+
+def test_a_child_that_misses_what_is_asked_for_fails():
+    """However near to the average it is."""
+    wanted = {"length_cm": 70.0, "weight_kg": None, "head_circumference_cm": None, "arm_circumference_cm": None}
+    for length_cm, missed in ((70.0, False), (70.02, False), (70.1, True), (69.9, True)):
+        measures = Stature(length_cm=length_cm, weight_kg=99, head_circumference_cm=45, arm_circumference_cm=14)
+        report = GrowthReport(tuple(compare_with_who(7, measures, "male", wanted)))
+        assert [row.indicator for row in report.rows if row.missed] == ["length_cm"] * missed
+        assert report.passed is not missed
+
+
+def test_a_measurement_is_asked_for_and_what_other_keys_change_is_not_judged():
+    body = {"measurements": {"head_circumference_cm": 42.0}, "parts": {"left_upper_leg": {"length": 0.9}}}
+    report = grow_against_who(asked(**body), (7,))
+    judged = {row.indicator: row.is_judged for row in report.rows}
+    assert judged == {
+        "length_cm": True,
+        "weight_kg": False,
+        "head_circumference_cm": True,
+        "arm_circumference_cm": True,
+    }
+    (head,) = report.by_indicator["head_circumference_cm"]
+    assert (head.value, head.missed) == (pytest.approx(42.0, abs=1e-4), False)
+    assert head.requested_z == pytest.approx(head.z["mean"], abs=1e-4)
+    assert report.passed

@@ -1,5 +1,6 @@
 """No size of a body has two values, whichever two keys of the language name it."""
 
+import re
 from itertools import combinations
 from typing import Any
 
@@ -10,6 +11,7 @@ from mimoc.compiler.notes import notes
 from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
+from mimoc.schema.names import KINDS_OF_HANDS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import language_of
 from mimoc.schema.sizes import PART_SIZES, namings
 from mimoc.schema.source import parse
@@ -40,8 +42,8 @@ def sizes(key: Key) -> set[str]:
     if section == "individual":
         return {SIZES[name.partition("_")[0]]}
     if section == "parts":
-        side, _, part = name.rpartition("left_") if "left_" in name else name.rpartition("right_")
-        side = "left" if "left_" in name else "right" if "right_" in name else ""
+        side = next((side for side in ("left", "right") if name.startswith(f"{side}_")), "")
+        part = name.removeprefix(f"{side}_")
         named = PART_SIZES.get(part, {}).get(key[2], ())
         return {f"{side}_{size}" if ("measurements", f"{side}_{size}_cm") in ALL else size for size in named}
     size = name.removesuffix("_cm")
@@ -52,33 +54,39 @@ def sizes(key: Key) -> set[str]:
 ALL = set(keys())
 
 
+MEDIANS = {"crown_sole_length": "length_cm", "head_circumference": "head_circumference_cm", "weight": "weight_kg"}
+
+
 def value(key: Key) -> float:
-    """Return what the average girl has of a size, or a factor."""
-    section, name = key[:2]
-    if section == "parts":
+    """Return what a girl on WHO's medians has of a size, or else the average child; or a factor."""
+    if key[0] == "parts":
         return 1.1
-    if section == "measurements":
-        return round(100 * measure(9)[name.removesuffix("_cm").removeprefix("left_").removeprefix("right_")], 1)
-    indicator = {"length": "length_cm", "weight": "weight_kg", "head": "head_circumference_cm"}[name.partition("_")[0]]
-    return 50.0 if "percentile" in name else round(load_tables().who[indicator].value(0, 9, "female"), 1)
+    if "percentile" in key[1]:
+        return 50.0
+    size = next(iter(sizes(key))).removeprefix("left_").removeprefix("right_")
+    if size in MEDIANS:
+        return round(load_tables().who[MEDIANS[size]].value(0, 9, "female"), 1)
+    return round(100 * measure(9)[size], 1)
 
 
 def body(*said: tuple[Key, float]) -> dict[str, Any]:
-    """Return a body with some keys."""
-    found: dict[str, Any] = {"individual": {"sex": "female", "weight_kg": 8.0}, "hands": "mitten"}
-    if any(key[0] == "individual" and "weight" in key[1] for key, _ in said):
-        found["individual"] = {"sex": "female"}
-    if not any(key[0] == "individual" for key, _ in said):
-        del found["individual"]
+    """Return a body with some keys, with hands that have the parts they name."""
+    hands = [
+        hands for hands in KINDS_OF_HANDS if all(key[1] in parts_of(hands) for key, _ in said if key[0] == "parts")
+    ]
+    found: dict[str, Any] = {"hands": hands[0]}
     for key, size in said:
-        if key[0] == "parts" and not key[1].endswith(("hand", "fingers")):
-            five = key[1].rpartition("_")[2].startswith(("mf", "th", "ff", "rf", "lf", "big", "toe"))
-            found["hands"] = "five_finger" if five and not key[1].endswith("toes") else found["hands"]
         section = found
         for step in key[:-1]:
             section = section.setdefault(step, {})
         section[key[-1]] = size
+    if "individual" in found:
+        found["individual"]["sex"] = "female"
     return found
+
+
+def parts_of(hands: str) -> tuple[str, ...]:
+    return trunk_bodies() + limb_bodies(hands)
 
 
 PAIRS = [
@@ -91,7 +99,9 @@ PAIRS = [
 def test_there_are_pairs_of_every_two_sections():
     sections = {tuple(sorted(key[0] for key in pair)) for pair in PAIRS}
     every = {"individual", "measurements", "parts"}
-    assert sections == {tuple(sorted(two)) for two in combinations(every, 2)} | {("individual",) * 2, ("measurements",) * 2}
+    assert sections == {tuple(sorted(two)) for two in combinations(every, 2)} | {
+        (one, one) for one in every - {"parts"}
+    }
     assert len(PAIRS) > 100
 
 
@@ -109,23 +119,19 @@ def test_two_values_of_one_size_are_one_line_with_both_places():
             read_spec(parse(text, "spec.yaml"))
         (problem,) = refused.value.problems
         dotted = ["body." + ".".join(key) for key in pair]
-        lines = [line for line, of in enumerate(text.splitlines(), 1) if of.strip().startswith(f"{pair[0][-1]}:")]
         assert problem.key in dotted, pair
         (other,) = set(dotted) - {problem.key}
-        assert f"'{other}' in line " in problem.message
+        (line,) = re.findall(f"'{re.escape(other)}' in line ([0-9]+)", problem.message)
+        for number, key in ((problem.line, problem.key), (int(line), other)):
+            assert key.rpartition(".")[2] in text.splitlines()[number - 1], (pair, text)
         assert problem.message.endswith(("leave one of the two out", "give left_ and right_ instead of both sides"))
-        assert problem.line in range(1, len(text.splitlines()) + 1)
-        assert lines
 
 
-def test_the_same_value_twice_is_noted_and_builds():
+def test_the_same_value_twice_is_noted():
+    """A percentile and a measure are the same if they agree on WHO's charts."""
     for pair in PAIRS:
         if "parts" not in (pair[0][0], pair[1][0]):
-            first, second = pair
-            again = value(first) if first[0] == second[0] == "measurements" else value(second)
-            same = value(first) if "percentile" in "".join(first) else again
-            twice = again if "percentile" not in "".join(second) else value(second)
-            spec = InfantSpec.model_validate({**HEAD, "body": body((first, same), (second, twice))})
+            spec = InfantSpec.model_validate({**HEAD, "body": body(*((key, value(key)) for key in pair))})
             (note,) = notes(spec, Toybox((), lambda name: pytest.fail(name)), {})
             assert note.endswith("say the same; one of the two is enough")
             assert all(f"'body.{'.'.join(key)}'" in note for key in pair)
@@ -153,4 +159,6 @@ def test_of_a_percentile_and_the_measure_on_its_chart_the_measure_is_built():
     individual = {"sex": "female", "length_percentile": 50, "length_cm": 70.1}
     bundle = mimoc.build(InfantSpec.model_validate({**HEAD, "body": {"individual": individual}}))
     assert bundle.manifest.child.length_cm == pytest.approx(70.1, abs=1e-4)
-    assert "'body.individual.length_percentile' and 'body.individual.length_cm' say the same" in bundle.manifest.notes[0]
+    assert (
+        "'body.individual.length_percentile' and 'body.individual.length_cm' say the same" in bundle.manifest.notes[0]
+    )

@@ -1,7 +1,6 @@
 """A strategy for specs."""
 
 from hypothesis import strategies as st
-
 from support.agreeing import agreeing
 
 from mimoc.schema import InfantSpec, PartSpec

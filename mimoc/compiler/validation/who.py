@@ -10,8 +10,8 @@ import numpy as np
 
 from mimoc import fits
 from mimoc.body.stature import Stature
-from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.aged import errors_at, quickly_aged
+from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.validation.compiled import PRIMITIVES, ROOT, Progress, compile_infant, own_solids, solid_extents
 from mimoc.compiler.validation.requests import Requests, requests_of
 from mimoc.fits.who import REFERENCES, Reference, percentile
@@ -84,7 +84,9 @@ class GrowthReport:
     @property
     def worst(self) -> Mapping[str, Row]:
         """The row furthest from what the spec asks for, or from WHO's median, by indicator."""
-        return {indicator: max(rows, key=lambda row: abs(row.deviation)) for indicator, rows in self.by_indicator.items()}
+        return {
+            indicator: max(rows, key=lambda row: abs(row.deviation)) for indicator, rows in self.by_indicator.items()
+        }
 
     @property
     def series(self) -> Mapping[str, Sequence[tuple[float, float]]]:

@@ -120,7 +120,13 @@ def _draw_standard(axes: "Axes", standard: GrowthStandard, reference: Reference)
     axes.fill_between(
         ages_months, low, high, color=WHO_COLOUR, alpha=0.18, linewidth=0, label="WHO, 5th to 95th percentile"
     )
-    axes.plot(ages_months, middle, color=WHO_COLOUR, linewidth=1.8, label="WHO, mean" if reference == "mean" else "WHO, median")
+    axes.plot(
+        ages_months,
+        middle,
+        color=WHO_COLOUR,
+        linewidth=1.8,
+        label="WHO, mean" if reference == "mean" else "WHO, median",
+    )
 
 
 def _draw_points(axes: "Axes", points: Sequence[DataPoint], marker: str, label: str) -> None:
