@@ -69,7 +69,11 @@ INDICATORS: Mapping[str, str] = {
 
 
 class IndividualSpec(Model):
-    """An individual child, given by WHO percentiles or by measurements, in place of the average child."""
+    """An individual child, given by WHO percentiles or by measurements, in place of the average child.
+
+    At another age it is the same child, with the same z-scores. A measure and its percentile may both be given if they
+    agree on WHO's charts, to 0.05 cm or kg; the measure counts.
+    """
 
     sex: Literal["male", "female"] | None = None
     """Sex of the child, which selects the WHO tables; required if a percentile is given."""
@@ -117,16 +121,18 @@ class BodySpec(Model):
     chest_joint: Annotated[bool, Field(strict=True)] = False
     """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
-    """An individual child; by default, the average child of the AnthroKids tables."""
+    """An individual child; by default, the average child of the AnthroKids tables. It sets the size of the whole body;
+    `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an error."""
     measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(
         default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
     )
-    """Measurements that replace those predicted from age, by AnthroKids name; the prefix `left_` or `right_` selects
-    one side."""
+    """Measurements that replace those predicted from age and individual, by AnthroKids name; the prefix `left_` or
+    `right_` selects one side. At another age, each keeps its ratio to the average child's."""
     parts: Mapping[PartName, PartSpec] = Field(
         default_factory=dict, json_schema_extra=keys_among(trunk_bodies() + all_limb_bodies())
     )
-    """Scale factors of single parts, by name of the body."""
+    """Scale factors of single parts, by name of the body, on what they would be otherwise; a size that `individual` or
+    `measurements` give has no factor."""
     remove: Annotated[tuple[LimbName, ...], *Distinct] = ()
     """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"

@@ -184,7 +184,7 @@ def compare_with_who(
         value = measures[indicator]
         if value is None or not standard.covers(age_months):
             continue
-        z = {to: standard.z_score(value, age_months, to) for to in REFERENCES}
+        z: dict[Reference, float] = {to: standard.z_score(value, age_months, to) for to in REFERENCES}
         wanted, is_judged = (requests or {}).get(indicator), indicator not in (requests or {})
         wanted_z = None if wanted is None else standard.z_score(wanted, age_months, reference)
         rows.append(Row(age_months, indicator, value, z, reference, wanted_z, is_judged or wanted is not None))
