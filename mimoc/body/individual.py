@@ -37,10 +37,13 @@ class Targets:
 
 
 def targets(individual: IndividualSpec, age_months: float) -> Targets:
-    """Return the requested measures of a child, with percentiles looked up in WHO's tables for its sex and age."""
+    """Return the requested measures of a child, with percentiles looked up in WHO's tables for its sex and age.
+
+    Of a measure and its percentile, which the schema requires to agree, the measure counts.
+    """
 
     def wanted(indicator: str, value: float | None, percentile: float | None) -> float | None:
-        if percentile is None:
+        if value is not None or percentile is None:
             return value
         z = NormalDist().inv_cdf(percentile / 100)
         sex: Sex = individual.sex or "female"  # The schema requires a sex if a percentile is given.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
     from mimoc.cli.doctor import Finding
     from mimoc.compiler.explain import Explanation
-    from mimoc.compiler.validation import GrowthReport, Row
-    from mimoc.fits.who import Reference
     from mimoc.runtime.check import PoseCheck
     from mimoc.runtime.rollout import Summary
 
@@ -104,51 +102,6 @@ def print_toys(manifest: Manifest) -> None:
         console.print(table)
     for note in manifest.notes:
         console.print(Text(f"note: {note}", style="yellow"))
-
-
-def print_growth(report: GrowthReport) -> None:
-    """Print one table per growth indicator, with a row for each age, and the verdict."""
-    console = open_console()
-    for indicator, worst in report.worst.items():
-        console.print(_growth_table(indicator, [row for row in report.rows if row.indicator == indicator]))
-        rows = [row for row in report.rows if row.indicator == indicator]
-        by_sex = ", ".join(f"{who} {_largest_deviation(rows, reference)}" for who, reference in SEXES.items())
-        console.print(f"largest deviation from WHO's mean {_largest_deviation([worst], 'mean')}; from {by_sex}\n")
-    verdict = "within one SD of the mean of WHO's boys and girls at every age"
-    if report.within_one_sd:
-        console.print(Text(f"ok: {verdict}", style="green"))
-    else:
-        failing = sorted({row.indicator for row in report.rows if row.outside_one_sd})
-        console.print(Text(f"failed: not {verdict}: {', '.join(failing)}", style="red"))
-
-
-SEXES: Mapping[str, Reference] = {"boys": "male", "girls": "female"}
-
-
-def _largest_deviation(rows: Iterable[Row], reference: Reference) -> str:
-    row = max(rows, key=lambda row: abs(row.z[reference]))
-    return f"at {row.age_months:g} months: z = {row.z[reference]:+.2f}"
-
-
-def _growth_table(indicator: str, rows: Iterable[Row]) -> Table:
-    table = Table(title=f"{LABELS[indicator]} against WHO", title_justify="left", collapse_padding=True, pad_edge=False)
-    for heading in ("months", "infant", "z boys", "z girls", "z mean", "% boys", "% girls", "% mean", ""):
-        table.add_column(heading, justify="right")
-    for row in rows:
-        z, percentile = row.z, row.percentile
-        table.add_row(
-            f"{row.age_months:g}",
-            f"{row.value:.2f}",
-            *(_z_text(z[reference]) for reference in ("male", "female", "mean")),
-            *(f"{percentile[reference]:.0f}" for reference in ("male", "female", "mean")),
-            "beyond 1 SD" if row.outside_one_sd else "",
-        )
-    return table
-
-
-def _z_text(z: float) -> Text:
-    """Return a z-score as text, in yellow and with a star if it is beyond one SD."""
-    return Text(f"{z:+.2f}{'*' if abs(z) > 1 else ' '}", style="yellow" if abs(z) > 1 else "")
 
 
 METRICS = {

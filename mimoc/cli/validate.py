@@ -32,11 +32,13 @@ def validate(
         bool, typer.Option("--delays", help="Milestones with the infant's own delays of senses and commands.")
     ] = False,
 ) -> None:
-    """Compare the infant with children at 0 to 24 months; exit code 1 if it deviates too much.
+    """Compare the infant, grown to 0 to 24 months, with children; exit code 1 if it deviates too much.
 
-    - `who`: length, weight and circumferences by WHO's growth standards, within one SD of their mean.
+    - `who`: length, weight and circumferences by WHO's growth standards for its sex: within 0.01 SD of what the spec
+      asks for, and of the average child, within one SD of the mean of boys and girls.
     - `milestones`: the ages from which on it holds up its head, sits, stands and so on, in the windows of real infants.
-    - `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means.
+    - `anthrokids`: all measurements of the AnthroKids survey, taken on the compiled body, within 4 % of their means,
+      as scaled by the spec.
     """
     from mimoc.cli import console
     from mimoc.render.plots import check_plot_name

@@ -30,13 +30,14 @@ class Findings:
 
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
-    from mimoc.cli import console
+    from mimoc.cli.growth_table import print_growth
     from mimoc.compiler import validation
     from mimoc.render.plots import plot_growth
 
     report = validation.grow_against_who(infant, progress=progress)
-    shown, plot = partial(console.print_growth, report), partial(plot_growth, report.series)
-    return Findings(report.within_one_sd, report.to_data(), shown, plot)
+    shown = partial(print_growth, report, validation.REQUESTED_SD)
+    plot = partial(plot_growth, report.series, reference=report.reference)
+    return Findings(report.passed, report.to_data(), shown, plot)
 
 
 def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:

@@ -18,6 +18,7 @@ from mimoc.errors import MimocError, SpecError
 from mimoc.schema import source as sources
 from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
 from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.plain import plain
 from mimoc.schema.source import Source
 
 Progress = Callable[[int, int], None]
@@ -64,7 +65,7 @@ class Cohort:
             SpecError: If it, or the spec of its infants, is invalid; the error lists all problems.
         """
         if isinstance(source, Mapping):
-            source = sources.in_memory(dict(source), "<cohort>", Path())
+            source = sources.in_memory(plain(source), "<cohort>", Path())
         self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
         spec, base = _tried(read_cohort_spec, self._source), _tried(_base, self._source)
         if problems := [problem for each in (spec, base) if isinstance(each, SpecError) for problem in each.problems]:

@@ -8,14 +8,16 @@ from typing import Any
 
 from mimoc.cohorts.children import draw_children
 from mimoc.cohorts.levels import draws, levels_of
-from mimoc.compiler.aged import grown_individual
 from mimoc.errors import Problem, SpecError
 from mimoc.random_streams import stream, whole_between
-from mimoc.rounding import rounded
+from mimoc.schema.base import KeyedError
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, read_spec
-from mimoc.schema.plain import given
+from mimoc.schema.key_paths import dotted
+from mimoc.schema.plain import changed, given, plain
+from mimoc.schema.same_child import at_another_age
+from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
 
 MAX_INFANTS = 1_000_000
@@ -65,11 +67,12 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
     """
     _check_lengths(cohort, source)
     _check_number(cohort, source)
-    children, months = children_of(cohort), read_spec(base).age_months
+    children, origin = children_of(cohort), read_spec(base)
+    _check_children(cohort, source, origin)
     found, problems = [], []
     for choice in _choices(cohort, len(children)):
         child = None if choice.child is None else children[choice.child]
-        data = _data(base.data, choice, child, months)
+        data = _data(base.data, origin, choice, child)
         try:
             spec = read_spec(in_memory(data, base.file, base.folder))
         except SpecError as error:
@@ -79,6 +82,22 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
     if problems:
         raise SpecError(problems)
     return tuple(found)
+
+
+def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> None:
+    """Raise a SpecError if a listed child, together with the base, gives two values of one size."""
+    problems = []
+    for index, child in enumerate(cohort.children if isinstance(cohort.children, tuple) else ()):
+        try:
+            check_sizes(origin.body.model_copy(update={"individual": child}), origin.age_months)
+        except KeyedError as error:
+            is_own = error.key[:2] == ("body", "individual")
+            place = ("children", index, *(error.key[2:] if is_own else ()))
+            problems.append(
+                source.problem(place, str(error) if is_own else f"with the base's {dotted(error.key)}: {error}")
+            )
+    if problems:
+        raise SpecError(problems)
 
 
 def _check_lengths(cohort: CohortSpec, source: Source) -> None:
@@ -130,18 +149,20 @@ def _column(key: str, levels: Sequence[Any]) -> list[tuple[str, Any, Place]]:
     return [(key, value, ("vary", key, index)) for index, value in enumerate(levels)]
 
 
-def _data(base: Mapping[str, Any], choice: Choice, child: IndividualSpec | None, months: float) -> dict[str, Any]:
-    """Return the spec of an infant: the base, its child at its age, and the varied keys."""
-    data = dict(base)
+def _data(base: Mapping[str, Any], origin: InfantSpec, choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
+    """Return the spec of an infant: the base as it is at the chosen age, the varied keys, and its child.
+
+    What base and children say in cm and kg is of the base's age; varied values are of the infant's own.
+    """
+    body = origin.body if child is None else origin.body.model_copy(update={"individual": child})
+    age = next((value for key, value, _ in choice.values if key == "age_months"), origin.age_months)
+    grown = at_another_age(body, origin.age_months, plain(age))
+    data = changed(base, {"body": grown}) if grown else dict(base)
     for key, value, _ in choice.values:
         data = _with(data, key.split("."), value)
     if child is None:
         return data
-    age = data.get("age_months")
-    told = given(child)
-    if isinstance(age, (int, float)) and age != months and 0 <= age <= 24:
-        told |= rounded(grown_individual(child, months, age))
-    return _with(data, ["body", "individual"], told)
+    return _with(data, ["body", "individual"], changed(given(child), grown.get("individual", {})))
 
 
 def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str, Any]:

@@ -1,24 +1,16 @@
-"""The spec of the same child at another age: whatever a spec says in cm or kg grows with the child."""
+"""The spec of the same child at another age, and errors that concern that age."""
 
 from collections.abc import Iterator
-from typing import Any
+from contextlib import contextmanager
 
-from mimoc.fits import load_tables, measure
+from mimoc.errors import Problem, SpecError
 from mimoc.rounding import rounded
-from mimoc.schema.body import IndividualSpec
-from mimoc.schema.infant import InfantSpec
-from mimoc.schema.names import SIDES
-
-MEASURED = ("length_cm", "weight_kg", "head_circumference_cm")
-"""What can be measured of an individual child, by WHO's indicators."""
+from mimoc.schema.infant import InfantSpec, as_written
+from mimoc.schema.key_paths import dotted
 
 
 def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return the spec of a spec's child at another age.
-
-    An individual keeps its percentiles: a measured length, weight or head becomes what a child with the same z-score by
-    WHO's standards has then. A single measurement keeps its ratio to the average child's. Ratios and delays, acuities
-    and the like that a spec gives by number stay as they are.
+    """Return the spec of a spec's child at another age (`schema/same_child.py` says what changes).
 
     Args:
         spec: The child.
@@ -27,10 +19,7 @@ def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
     Raises:
         SpecError: If no spec can say so; the error lists all problems.
     """
-    if age_months == rounded(spec.age_months):
-        return spec
-    body = dict(_grown_body(spec, age_months))
-    return spec.with_(age_months=age_months, **({"body": body} if body else {}))
+    return spec if age_months == rounded(spec.age_months) else spec.with_(age_months=age_months)
 
 
 def quickly_aged(spec: InfantSpec, age_months: float) -> InfantSpec:
@@ -40,32 +29,25 @@ def quickly_aged(spec: InfantSpec, age_months: float) -> InfantSpec:
     return spec if age_months == rounded(spec.age_months) else spec.model_copy(update={"age_months": age_months})
 
 
-def grown_individual(individual: IndividualSpec, before_months: float, after_months: float) -> dict[str, float]:
-    """Return the measures of an individual at another age, by key; its percentiles stay the same."""
-    who, found = load_tables().who, {}
-    for key in MEASURED:
-        value = getattr(individual, key)
-        if value is not None:
-            z = who[key].z_score(value, before_months, individual.sex or "mean")
-            found[key] = who[key].value(z, after_months, individual.sex or "mean")
-    return found
+@contextmanager
+def errors_at(spec: InfantSpec, age_months: float) -> Iterator[None]:
+    """Let errors say which age they concern, if it is not the spec's, at the keys that the spec was written with."""
+    try:
+        yield
+    except SpecError as error:
+        if age_months == rounded(spec.age_months):
+            raise
+        written = as_written(spec)
+        paths = {dotted(path): path for path in written.key_places}
+        raise SpecError(
+            written.problem(paths.get(problem.key, ()), f"at {age_months:g} months: {_advised(problem, spec)}")
+            for problem in error.problems
+        ) from None
 
 
-def _grown_body(spec: InfantSpec, age_months: float) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the keys of the body that say something in cm or kg, with what they say at another age."""
-    if spec.body.measurements:
-        before, after = measure(spec.age_months), measure(age_months)
-        names = {key: _of_both_sides(key.removesuffix("_cm")) for key in spec.body.measurements}
-        yield (
-            "measurements",
-            {key: value * after[names[key]] / before[names[key]] for key, value in spec.body.measurements.items()},
-        )
-    if spec.body.individual and (grown := grown_individual(spec.body.individual, spec.age_months, age_months)):
-        yield "individual", grown
-
-
-def _of_both_sides(measurement: str) -> str:
-    """Return the name of a measurement without its side, if it has one."""
-    for side in SIDES:
-        measurement = measurement.removeprefix(f"{side}_")
-    return measurement
+def _advised(problem: Problem, spec: InfantSpec) -> str:
+    """Return what is wrong at another age; advice on measures is of that age, so that other advice replaces it."""
+    if not problem.key.startswith("body."):
+        return problem.message
+    what, advice = problem.message.rpartition("; ")[0], f"nearer to the average child of {spec.age_months:g} months"
+    return f"{what}; leave this age out, or give what is {advice}"

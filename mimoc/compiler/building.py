@@ -17,9 +17,9 @@ from mimoc.bundle.io import Bundle, seal
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry
 from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose, place_senses
 from mimoc.compiler.describe import describe, describe_toys, used_plugins
-from mimoc.compiler.diagnosis import diagnose
 from mimoc.compiler.furnish import FurnishedScene, covered_floor, furnish, set_up_task
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
@@ -33,15 +33,7 @@ from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
 from mimoc.compiler.provenance.task import trace_task
 from mimoc.compiler.provenance.world import trace_world
 from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
-from mimoc.errors import (
-    GeometryError,
-    IndividualError,
-    ModelError,
-    NoSpaceError,
-    SpecError,
-    ToyError,
-    UnsupportedTaskError,
-)
+from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.compatibility import CompatibilityTarget, find_target
@@ -223,7 +215,8 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     if younger is None:
         spec = validated(spec)
         refuse_unavailable(spec)
-    anatomy, measurements, tree = _grow(spec, compatibility)
+    anatomy, measurements, grown = child_of(spec)
+    tree = compatibility.body(grown)
     has_skin = skin and target is None if spec.body.skin is None else spec.body.skin
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility, has_skin)
     return Builder(
@@ -238,18 +231,6 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         sources=Sources(anatomy, measurements, actuation, senses),
         has_skin=has_skin,
     )
-
-
-def _grow(
-    spec: InfantSpec, compatibility: CompatibilityTarget
-) -> tuple[body.Anatomy, fits.Measurements, body.BodyTree]:
-    """Return anatomy, measurements and body of a spec's child."""
-    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
-    try:
-        measurements = body.measure_child(spec, anatomy)
-        return anatomy, measurements, compatibility.body(body.grow_child(spec, measurements, anatomy))
-    except (GeometryError, IndividualError) as error:
-        raise SpecError([diagnose(error, spec, as_written(spec))]) from None
 
 
 def _equip(

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Mapping
 from mimoc.compiler.without_effect import without_effect
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.key_paths import dotted
+from mimoc.schema.sizes import pairs
 from mimoc.tasks import TASKS
 from mimoc.toys.choosing import Toybox
 
@@ -20,7 +22,8 @@ def notes(spec: InfantSpec, toybox: Toybox, plugins: Mapping[str, str], target: 
     """
     built_for = (f"built for {target}: parts, joints and commands are those that its code expects",) if target else ()
     of_toys = toybox.notes if spec.scene.toys else ()
-    return (*built_for, *_plugin_notes(plugins), *_task_notes(spec), *without_effect(spec), *of_toys)
+    on_spec = (*_task_notes(spec), *without_effect(spec), *_said_twice(spec))
+    return (*built_for, *_plugin_notes(plugins), *on_spec, *of_toys)
 
 
 def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:
@@ -29,6 +32,11 @@ def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:
             yield f"'{kind}' is a plug-in: to build this bundle again, install '{distribution}'"
         else:
             yield f"'{kind}' is a plug-in that a script registered"
+
+
+def _said_twice(spec: InfantSpec) -> Iterator[str]:
+    for earlier, later, _ in pairs(spec.body, spec.age_months):
+        yield f"'{dotted(earlier.path)}' and '{dotted(later.path)}' say the same; one of the two is enough"
 
 
 def _task_notes(spec: InfantSpec) -> Iterator[str]:

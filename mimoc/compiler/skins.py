@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from mimoc import body
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.aged import aged
+from mimoc.compiler.aged import aged, errors_at
+from mimoc.compiler.child import child_of
 from mimoc.compiler.loading import load_spec
 from mimoc.compiler.variants import spec_of
 from mimoc.looks.skin.carrying import skin_of
@@ -31,6 +31,7 @@ def skin_at(source: InfantSpec | Bundle | str | Path, age_months: float | None =
         spec = spec_of(source)
     else:
         spec = source if isinstance(source, InfantSpec) else load_spec(source)
-    spec = spec if age_months is None else aged(spec, age_months)
-    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
-    return skin_of(body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)).layers
+    age_months = spec.age_months if age_months is None else age_months
+    with errors_at(spec, age_months):
+        _, _, tree = child_of(aged(spec, age_months))
+    return skin_of(tree).layers

@@ -8,7 +8,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.later_files import LaterFiles
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
-from mimoc.compiler.aged import aged, quickly_aged
+from mimoc.compiler.aged import aged, errors_at, quickly_aged
 from mimoc.compiler.building import Builder, builder
 from mimoc.compiler.mould import Casting, DifferenceError, Mould
 from mimoc.errors import BundleError, MimocError
@@ -82,7 +82,8 @@ class SpecVariants:
             SpecError: If there is no such infant.
             ModelError: If MuJoCo rejects it.
         """
-        return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed))()
+        with errors_at(self._spec, age_months):
+            return _kept(self._made, (age_months, scene_seed), lambda: self._make(age_months, scene_seed))()
 
     def _make(self, age_months: float, scene_seed: int) -> Callable[[], Variant]:
         """Return what gives out an infant, each time with a model of its own."""

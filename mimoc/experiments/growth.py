@@ -62,7 +62,7 @@ def _cells(row: Row) -> tuple[float, str, float, float, float, float, float]:
 
 
 def _verdict(report: GrowthReport) -> str:
-    holds = "The same holds" if report.within_one_sd else "This does NOT always hold"
+    holds = "The same holds" if report.passed else "This does NOT always hold"
     largest = f"The largest deviation from the mean of boys and girls is that of the {_worst_name(report)}."
     return f"{holds} for mimoc, including arm circumference. {largest}"
 

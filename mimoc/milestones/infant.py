@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.model import in_subtrees
+from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.validation.compiled import ROOT, compile_infant, solid_extents
 from mimoc.milestones.conditions import Conditions
 from mimoc.milestones.delays import longest_delays_s
@@ -184,5 +185,7 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> I
         if group not in PAIRED_GROUPS
     }
     actuation = own.model_copy(update={"strength": strength, "regions": None, "locked": ()})
-    grown = spec.model_copy(update={"age_months": age_months, "actuation": actuation})
-    return Infant.of(compile_infant(grown), longest_delays_s(grown))
+    with errors_at(spec, age_months):
+        grown = quickly_aged(spec, age_months).model_copy(update={"actuation": actuation})
+        model = compile_infant(grown)
+    return Infant.of(model, longest_delays_s(grown))

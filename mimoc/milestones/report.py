@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from mimoc.compiler.aged import errors_at, quickly_aged
+from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.child import child_of
 from mimoc.milestones.conditions import Conditions
 from mimoc.milestones.search import Found, Progress, age_grid, search
 from mimoc.milestones.trial import Trial
@@ -116,9 +119,13 @@ def validate_milestones(
         progress: Called with the number of ages done with and their total.
 
     Raises:
-        SpecError: If the spec asks for what this version cannot build.
+        SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
+    refuse_unavailable(infant)
+    for age_months in ages or age_grid():  # Before minutes of trials.
+        with errors_at(infant, age_months):
+            child_of(quickly_aged(infant, age_months))
     usual = conditions or Conditions()
     found = search(infant, usual, names, ages or age_grid(), processes, progress)
     further = {trial.name for trial in FURTHER}

@@ -60,9 +60,20 @@ Factor = Annotated[Real, Field(ge=0.5, le=2)]
 LENGTHS_CM, WEIGHTS_KG, HEADS_CM = (35.0, 110.0), (1.0, 25.0), (25.0, 60.0)
 """Smallest and largest value of any child up to two years of age."""
 
+INDICATORS: Mapping[str, str] = {
+    "length_cm": "length_percentile",
+    "weight_kg": "weight_percentile",
+    "head_circumference_cm": "head_percentile",
+}
+"""What can be measured of an individual, by the names of WHO's standards, and the key of its percentile."""
+
 
 class IndividualSpec(Model):
-    """An individual child, given by WHO percentiles or by measurements, in place of the average child."""
+    """An individual child, given by WHO percentiles or by measurements, in place of the average child.
+
+    At another age it is the same child, with the same z-scores. A measure and its percentile may both be given if they
+    agree on WHO's charts, to 0.05 cm or kg; the measure counts.
+    """
 
     sex: Literal["male", "female"] | None = None
     """Sex of the child, which selects the WHO tables; required if a percentile is given."""
@@ -81,15 +92,7 @@ class IndividualSpec(Model):
 
     @model_validator(mode="after")
     def _is_one_child(self) -> Self:
-        pairs = (
-            ("length_percentile", "length_cm"),
-            ("weight_percentile", "weight_kg"),
-            ("head_percentile", "head_circumference_cm"),
-        )
-        for percentile, measured in pairs:
-            if getattr(self, percentile) is not None and getattr(self, measured) is not None:
-                raise KeyedError((measured,), f"'{percentile}' already says this; keep one of the two")
-        given = [key for pair in pairs for key in pair if getattr(self, key) is not None]
+        given = [key for pair in INDICATORS.items() for key in pair if getattr(self, key) is not None]
         if not given:
             message = (
                 "gives no length, weight or head circumference; add one, such as 'length_percentile: 50', or omit it"
@@ -118,16 +121,18 @@ class BodySpec(Model):
     chest_joint: Annotated[bool, Field(strict=True)] = False
     """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
-    """An individual child; by default, the average child of the AnthroKids tables."""
+    """An individual child; by default, the average child of the AnthroKids tables. It sets the size of the whole body;
+    `measurements` then replace single sizes, and `parts` scale single parts. Two values of one size are an error."""
     measurements: Mapping[MeasurementKey, Annotated[Centimetres, Field(le=150)]] = Field(
         default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
     )
-    """Measurements that replace those predicted from age, by AnthroKids name; the prefix `left_` or `right_` selects
-    one side."""
+    """Measurements that replace those predicted from age and individual, by AnthroKids name; the prefix `left_` or
+    `right_` selects one side. At another age, each keeps its ratio to the average child's."""
     parts: Mapping[PartName, PartSpec] = Field(
         default_factory=dict, json_schema_extra=keys_among(trunk_bodies() + all_limb_bodies())
     )
-    """Scale factors of single parts, by name of the body."""
+    """Scale factors of single parts, by name of the body, on what they would be otherwise; a size that `individual` or
+    `measurements` give has no factor."""
     remove: Annotated[tuple[LimbName, ...], *Distinct] = ()
     """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"

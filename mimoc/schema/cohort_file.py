@@ -1,6 +1,6 @@
 """A cohort file: which infants a study has, what is done with each, and what is measured."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -15,11 +15,13 @@ from pydantic import (
 )
 
 from mimoc.errors import suggestion
+from mimoc.rounding import rounded
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_steps import FUNCTION, Step, not_empty
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import language_of
+from mimoc.schema.plain import plain
 from mimoc.schema.quantities import PathText, Real, Whole
 from mimoc.schema.reading import read_keys
 from mimoc.schema.source import FileKind, Source
@@ -105,6 +107,8 @@ class RangeSpec(Model):
             raise KeyedError(("to",), f"{self.to:g} is below 'from'; write the smaller value as 'from'")
         if (self.to - self.start) / self.step > 100_000:
             raise KeyedError(("step",), "this gives more than 100,000 values; give a larger step")
+        if self.to > self.start and any(rounded(end + self.step) == rounded(end) for end in (self.start, self.to)):
+            raise KeyedError(("step",), "neighbours are equal to the digits that files hold; give a larger step")
         return self
 
 
@@ -140,6 +144,18 @@ class DrawsSpec(Model):
         if given[0] == "log_uniform" and low <= 0:
             raise KeyedError((given[0],), f"{low:g} has no logarithm; give a number above 0")
         return self
+
+
+def _canonical(value: Any) -> str:
+    """Return the same text for equal plain data, however its numbers are written: 6, 6.0 and 6e0."""
+    if isinstance(value, dict):
+        return repr(sorted((key, _canonical(item)) for key, item in value.items()))
+    if isinstance(value, list):
+        return repr([_canonical(item) for item in value])
+    if isinstance(value, float):
+        value = rounded(value)
+        return repr(int(value) if value.is_integer() else value)
+    return repr(value)
 
 
 def _kind_of_levels(value: Any) -> str | None:
@@ -258,16 +274,23 @@ class CohortSpec(Model):
 
     @model_validator(mode="after")
     def _values_differ(self) -> Self:
-        """Check the lists of a grid, in which equal values would make equal infants."""
-        if self.design == "grid":
-            lists = {("vary", key): levels for key, levels in self.vary.items() if isinstance(levels, tuple)}
-            lists |= {("children",): self.children} if isinstance(self.children, tuple) else {}
-            for path, values in lists.items():
-                seen = set[str]()
-                for index, value in enumerate(values):
-                    if (text := repr(value)) in seen:
-                        raise KeyedError((*path, index), "this is there twice; leave one of the two out")
-                    seen.add(text)
+        """Check that no two infants of a grid, or of values in parallel, are equal."""
+        if isinstance(self.design, SampleDesign):
+            return self
+        lists: dict[tuple[str, ...], Sequence[Any]] = {
+            ("vary", key): levels for key, levels in self.vary.items() if isinstance(levels, tuple)
+        }
+        if self.design == "zip":
+            lists = {[*lists][-1]: [*zip(*lists.values(), strict=False)]} if 0 < len(lists) == len(self.vary) else {}
+        if isinstance(self.children, tuple):
+            lists[("children",)] = self.children
+        for path, values in lists.items():
+            seen = set[str]()
+            for index, value in enumerate(values):
+                if (text := _canonical(plain(value))) in seen:
+                    what = "the row that ends with this" if self.design == "zip" and path[0] == "vary" else "this"
+                    raise KeyedError((*path, index), f"{what} is there twice; leave one of the two out")
+                seen.add(text)
         return self
 
     @model_validator(mode="after")

@@ -8,8 +8,9 @@ from pydantic import PrivateAttr
 
 from mimoc.plugins import load_plugins
 from mimoc.schema.composition import composed
-from mimoc.schema.plain import changed, everything, given
+from mimoc.schema.plain import changed, everything, given, plain
 from mimoc.schema.reading import read_keys
+from mimoc.schema.same_child import at_another_age
 from mimoc.schema.source import Source, in_memory, in_memory_as_text
 from mimoc.schema.spec import InfantKeys
 from mimoc.tasks.spec import task_field
@@ -33,7 +34,8 @@ class InfantSpec(InfantKeys):
 
         All other keys are kept, and paths stay relative to the folder of the file it was read from. A dictionary
         changes the keys that it names and keeps the others of its section; a section given as an object replaces the
-        whole section; None resets a key or a section to its default.
+        whole section; None resets a key or a section to its default. With another age, it is the same child then:
+        what the spec says in cm and kg grows along its percentiles (`docs/individuals.md`), unless *changes* say it.
 
             spec.with_(age_months=9.5, body={"hands": "five_finger"}, senses={"touch": None})
             spec.with_(body=BodySpec(expression="happy"), task=None)
@@ -45,6 +47,10 @@ class InfantSpec(InfantKeys):
             SpecError: If the new spec is invalid; the error lists all problems by key.
         """
         data = self._source.data if self._source and _says(self._source, self) else given(self)
+        if "age_months" in changes and (
+            grown := at_another_age(self.body, self.age_months, plain(changes["age_months"]))
+        ):
+            data = changed(data, {"body": grown})
         return _checked(type(self), changed(data, changes), self)
 
     def _repr_html_(self) -> str:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, StringConstraints, model_validator
+from pydantic import BeforeValidator, Field, StringConstraints, ValidationInfo, model_validator
 
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.delays.spec import DelaysSpec
@@ -15,6 +15,7 @@ from mimoc.schema.composition import composed
 from mimoc.schema.control import ControlSpec
 from mimoc.schema.names import Development
 from mimoc.schema.quantities import Age
+from mimoc.schema.sizes import check_sizes
 from mimoc.senses import SENSES
 from mimoc.senses.spec import SensesSpec
 from mimoc.tasks import TASKS
@@ -85,6 +86,11 @@ class InfantKeys(Model):
             message = "there is no skin to see; write 'solids', or remove 'skin: false' from the body"
             raise KeyedError(("senses", "vision", "body"), message, against=("body", "skin"))
         check_delays(dict(self.delays), dict(self.senses))
+        return self
+
+    @model_validator(mode="after")
+    def _says_each_size_once(self, info: ValidationInfo) -> Self:
+        check_sizes(self.body, self.age_months, info.context)
         return self
 
     @model_validator(mode="after")

@@ -53,9 +53,34 @@ def test_validate_prints_every_month_and_a_verdict(invoke, here):
 def test_validate_gives_numbers_to_other_programs(invoke, here, one_age):
     done = invoke("validate", one_age, "--json", "--plot", "growth.png")
     report = json.loads(done.out)
-    assert (done.code, done.err, report["within_one_sd"]) == (0, "", True)
+    assert (done.code, done.err, report["passed"]) == (0, "", True)
     assert {"length_cm", "weight_kg", "head_circumference_cm"} <= report["worst"].keys()
     assert Path("growth.png").read_bytes().startswith(PNG)
+
+
+SMALL = "mimoc: 1\nname: kim\nage_months: 7\nbody: {individual: {sex: male, length_percentile: 3}}\n"
+BROAD = "mimoc: 1\nname: kim\nage_months: 7\nbody: {measurements: {upper_arm_circumference_cm: 16}}\n"
+VALIDATED = [("who", ""), ("who", SMALL), ("who", BROAD), ("anthrokids", ""), ("anthrokids", BROAD)]
+
+
+@pytest.mark.parametrize(("against", "text"), VALIDATED)
+def test_tables_of_validate_fit_80_columns_and_have_no_empty_column(invoke, here, against, text):
+    Path("kim.yaml").write_text(text)
+    done = invoke("validate", *(["kim.yaml"] if text else []), "--against", against)
+    assert (done.code, done.err) == (0, "")
+    check_tables(done.out)
+
+
+def check_tables(text):
+    """Check the width of each table, and that each of its columns has a heading and something below."""
+    lines = [line for line in text.splitlines() if line.startswith(tuple("┏┃┡│└"))]
+    assert max(map(len, lines)) <= 80
+    tables = "\n".join(lines).split("┏")[1:]
+    assert tables
+    for table in tables:
+        _, head, _, *rows, _ = table.splitlines()
+        assert all(cell.strip() for cell in head.split("┃")[1:-1])
+        assert all(any(map(str.strip, cells)) for cells in zip(*(row.split("│")[1:-1] for row in rows), strict=True))
 
 
 def test_validate_fails_outside_one_sd(invoke, monkeypatch):
@@ -63,7 +88,7 @@ def test_validate_fails_outside_one_sd(invoke, monkeypatch):
     monkeypatch.setattr(validation, "grow_against_who", lambda *_, **__: validation.GrowthReport((row,)))
     done = invoke("validate")
     assert done.code == 1
-    assert re.search(r"\+1\.20\* .*beyond 1 SD *│$", done.out, re.MULTILINE)
+    assert re.search(r"\+1\.20\* .* missed *│$", done.out, re.MULTILINE)
     verdict = "failed: not within one SD of the mean of WHO's boys and girls at every age: weight_kg"
     assert " ".join(done.out.split()).endswith(verdict)
     assert invoke("validate", "--json").code == 1

@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import mimoc
 from mimoc.errors import SpecError
+from mimoc.fits import load_tables
+
+BASE = {"mimoc": 1, "name": "infant", "age_months": 9}
 
 
 def values(cohort, key):
@@ -64,7 +68,7 @@ def test_a_child_stays_on_its_percentiles_as_it_ages(cohort):
     study = cohort(children=[{"sex": "male", "weight_kg": 8.0, "length_percentile": 30}], vary={"age_months": [9, 18]})
     nine, eighteen = (spec.body.individual for spec in study.specs)
     assert (nine.weight_kg, nine.length_percentile, eighteen.length_percentile) == (8.0, 30, 30)
-    weight = mimoc.compiler.aged.load_tables().who["weight_kg"]
+    weight = load_tables().who["weight_kg"]
     assert weight.z_score(eighteen.weight_kg, 18, "male") == pytest.approx(weight.z_score(8.0, 9, "male"), abs=1e-6)
 
 
@@ -132,3 +136,61 @@ def test_a_cohort_is_the_population_of_a_vector_environment(cohort):
     envs = mimoc.make_vec(study, threads=1)
     envs.close()
     assert [infant.age_months for infant in envs.infants] == [3, 6, 3, 6]
+
+
+@pytest.mark.parametrize(
+    "body", [{"individual": {"sex": "male", "length_cm": 72.0}}, {"measurements": {"hand_length_cm": 9}}]
+)
+def test_the_child_of_the_base_grows_as_any_spec_does(cohort, body):
+    """Measures of the base are of the base's age; a varied measure is of the age that is varied with it."""
+    base = mimoc.InfantSpec.model_validate({**BASE, "body": body})
+    study = cohort(base={**BASE, "body": body}, vary={"age_months": [0, 9, 24]})
+    assert [spec.body for spec in study.specs] == [base.with_(age_months=age).body for age in (0, 9, 24)]
+    varied = cohort(
+        base={**BASE, "body": body},
+        vary={"age_months": [0, 24], "body.measurements.foot_length_cm": [7, 13]},
+        design="zip",
+    )
+    assert [spec.body.measurements["foot_length_cm"] for spec in varied.specs] == [7, 13]
+
+
+def test_listed_children_that_contradict_themselves_or_the_base_are_refused_where_they_stand(cohort):
+    base = {**BASE, "body": {"measurements": {"head_circumference_cm": 44}}}
+    children = [{"sex": "male", "length_percentile": 50, "length_cm": 80}, {"head_circumference_cm": 46}]
+    with pytest.raises(SpecError) as caught:
+        _ = cohort(base=base, children=children, vary={"age_months": [24]}).infants
+    assert [problem.key for problem in caught.value.problems] == ["children[0].length_cm", "children[1]"]
+
+
+SAME = {
+    "whole and not": ([6, 6.0], {}),
+    "an exponent": ([6, 60e-1], {}),
+    "NumPy": ([6, 7, np.float64(6)], {}),
+    "NumPy's integers": ([np.int64(6), 6.0], {}),
+    "an array": (np.array([6, 7, 6]), {}),
+    "digits that no file holds": ([6, 6 + 1e-12], {}),
+    "rows in parallel": ([6, 7, 6.0], {"body.hands": ["mitten", "mitten", "mitten"]}),
+    "a range": ({"from": 6, "to": 6.0000001, "step": 1e-10}, {}),
+}
+
+
+@pytest.mark.parametrize("case", SAME)
+def test_one_infant_twice_is_refused_however_its_values_are_written(case):
+    ages, others = SAME[case]
+    keys = {"mimoc": 1, "cohort": "small", "base": BASE, "do": ["build"], "vary": {"age_months": ages, **others}}
+    with pytest.raises(SpecError, match=r"there twice; leave one of the two out|neighbours are equal"):
+        mimoc.Cohort({**keys, **({"design": "zip"} if others else {})})
+
+
+def test_sections_are_equal_whatever_the_order_of_their_keys():
+    delays = [{"motor_ms": 5, "preset": "none"}, {"preset": "none", "motor_ms": 5.0}]
+    with pytest.raises(SpecError, match="there twice"):
+        mimoc.Cohort({"mimoc": 1, "cohort": "small", "base": BASE, "do": ["build"], "vary": {"delays": delays}})
+
+
+def test_equal_values_in_different_rows_and_large_seeds_are_different_infants():
+    keys = {"mimoc": 1, "cohort": "small", "base": BASE, "do": ["build"]}
+    rows = {"age_months": [6, 6.0], "body.hands": ["mitten", "five_finger"]}
+    assert len(mimoc.Cohort({**keys, "vary": rows, "design": "zip"}).infants) == 2
+    assert len(mimoc.Cohort({**keys, "vary": {"scene.seed": [2**31 - 2, 2**31 - 1]}}).infants) == 2
+    assert len(mimoc.Cohort({**keys, "vary": {"body.skin": [True, False], "scene.seed": [0, 1]}}).infants) == 4

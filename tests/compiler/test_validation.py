@@ -78,7 +78,7 @@ def test_compiled_measures_are_those_of_the_body_tree(report):
 def test_the_average_child_is_measured_at_every_month():
     report = grow_against_who()
     assert [age_months for age_months, _ in report.by_age()] == list(range(25))
-    assert report.within_one_sd
+    assert report.passed
 
 
 def test_arms_are_compared_from_three_months_on(report):
@@ -131,21 +131,21 @@ def test_z_scores_and_percentiles_are_against_boys_girls_and_their_mean():
     assert length.percentile["female"] > 70
 
 
-def test_a_report_marks_what_lies_outside_one_sd():
+def test_a_report_marks_where_the_average_child_lies_outside_one_sd():
     report = GrowthReport((row(-0.99), row(1.01, 7), row(-1.5, 8), row(1.0, 9)))
-    assert [row.outside_one_sd for row in report.rows] == [False, True, True, False]
-    assert not report.within_one_sd
+    assert [row.missed for row in report.rows] == [False, True, True, False]
+    assert not report.passed
     assert report.worst["length_cm"].age_months == 8
 
 
 def test_being_outside_is_about_the_mean_of_the_sexes():
     """A z of -1.3 among boys and -0.5 among girls is inside."""
-    assert GrowthReport((row(-0.9),)).within_one_sd
+    assert GrowthReport((row(-0.9),)).passed
 
 
 def test_a_child_too_small_is_outside():
     newborn_at_six_months = measure_compiled(compile_infant(infant(0)))
-    assert all(row.outside_one_sd for row in compare_with_who(6, newborn_at_six_months))
+    assert all(row.missed for row in compare_with_who(6, newborn_at_six_months))
 
 
 def test_the_worst_row_is_known_by_indicator(report):
@@ -157,14 +157,14 @@ def test_the_worst_row_is_known_by_indicator(report):
 def test_a_report_is_the_same_after_a_trip_through_json(report):
     data = report.to_data()
     assert json.loads(json.dumps(data, allow_nan=False)) == data
-    assert data["within_one_sd"] is True
+    assert (data["passed"], data["reference"]) == (True, "mean")
     assert data["worst"].keys() == LAW.keys()
     for told, row in zip(data["rows"], report.rows, strict=True):
         assert (told["age_months"], told["indicator"]) == (pytest.approx(row.age_months), row.indicator)
         assert told["value"] == pytest.approx(row.value, rel=1e-8)
         assert told["z"] == pytest.approx(dict(row.z), rel=1e-8)
         assert told["percentile"] == pytest.approx(dict(row.percentile), rel=1e-8)
-        assert told["outside_one_sd"] is row.outside_one_sd
+        assert (told["missed"], told["is_judged"], told["requested_z"]) == (row.missed, True, None)
 
 
 def test_series_hold_every_value_by_indicator(report):
@@ -220,3 +220,56 @@ def test_the_average_infant_is_within_one_sd_of_boys_and_of_girls_alone(report):
     """Boys of four months were 1.15 standard deviations too short by the paper's growth law."""
     for row in report.rows:
         assert max(abs(z) for z in row.z.values()) < 1, row
+
+
+# The child that is asked for.
+
+
+def asked(**body) -> InfantSpec:
+    return InfantSpec.model_validate({"mimoc": 1, "name": "kim", "age_months": 7, "body": body})
+
+
+@pytest.mark.parametrize("sex", ["male", "female"])
+@pytest.mark.parametrize("wanted", [3, 97])
+def test_a_child_is_judged_by_its_sex_and_the_percentile_it_is_asked_for(sex, wanted):
+    """Not by the mean of both sexes, beyond one SD of which it is at every age."""
+    report = grow_against_who(asked(individual={"sex": sex, "length_percentile": wanted, "weight_percentile": wanted}))
+    assert report.passed
+    assert report.reference == sex
+    for row in report.rows:
+        if row.indicator in ("length_cm", "weight_kg"):
+            assert row.percentile[sex] == pytest.approx(wanted, abs=0.1)
+            assert abs(row.z["mean"]) > 1
+        assert row.is_judged == (row.indicator in ("length_cm", "weight_kg"))
+
+
+def test_a_child_of_no_sex_is_judged_by_the_mean_of_both():
+    report = grow_against_who(asked(individual={"length_cm": 63.5}), (0, 12))
+    assert (report.reference, report.passed) == ("mean", True)
+    assert {row.requested_z is None for row in report.by_indicator["length_cm"]} == {False}
+
+
+def test_a_child_that_misses_what_is_asked_for_fails():
+    """However near to the average it is."""
+    wanted = {"length_cm": 70.0, "weight_kg": None, "head_circumference_cm": None, "arm_circumference_cm": None}
+    for length_cm, missed in ((70.0, False), (70.02, False), (70.1, True), (69.9, True)):
+        measures = Stature(length_cm=length_cm, weight_kg=99, head_circumference_cm=45, arm_circumference_cm=14)
+        report = GrowthReport(tuple(compare_with_who(7, measures, "male", wanted)))
+        assert [row.indicator for row in report.rows if row.missed] == ["length_cm"] * missed
+        assert report.passed is not missed
+
+
+def test_a_measurement_is_asked_for_and_what_other_keys_change_is_not_judged():
+    body = {"measurements": {"head_circumference_cm": 42.0}, "parts": {"left_upper_leg": {"length": 0.9}}}
+    report = grow_against_who(asked(**body), (7,))
+    judged = {row.indicator: row.is_judged for row in report.rows}
+    assert judged == {
+        "length_cm": True,
+        "weight_kg": False,
+        "head_circumference_cm": True,
+        "arm_circumference_cm": True,
+    }
+    (head,) = report.by_indicator["head_circumference_cm"]
+    assert (head.value, head.missed) == (pytest.approx(42.0, abs=1e-4), False)
+    assert head.requested_z == pytest.approx(head.z["mean"], abs=1e-4)
+    assert report.passed

@@ -34,6 +34,10 @@ def test_the_table_names_what_is_outside_and_the_sources(capsys):
     assert "failed: outside the window of real infants: sit" in printed
     assert "not by 24" in printed
     assert "WHO" in printed
+    table = [line for line in printed.splitlines() if line.startswith(tuple("┏┃┡│└"))]
+    assert len(table) == 6
+    assert max(map(len, table)) <= 80
+    assert all(cell.strip() for cell in table[1].split("┃")[1:-1])
 
 
 def test_the_plot_has_a_bar_for_each_milestone(tmp_path):

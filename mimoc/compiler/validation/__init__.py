@@ -2,9 +2,17 @@
 
 from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow, compare_with_anthrokids
 from mimoc.compiler.validation.compiled import compile_infant
-from mimoc.compiler.validation.who import GrowthReport, Row, compare_with_who, grow_against_who, measure_compiled
+from mimoc.compiler.validation.who import (
+    REQUESTED_SD,
+    GrowthReport,
+    Row,
+    compare_with_who,
+    grow_against_who,
+    measure_compiled,
+)
 
 __all__ = [
+    "REQUESTED_SD",
     "GrowthReport",
     "MeasurementReport",
     "MeasurementRow",

@@ -1,19 +1,23 @@
 """Comparison of the compiled infant's measurements with the means of AnthroKids, by age group."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 from mimoc import fits
+from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.child import child_of
 from mimoc.compiler.validation.compiled import Progress, compile_infant
 from mimoc.compiler.validation.measuring import measure_body
-from mimoc.compiler.validation.who import is_of_one_age
+from mimoc.compiler.validation.requests import SAME
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.tables import GroupMean
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
+from mimoc.schema.names import unsided
 from mimoc.units import m_to_cm
 
 TOLERANCE = 0.04
@@ -32,16 +36,25 @@ class MeasurementRow:
     """Of the age group; a finger's, of which only curves are known, by MIMo v2's curve."""
     origin: str
     """Where the mean comes from: `anthrokids.csv:12`."""
+    requested: float = 1.0
+    """What the spec asks for, relative to the average child of this age."""
+    is_judged: bool = True
+    """Whether it can be outside: what other measurements and factors of parts change is only reported."""
+
+    @property
+    def goal_cm(self) -> float:
+        """What it is compared with: the mean, times what the spec asks for."""
+        return self.mean_cm * self.requested
 
     @property
     def deviation(self) -> float:
-        """Deviation from the mean, relative to it."""
-        return self.value_cm / self.mean_cm - 1
+        """Deviation from the goal, relative to it."""
+        return self.value_cm / self.goal_cm - 1
 
     @property
     def outside(self) -> bool:
         """Whether it deviates by more than `TOLERANCE`."""
-        return abs(self.deviation) > TOLERANCE
+        return self.is_judged and abs(self.deviation) > TOLERANCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,41 +96,42 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
     """Return the comparison of an infant, compiled at the middle of each age group, with the survey's means.
 
     Args:
-        spec: The infant; None means the average child. One that is given by lengths or weights is measured at its age.
+        spec: The infant, grown to each age; None means the average child.
         progress: Called after each age.
 
     Raises:
-        SpecError: If the spec asks for what this version cannot build.
+        SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     refuse_unavailable(infant)
-    groups = _groups(infant.age_months if is_of_one_age(infant) else None)
+    means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if fits.group_age(mean) <= LAST_MONTH]
     rows: list[MeasurementRow] = []
-    for done, (age_months, first_month) in enumerate(groups.items(), start=1):
-        model = compile_infant(infant.model_copy(update={"age_months": age_months}))
-        rows += _compare(age_months, first_month, measure_body(model))
+    for done, mean in enumerate(means, start=1):
+        age_months = fits.group_age(mean)
+        with errors_at(infant, age_months):
+            rows += _compare(quickly_aged(infant, age_months), mean.first_month)
         if progress:
-            progress(done, len(groups))
+            progress(done, len(means))
     return MeasurementReport(tuple(rows))
 
 
-def _groups(only_months: float | None) -> dict[float, int]:
-    """Return the first month of each group by the age to measure at, or only of the group that an age belongs to."""
-    means = [mean for mean in fits.load_tables().anthrokids["crown_sole_length"] if fits.group_age(mean) <= LAST_MONTH]
-    if only_months is None:
-        return {fits.group_age(mean): mean.first_month for mean in means}
-    return {only_months: max(mean.first_month for mean in means if mean.first_month <= only_months)}
-
-
-def _compare(age_months: float, first_month: int, measured_m: Mapping[str, float]) -> Iterator[MeasurementRow]:
-    tables = fits.load_tables()
+def _compare(child: InfantSpec, first_month: int) -> Iterator[MeasurementRow]:
+    """Yield the rows of a child of an age, beside the group of ages that begins with some month."""
+    tables, age_months, average = fits.load_tables(), child.age_months, fits.measure(child.age_months)
+    _, wanted, _ = child_of(child)
+    wanted_m, measured_m = wanted.of_side("left"), measure_body(compile_infant(child))
+    whole = child.model_copy(update={"body": child.body.model_copy(update={"parts": {}, "measurements": {}})})
+    unchanged_m = measured_m if whole == child else measure_body(compile_infant(whole))
+    named = {unsided(key) for key in child.body.measurements if not key.startswith("right_")}
     for name, value_m in sorted(measured_m.items()):
         if name in tables.anthrokids:
             mean = _of_group(tables.anthrokids[name], first_month)
-            yield MeasurementRow(age_months, name, m_to_cm(value_m), mean.mean_cm, f"anthrokids.csv:{mean.line}")
+            mean_cm, origin = mean.mean_cm, f"anthrokids.csv:{mean.line}"
         else:
             mean_cm, origin = tables.published[name](age_months), f"anthrokids_published_fits.csv: {name}"
-            yield MeasurementRow(age_months, name, m_to_cm(value_m), mean_cm, origin)
+        requested = wanted_m[name] / average[name]
+        is_judged = name in named or math.isclose(value_m, unchanged_m[name], rel_tol=SAME)
+        yield MeasurementRow(age_months, name, m_to_cm(value_m), mean_cm, origin, requested, is_judged)
 
 
 def _of_group(means: Sequence[GroupMean], first_month: int) -> GroupMean:
@@ -130,7 +144,9 @@ def _row_data(row: MeasurementRow) -> dict[str, Any]:
         "measurement": row.measurement,
         "value_cm": row.value_cm,
         "mean_cm": row.mean_cm,
+        "requested": row.requested,
         "deviation": row.deviation,
+        "is_judged": row.is_judged,
         "outside": row.outside,
         "origin": row.origin,
     }

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import body
 from mimoc.actuation.setup import build_actuation
+from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose
 from mimoc.compiler.furnish import furnish
 from mimoc.compiler.model_check import compile_model
@@ -41,10 +41,10 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
     """Return the model of a spec, on a flat floor, as MuJoCo compiles it from the files of a bundle.
 
     Raises:
+        SpecError: If there is no such child.
         ModelError: If MuJoCo rejects it.
     """
-    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
-    tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
+    _, _, tree = child_of(spec)
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
     actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
     infant = furnish(compose(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene

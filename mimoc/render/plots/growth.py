@@ -11,6 +11,7 @@ from mimoc.bundle.files import write_file
 from mimoc.errors import OutputError
 from mimoc.fits import BIRTH, GrowthStandard, load_tables, measure
 from mimoc.fits.measurements import DataPoint
+from mimoc.fits.who import Reference
 from mimoc.render.plots.figure import FORMATS, encode, new_figure, tidy
 
 if TYPE_CHECKING:
@@ -36,11 +37,13 @@ SURVEYED = {
 """AnthroKids' name of each indicator that it has; it does not have weight by age."""
 
 CAPTION = (
-    "mimoc: measured on the compiled models.  WHO: Child Growth Standards (2006, 2007), mean of boys and girls;"
+    "mimoc: measured on the compiled models.  WHO: Child Growth Standards (2006, 2007), {population};"
     " arm circumference starts at three months.\n"
     "AnthroKids: means of age groups, at the middle of their months (Snyder et al. 1977);"
     " its birth row is inferred from WHO's birth length and head circumference."
 )
+
+POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "mean of boys and girls"}
 
 WHO_COLOUR, INFANT_COLOUR, SURVEY_COLOUR = "#33669a", "#c8431f", "#6f6f6f"
 """Colours that colour-blind readers can distinguish, also in grey."""
@@ -59,18 +62,18 @@ def check_plot_name(path: str | Path) -> None:
         raise OutputError(f"{path}: not a supported format for plots; end it in {', '.join(FORMATS)}")
 
 
-def plot_growth(series: Series, path: str | Path) -> None:
-    """Write a plot of an infant's growth with WHO's mean and 5th to 95th percentiles, in the format of its name.
+def plot_growth(series: Series, path: str | Path, reference: Reference = "mean") -> None:
+    """Write a plot of an infant's growth with WHO's median and 5th to 95th percentiles, in the format of its name.
 
     Raises:
         OutputError: If the file cannot be written there.
         MissingExtraError: If matplotlib is not installed.
     """
     check_plot_name(path)
-    write_file(path, encode(draw_growth(series), Path(path).suffix.lower()))
+    write_file(path, encode(draw_growth(series, reference), Path(path).suffix.lower()))
 
 
-def draw_growth(series: Series) -> "Figure":
+def draw_growth(series: Series, reference: Reference = "mean") -> "Figure":
     """Return the figure, with one panel per indicator; panels of indicators that are not in *series* show WHO only.
 
     Raises:
@@ -79,7 +82,7 @@ def draw_growth(series: Series) -> "Figure":
     figure = new_figure(*SIZE_PX)
     panels = figure.subplots(2, 2, sharex=True)
     for axes, letter, (indicator, title) in zip(panels.flat, "abcd", TITLES.items(), strict=True):
-        _draw_panel(axes, indicator, series.get(indicator, ()))
+        _draw_panel(axes, indicator, series.get(indicator, ()), reference)
         axes.set_ylabel(title)
         axes.set_title(letter, loc="left", fontweight="bold", pad=4)
     figure.align_ylabels(panels)
@@ -87,13 +90,14 @@ def draw_growth(series: Series) -> "Figure":
         axes.set_xlabel("Age [months]")
     handles, labels = panels.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", ncols=len(labels), frameon=False)
-    figure.text(0.5, 0.012, CAPTION, ha="center", va="bottom", fontsize=7.5, color="0.35", linespacing=1.5)
+    caption = CAPTION.format(population=POPULATIONS[reference])
+    figure.text(0.5, 0.012, caption, ha="center", va="bottom", fontsize=7.5, color="0.35", linespacing=1.5)
     figure.subplots_adjust(left=0.065, right=0.985, top=0.915, bottom=0.125, wspace=0.15, hspace=0.16)
     return figure
 
 
-def _draw_panel(axes: "Axes", indicator: str, infant: Sequence[tuple[float, float]]) -> None:
-    _draw_standard(axes, load_tables().who[indicator])
+def _draw_panel(axes: "Axes", indicator: str, infant: Sequence[tuple[float, float]], reference: Reference) -> None:
+    _draw_standard(axes, load_tables().who[indicator], reference)
     if indicator in SURVEYED:
         points = measure(0).table[SURVEYED[indicator]].points
         _draw_points(axes, [point for point in points if not _is_inferred(point)], "x", "AnthroKids")
@@ -107,15 +111,22 @@ def _draw_panel(axes: "Axes", indicator: str, infant: Sequence[tuple[float, floa
     tidy(axes)
 
 
-def _draw_standard(axes: "Axes", standard: GrowthStandard) -> None:
+def _draw_standard(axes: "Axes", standard: GrowthStandard, reference: Reference) -> None:
     ages_months = [age for age in np.linspace(0, LAST_MONTH, 20 * LAST_MONTH + 1) if standard.covers(age)]
     low, middle, high = (
-        [standard.value(NormalDist().inv_cdf(share), age, "mean") for age in ages_months] for share in (0.05, 0.5, 0.95)
+        [standard.value(NormalDist().inv_cdf(share), age, reference) for age in ages_months]
+        for share in (0.05, 0.5, 0.95)
     )
     axes.fill_between(
         ages_months, low, high, color=WHO_COLOUR, alpha=0.18, linewidth=0, label="WHO, 5th to 95th percentile"
     )
-    axes.plot(ages_months, middle, color=WHO_COLOUR, linewidth=1.8, label="WHO, mean")
+    axes.plot(
+        ages_months,
+        middle,
+        color=WHO_COLOUR,
+        linewidth=1.8,
+        label="WHO, mean" if reference == "mean" else "WHO, median",
+    )
 
 
 def _draw_points(axes: "Axes", points: Sequence[DataPoint], marker: str, label: str) -> None:

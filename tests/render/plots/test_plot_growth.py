@@ -26,7 +26,7 @@ def figure():
 @pytest.fixture
 def drawn(figure, monkeypatch) -> None:
     """Have that figure written, which need not be drawn again."""
-    monkeypatch.setattr(growth, "draw_growth", lambda series: figure)
+    monkeypatch.setattr(growth, "draw_growth", lambda series, reference: figure)
 
 
 def labelled(axes) -> dict[str, object]:

@@ -1,0 +1,66 @@
+"""What a spec asks of the measures for which WHO has standards, to compare its compiled child with."""
+
+import math
+from collections.abc import Mapping
+
+from mimoc.body.individual import targets
+from mimoc.body.stature import Stature, stature
+from mimoc.compiler.child import child_of
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import unsided
+from mimoc.schema.sizes import MEASUREMENT_OF
+from mimoc.units import m_to_cm
+
+SAME = 1e-6
+"""Relative difference from which on a key is said to change a measure; files hold nine digits."""
+MEASUREMENTS: Mapping[str, str] = {**MEASUREMENT_OF, "arm_circumference_cm": "upper_arm_circumference"}
+"""The measurement that is the same as a measure, by indicator."""
+
+Requests = Mapping[str, float | None]
+"""Requested value by indicator, in cm or kg; None if it follows from other keys; of average children, there is none."""
+
+
+def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
+    """Return what a spec asks of each measure.
+
+    What an individual does not name follows from what it names, and what single measurements, factors of parts and
+    missing parts change is not asked for by anything else.
+
+    Args:
+        spec: The spec.
+        measures: The measures of its compiled child.
+    """
+    found: dict[str, float | None] = {}
+    if spec.body.individual:
+        wanted = targets(spec.body.individual, spec.age_months)
+        found = {
+            "length_cm": wanted.length_m and m_to_cm(wanted.length_m),
+            "weight_kg": wanted.weight_kg,
+            "head_circumference_cm": wanted.head_m and m_to_cm(wanted.head_m),
+            "arm_circumference_cm": None,
+        }
+    for indicator, value in measures.items():
+        own_cm = _replaced_cm(spec, indicator)
+        if own_cm is not None:
+            found[indicator] = own_cm
+        if isinstance(value, float) and _is_changed(spec, indicator, value):
+            found[indicator] = None
+    return found
+
+
+def _replaced_cm(spec: InfantSpec, indicator: str) -> float | None:
+    """Return the measurement that replaces a measure, of the left side if it has sides, or None."""
+    name, given = MEASUREMENTS.get(indicator), spec.body.measurements
+    return given.get(f"left_{name}_cm", given.get(f"{name}_cm"))
+
+
+def _is_changed(spec: InfantSpec, indicator: str, value: float) -> bool:
+    """Return whether a measure differs from that of the same child without other single measurements and factors."""
+    body, name = spec.body, MEASUREMENTS.get(indicator)
+    alone = {key: value_cm for key, value_cm in body.measurements.items() if unsided(key) == name}
+    if len(alone) == len(body.measurements) and not body.parts and not body.remove:
+        return False
+    plain = body.model_copy(update={"measurements": alone, "parts": {}, "remove": ()})
+    _, _, tree = child_of(spec.model_copy(update={"body": plain}))
+    before = dict(stature(tree))[indicator]
+    return not (isinstance(before, float) and math.isclose(value, before, rel_tol=SAME))
