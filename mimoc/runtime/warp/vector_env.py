@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 
 from mimoc.bundle.poses import pose_of
 from mimoc.errors import MimocError, UnknownNameError
+from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
 from mimoc.runtime.many.matching import check_mixture
@@ -32,6 +33,7 @@ class DeviceError(MimocError):
     """Infants cannot live on a device, or what they do there went wrong."""
 
 
+@closable()
 class WarpInfants(VectorEnv[Any, Any, Any]):
     """Infants that live side by side on a device, in worlds of MuJoCo Warp.
 
