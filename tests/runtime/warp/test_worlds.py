@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import torch
+from gymnasium.error import ClosedEnvironmentError
 
 import mimoc
 from mimoc.errors import MimocError, UnknownNameError
@@ -187,6 +188,10 @@ def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
         assert not terminated.any()
     assert env.observation_space.contains(seen)
     env.close()
+    env.close()
+    for use in (env.reset, lambda: env.step(command), lambda: env.grow(to=9)):
+        with pytest.raises(ClosedEnvironmentError):
+            use()
 
 
 def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
