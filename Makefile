@@ -7,6 +7,7 @@ ROOMS ?= 0:12
 TESTS ?= tests
 MINUTES ?= 10
 SEED ?= 0
+LIVES ?= 200
 SOAK ?=
 # Whatever the tests of a file share is made once; in the order of the tree, where the longest ones are not the last.
 TWO_WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
@@ -86,8 +87,9 @@ matrix: ## Test several versions of MuJoCo and Python, and the oldest of all els
 consumers: opengl ## Let libraries of others read default bundles, in .consumers (15 GB; minutes after the first time).
 	@$(PYTHON) .ci/consumers.py
 
-fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0); docs/trust.md.
+fuzz: $(TEST) opengl ## Try to break mimoc with what strangers may send (MINUTES=10, SEED=0), and with calls in any order (LIVES=1000); docs/trust.md.
 	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED)
+	PYTHONPATH=tests MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/lives.py --sequences $(LIVES)
 
 soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours (SOAK="--steps 1000 --scenes 0 --cycles 0"); docs/trust.md.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(BIN)/python tests/fuzz/soak.py $(SOAK)

@@ -10,7 +10,10 @@ WAITING = 4
 
 
 class Writer:
-    """Does jobs one after the other in a thread of its own; after one has failed, none is done any more."""
+    """Does jobs one after the other in a thread of its own; after one has failed, none is done any more.
+
+    A forked process has no such thread, and writes nothing into the recording of the process that it comes from.
+    """
 
     def __init__(self) -> None:
         self._jobs: Queue[Job | None] = Queue(WAITING)
@@ -19,13 +22,14 @@ class Writer:
         self._thread.start()
 
     def __call__(self, job: Job) -> None:
-        """Have a job done.
+        """Have a job done, unless this process is a fork.
 
         Raises:
             MimocError: What one of the jobs before has raised.
         """
         self._check()
-        self._jobs.put(job)
+        if self._thread.is_alive():
+            self._jobs.put(job)
 
     def drain(self) -> None:
         """Wait until all jobs are done.
@@ -33,7 +37,8 @@ class Writer:
         Raises:
             MimocError: What one of them has raised.
         """
-        self._jobs.join()
+        if self._thread.is_alive():
+            self._jobs.join()
         self._check()
 
     def close(self) -> None:

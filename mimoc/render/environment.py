@@ -91,9 +91,8 @@ class EnvRenderer:
         """
         if self._mode != "rgb_array":
             return None
-        if self._camera is None:
-            self._camera = self._open_camera()
-        return self._camera.render(self._data)
+        camera = self._camera = self._camera or self._open_camera()
+        return camera.render(self._data)
 
     def close(self) -> None:
         """Free the OpenGL context and close the window; closing twice is fine, and pictures can be drawn again."""

@@ -4,6 +4,7 @@ import atexit
 import importlib
 import os
 import sys
+import threading
 import warnings
 import weakref
 from collections.abc import Callable, Iterator
@@ -48,12 +49,33 @@ def open_context(width: int, height: int) -> Any:
     raise RenderingError(_NO_OPENGL.format(", ".join(failures)))
 
 
-def make_current(context: Any) -> None:
-    """Let an OpenGL context be the one that is drawn in in this thread.
+@contextmanager
+def current(context: Any) -> Iterator[None]:
+    """Draw in an OpenGL context within; afterwards, the one of before is current again, or none.
+
+    Python may free the context of an object that is gone in the midst of this, which makes that one current for a
+    moment: what is being drawn goes on where it was. Where none is current, any thread can use and free it.
 
     Raises:
         RenderingError: If another thread draws in it.
     """
+    before = getattr(_in_this_thread, "context", None)
+    _in_this_thread.context = context
+    try:
+        _make_current(context)
+        yield
+    finally:
+        _in_this_thread.context = before
+        if before is None:
+            _leave_context()
+        else:
+            _make_current(before)
+
+
+_in_this_thread = threading.local()
+
+
+def _make_current(context: Any) -> None:
     try:
         context.make_current()
     except Exception as error:  # Each OpenGL library fails with errors of its own.
@@ -63,8 +85,7 @@ def make_current(context: Any) -> None:
         ) from None
 
 
-def leave_context() -> None:
-    """Let no OpenGL context be current in this thread, so that other threads can use and free those that were."""
+def _leave_context() -> None:
     if os.environ.get(_PLATFORM) == "egl":
         egl = importlib.import_module("OpenGL.EGL")
         nothing = egl.EGL_NO_SURFACE, egl.EGL_NO_SURFACE, egl.EGL_NO_CONTEXT
@@ -150,8 +171,9 @@ def opengl_driver() -> str:
     """
     context = open_context(8, 8)
     try:
-        opengl = importlib.import_module("OpenGL.GL")
-        renderer = opengl.glGetString(opengl.GL_RENDERER)
+        with current(context):
+            opengl = importlib.import_module("OpenGL.GL")
+            renderer = opengl.glGetString(opengl.GL_RENDERER)
     finally:
         context.free()
     return f"{type(context).__module__.split('.')[1]}, {renderer.decode(errors='replace')}"

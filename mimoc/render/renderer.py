@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from threading import Lock
 from typing import Any, Literal
 
 import mujoco
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from mimoc.errors import RenderingError
 from mimoc.mujoco_layout import SOLIDS_GROUP
-from mimoc.render.opengl import Finalizer, leave_context, make_current, open_context
+from mimoc.render.opengl import Finalizer, current, open_context
 from mimoc.render.visual_settings import Setting, visual_settings
 
 Picture = npt.NDArray[np.uint8]
@@ -61,9 +62,9 @@ class Renderer:
         self.buffer = mujoco.MjrRect(0, 0, width_px, height_px)
         self._settings = settings
         self._options, self._perturbation = _options(shown), mujoco.MjvPerturb()
-        self._gl = open_context(width_px, height_px)
-        self._load(model)
-        leave_context()
+        self._gl, self._busy = open_context(width_px, height_px), Lock()
+        with current(self._gl):
+            self._load(model)
 
     def change_model(self, model: mujoco.MjModel) -> None:
         """Draw another model from now on, in the same OpenGL context: a tenth of the time of a new renderer.
@@ -98,13 +99,30 @@ class Renderer:
         """Draw and read within; before and after, any thread can do so.
 
         Raises:
-            RenderingError: If another thread is drawing with it.
+            RenderingError: If another thread is drawing with it, or it is closed.
         """
-        make_current(self._gl)
+        with self._alone():
+            if not self._finalizer.alive:
+                raise RenderingError("nothing can be drawn with what has been closed; open it again")
+            with current(self._gl):
+                yield
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Keep other threads from drawing and closing meanwhile.
+
+        Raises:
+            RenderingError: If another one is doing so.
+        """
+        if not self._busy.acquire(blocking=False):
+            raise RenderingError(
+                "nothing can be drawn or closed in this thread while another one is drawing the same;"
+                " use an environment in one thread at a time"
+            )
         try:
             yield
         finally:
-            leave_context()
+            self._busy.release()
 
     def draw(self, part: mujoco.MjrRect | None = None) -> None:
         """Draw the scene, while in use, into the buffer or into a part of it."""
@@ -122,10 +140,8 @@ class Renderer:
         Raises:
             RenderingError: If another thread is drawing with it.
         """
-        if self._finalizer.alive:
-            with self.in_use():
-                pass
-        self._finalizer()
+        with self._alone():
+            self._finalizer()
 
     def _load(self, model: mujoco.MjModel) -> None:
         """Make all that drawing a model takes, in the OpenGL context that is current."""
@@ -162,7 +178,6 @@ def _options(shown: Shown) -> mujoco.MjvOption:
 
 
 def _free(context: mujoco.MjrContext, gl: Any) -> None:
-    with suppress(RenderingError):  # At exit, when a thread that was left alone is drawing with it.
-        make_current(gl)
+    with suppress(RenderingError), current(gl):  # At exit, a thread that was left alone may be drawing with it.
         context.free()
         gl.free()

@@ -25,6 +25,7 @@ from mimoc.noise.streams import NoiseStreams
 from mimoc.random_streams import checked_seed
 from mimoc.render.environment import MODES, EnvRenderer, available_modes, check_rendering
 from mimoc.runtime import growing
+from mimoc.runtime.closing import closable
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.expression import expression_fields, set_expression
 from mimoc.runtime.journal import UNTOLD
@@ -36,7 +37,6 @@ from mimoc.senses.binding import bind_senses
 from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
-from mimoc.tasks.custom import CustomTask
 from mimoc.tasks.task import NO_REWARD, Task
 from mimoc.units import ms_to_s
 
@@ -44,6 +44,7 @@ if TYPE_CHECKING:  # It needs SciPy, which most environments do without.
     from mimoc.senses.touch.run import SkinState
 
 
+@closable("layout")
 class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     """An infant in its scene.
 
@@ -56,6 +57,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     """
 
     metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
+    closed = False
 
     def __init__(
         self,
@@ -87,13 +89,12 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             KindError: If the task or a sense is no such object, or has the name of an existing sense.
         """
         check_rendering(render_mode, width, height)
-        self.render_mode, self._infant = render_mode, opened(bundle)
+        self.render_mode, self._picture_size, self._infant = render_mode, (width, height), opened(bundle)
         self.bundle = self._infant.bundle
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
-        self._picture_size, self.journal = (width, height), UNTOLD
         self._draws = bool(render_mode or senses) or task is not None or growing.sees_skin(self.manifest)
         self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
-        self._noise = NoiseStreams(self.np_random_seed)
+        self._noise, self.journal = NoiseStreams(self.np_random_seed), UNTOLD
         self._bind()
         self._start(self.manifest.pose)
         self._renderer = self._open_renderer()
@@ -198,8 +199,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             ValueError: If the seed is not a non-negative integer, or the age is not one from 0 to 24.
             MimocError: If there is no such infant; nothing has changed then.
         """
-        options = growing.options_given(options)
-        growing.check_options(options, self._variants)
+        options = growing.checked_options(options, self._variants)
         seed = None if seed is None else checked_seed(seed)
         variant = growing.find_variant(self._variants, self.manifest, options)
         pose = pose_of((variant.bundle if variant else self.bundle).manifest, options.get(growing.POSE))
@@ -265,8 +265,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
-        info[growing.AGE] = self.age_months
-        return verdict.reward, verdict.terminated or unstable, truncated, info
+        return verdict.reward, verdict.terminated or unstable, truncated, info | {growing.AGE: self.age_months}
 
     def get_state(self) -> dict[str, Any]:
         """Return the complete state of the environment: physics, delayed signals, noise, task and random generator.
@@ -310,16 +309,19 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return self._renderer.render()
 
     def close(self) -> None:
-        """Free the OpenGL contexts and close the window, if there are any."""
+        """Free the OpenGL contexts and close the window, if there are any; closing twice is fine.
+
+        Its attributes, `layout` and `get_state` can still be read then, and a copy or a pickle gives an open one; all
+        other methods raise Gymnasium's `ClosedEnvironmentError`.
+        """
         for sense in self._senses.values():
             sense.close()
         self._renderer.close()
 
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out everything that is bound to this environment's model."""
-        kept = {name: value for name, value in self.__dict__.items() if name not in BOUND}
-        infant = self._infant.again(self._model_fields.model_as_built())
-        return {**kept, "_infant": infant, "state": self.get_state()}
+        own = {"_infant": self._infant.again(self._model_fields.model_as_built()), "state": self.get_state()}
+        return {name: value for name, value in self.__dict__.items() if name not in BOUND} | own
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
         """Bind the copy to its own model and restore the state of the original."""
@@ -337,8 +339,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._act = bind_actuation(self.manifest.actuation, model)
         self._senses = bind_senses(self.bundle, model, former, self._custom_senses)
         self._constraints = Constraints(self.manifest.constraints, model)
-        own = self._custom_task
-        self._task = bind_task(self.bundle, model) if own is None else CustomTask(own, model, self.bundle)
+        self._task = bind_task(self.bundle, model, self._custom_task)
         fields = (*self._constraints.model_fields, *self._task.model_fields, *expression_fields(self.manifest, model))
         self._model_fields = ModelFields(model, fields)
         self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
@@ -395,6 +396,6 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         return {**self._schedule.observe(), **self._task.observe()}
 
 
-PARTS = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
-BOUND = PARTS | {"_noise", "journal"}
+BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
+BOUND |= {"_noise", "journal", "closed"}
 """Attributes that are not copied but bound anew."""

@@ -35,15 +35,18 @@ def options_given(options: Any) -> dict[str, Any]:
     return dict(options or {})
 
 
-def check_options(options: Mapping[str, Any], variants: Variants | None) -> None:
-    """Check the names of the options of a reset.
+def checked_options(options: Any, variants: Variants | None) -> dict[str, Any]:
+    """Return the options of a reset, none for None.
 
     Raises:
+        TypeError: If they are no dictionary.
         UnknownNameError: If there is no such option in an environment with these variants.
     """
+    options = options_given(options)
     known = [POSE, *([AGE] if variants else []), *([SEED] if variants and variants.has_other_scenes else [])]
     for key in options.keys() - known:
         raise UnknownNameError("reset option", str(key), known)
+    return options
 
 
 def find_variant(variants: Variants | None, manifest: Manifest, wanted: Mapping[str, Any]) -> Variant | None:

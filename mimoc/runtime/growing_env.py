@@ -71,8 +71,9 @@ class Growing(gymnasium.Wrapper[Any, Any, Any, Any]):
         due = self._schedule(self.steps_done)
         if due != self._infant.age_months:
             self._infant.grow(to=due)
+        stepped = self.env.step(action)
         self.steps_done += 1
-        return self.env.step(action)
+        return stepped
 
     def seek(self, steps_done: int) -> None:
         """Go on as after a number of control steps, as a training does that is resumed; a reset must follow."""

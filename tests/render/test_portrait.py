@@ -130,16 +130,6 @@ def test_drawing_changes_nothing_of_what_happens(open_env):
     assert np.array_equal(drawn.data.qpos, alone.data.qpos)
 
 
-def test_an_environment_can_draw_again_after_it_was_closed(open_env):
-    env = open_env(render_mode="rgb_array")
-    env.model.vis.quality.shadowsize = 0
-    env.reset(seed=0)
-    picture = env.render()
-    env.close()
-    env.close()
-    assert np.array_equal(env.render(), picture)
-
-
 def test_cameras_side_by_side_do_not_disturb_each_other(bundle, bundle_at, open_camera):
     """Each keeps its own textures, size and picture, whatever becomes of the other."""
     subjects = [(posed(bundle, "prone", shadows_px=256), 64), (posed(bundle_at(0), "supine", shadows_px=512), 96)]

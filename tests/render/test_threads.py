@@ -1,11 +1,14 @@
-"""Environments that draw, used from several threads."""
+"""Environments that draw, used from several threads, after they were closed, and while others are freed."""
 
+import gc
 import threading
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
+import mimoc
 from mimoc.errors import RenderingError
 from mimoc.render.renderer import Renderer
 
@@ -51,3 +54,33 @@ def test_two_threads_that_draw_at_once_with_the_same_are_told(seeing):
         renderer.draw()
         assert renderer.read().shape == (16, 16, 3)
     renderer.close()
+
+
+def test_nothing_is_drawn_with_what_is_closed(seeing):
+    renderer = Renderer(seeing.model, 16, 16)
+    renderer.close()
+    renderer.close()
+    with pytest.raises(RenderingError, match="closed; open it again"), renderer.in_use():
+        pass
+    seeing.close()
+    with pytest.raises(RenderingError, match="closed; open it again"):
+        seeing.senses["vision"](seeing.data)
+
+
+def test_a_picture_is_whole_though_python_frees_another_environment_meanwhile(seeing, monkeypatch):
+    """Which makes another OpenGL context current: what was drawn afterwards was lost."""
+    seeing.reset(seed=0)
+    picture = seeing.render()
+    forgotten = mimoc.InfantEnv(seeing.bundle, render_mode="rgb_array")
+    forgotten.render()
+    forgotten.itself = forgotten  # pyright: ignore[reportAttributeAccessIssue] - Only the garbage collector frees it.
+    gone, draw = weakref.ref(forgotten), Renderer.draw
+    del forgotten
+
+    def draw_later(*arguments):
+        gc.collect()
+        draw(*arguments)
+
+    monkeypatch.setattr(Renderer, "draw", draw_later)
+    assert np.array_equal(seeing.render(), picture)
+    assert gone() is None

@@ -3,6 +3,7 @@ import subprocess
 import sys
 
 import pytest
+from support.forks import status_of_fork
 
 import mimoc
 
@@ -40,3 +41,13 @@ def test_processes_that_gymnasium_forks_after_it_has_drawn_draw_the_same(folder,
     command = [sys.executable, "-W", "ignore", str(tmp_path / "see.py"), folder]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
     assert (done.returncode, done.stdout) == (0, "True True\nTrue\n"), done.stderr
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_many_infants_go_on_in_a_forked_process(bundle):
+    """Which has none of the threads that shared the work before."""
+    envs = mimoc.make_vec(bundle, 2, threads=2)
+    envs.reset(seed=0)
+    envs.step(envs.action_space.sample())
+    assert status_of_fork(lambda: envs.step(envs.action_space.sample())) == 0
+    envs.close()

@@ -8,12 +8,14 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 
 from mimoc.render.shared import sharing
+from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.vector_env import ManyInfants, SteppedEach
 from mimoc.senses.sense import Observation
 
 
+@closable("seek")
 class GrowingInfants(ManyInfants):
     """Infants that grow side by side: each lives as it would alone in the wrapper `Growing`."""
 

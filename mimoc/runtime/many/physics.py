@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
 from threading import Lock
 
@@ -29,7 +29,8 @@ class Physics:
         """
         self.models, self.datas = list(models), list(datas)
         self.threads = threads or usable_threads()
-        self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
+        self._pool: ThreadPoolExecutor | None = None
+        self._process = 0
         self._views: dict[str, list[FloatArray]] = {}
         self._warnings = [data.warning.number for data in datas]
 
@@ -55,7 +56,7 @@ class Physics:
                 pass
 
         helpers = min(self.threads, sum(map(len, groups))) - 1
-        futures = [self._pool.submit(step_all) for _ in range(helpers)] if self._pool else []
+        futures = self._help(step_all, helpers)
         try:
             for finished, infants in zip(done, groups, strict=True):
                 while finished.qsize() < len(infants) and step_next():
@@ -80,7 +81,7 @@ class Physics:
                 found[infant] = function(infant)
 
         helpers = min(self.threads, len(infants)) - 1
-        futures = [self._pool.submit(call_all) for _ in range(helpers)] if self._pool else []
+        futures = self._help(call_all, helpers)
         call_all()
         for future in futures:
             future.result()
@@ -109,6 +110,12 @@ class Physics:
         """End the threads; closing twice is fine."""
         if self._pool:
             self._pool.shutdown()
+
+    def _help(self, function: Callable[[], None], helpers: int) -> list[Future[None]]:
+        """Call a function in other threads, too; a forked process gets threads of its own, as it has none at first."""
+        if helpers > 0 and self._process != os.getpid():
+            self._pool, self._process = ThreadPoolExecutor(self.threads - 1), os.getpid()
+        return [self._pool.submit(function) for _ in range(helpers)] if self._pool else []
 
     def _step_one(self, infant: int, steps: int) -> None:
         """Make physics steps of one infant; where MuJoCo cannot, it has broken down."""

@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 from mimoc.actuation.commands import numbers
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
+from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.control_step import ControlStep
@@ -27,6 +28,7 @@ SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[
 Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]
 
 
+@closable("call", "get_attr")
 class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[Any]]):
     """Infants that live side by side, each in a world of its own.
 
@@ -242,7 +244,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             infant.set_state(state)
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Close all infants and end the threads."""
+        """Close all infants and end the threads; what can still be read then is said at `InfantEnv.close`."""
         self._physics.close()
         for infant in self.infants:
             infant.close()

@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 
 from mimoc.bundle.poses import pose_of
 from mimoc.errors import UnknownNameError
+from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
 from mimoc.runtime.many.matching import check_mixture
@@ -27,6 +28,7 @@ STARTS = 256
 """Starts that are drawn of each infant whose episodes begin with chance."""
 
 
+@closable()
 class WarpInfants(VectorEnv[Any, Any, Any]):
     """Infants that live side by side on a device, in worlds of MuJoCo Warp.
 
@@ -266,11 +268,8 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Deal with what the device reports of the step before, once.
 
         Raises:
-            ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong.
         """
-        if self.closed:
-            raise gymnasium.error.ClosedEnvironmentError("this environment has been closed; make a new one")
         if self._is_settled:
             return
         self._is_settled = True
