@@ -9,7 +9,46 @@ from mimoc.cli.arguments import Body, PicturePath
 from mimoc.cli.infants import load_infant
 from mimoc.cli.printable import printable
 
-EXAMPLE = "Example:  mimoc render out/nine_months -o nine_months.png --pose supine"
+EXAMPLE = (
+    "Examples:  mimoc render out/nine_months -o nine_months.png --pose supine\n\n"
+    "mimoc render out/newborn out/nine_months -o row.png --pose standing --azimuth 90 --transparent --scale-bar"
+)
+Azimuth = Annotated[
+    float | None,
+    typer.Option(
+        "--azimuth",
+        min=-360,
+        max=360,
+        help="Where the camera stands around the infants, in degrees: 0 in front of them, 90 at their left, 180 behind "
+        "them; default: a little to the right of one infant, in front of several.",
+    ),
+]
+Elevation = Annotated[
+    float | None,
+    typer.Option(
+        "--elevation",
+        min=-90,
+        max=90,
+        help="How high it stands, in degrees: 0 level with them, 90 straight above; default: what suits the pose.",
+    ),
+]
+Distance = Annotated[
+    float | None,
+    typer.Option(
+        "--distance",
+        min=0.1,
+        max=100,
+        help="How far it stands from the middle of them, in metres; default: so that they fill the image.",
+    ),
+]
+Transparent = Annotated[
+    bool,
+    typer.Option("--transparent", help="Draw the infants alone, on a transparent background (.png, .webp or .tiff)."),
+]
+ScaleBar = Annotated[
+    bool,
+    typer.Option("--scale-bar", help="Draw a bar of so many cm, true at the distance of the middle of the infants."),
+]
 
 
 def render(
@@ -31,42 +70,11 @@ def render(
     body: Annotated[
         Body | None, typer.Option("--body", help="Draw the skin or the solids under it; default: skin, without --skin.")
     ] = None,
-    azimuth: Annotated[
-        float | None,
-        typer.Option(
-            "--azimuth",
-            min=-360,
-            max=360,
-            help="Where the camera stands around the infants, in degrees: 0 in front of them, 90 at their left, 180 "
-            "behind them; default: a little to the right of one infant, in front of several.",
-        ),
-    ] = None,
-    elevation: Annotated[
-        float | None,
-        typer.Option(
-            "--elevation",
-            min=-90,
-            max=90,
-            help="How high it stands, in degrees: 0 level with them, 90 straight above; default: what suits the pose.",
-        ),
-    ] = None,
-    distance: Annotated[
-        float | None,
-        typer.Option(
-            "--distance",
-            min=0.1,
-            max=100,
-            help="How far it stands from the middle of them, in metres; default: so that all of them fill the image.",
-        ),
-    ] = None,
-    transparent: Annotated[
-        bool,
-        typer.Option("--transparent", help="Draw nothing but infants: the background is transparent (.png, .webp)."),
-    ] = False,
-    scale_bar: Annotated[
-        bool,
-        typer.Option("--scale-bar", help="Draw a bar of a round length, true at the distance of the infants' middle."),
-    ] = False,
+    azimuth: Azimuth = None,
+    elevation: Elevation = None,
+    distance: Distance = None,
+    transparent: Transparent = False,
+    scale_bar: ScaleBar = False,
 ) -> None:
     """Render an image of the infant, or of several side by side."""
     from mimoc.bundle.model import load_posed

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body.poses import CONTACT_DEPTH_M
 from mimoc.bundle.model import load_model, load_posed, load_straight
 from mimoc.errors import RenderingError, UnknownNameError
 from mimoc.render.body_camera import BodyCamera
@@ -205,7 +204,7 @@ def test_a_portrait_frees_its_context_even_if_it_fails(bundle, contexts, monkeyp
 def test_infants_in_a_row_are_to_scale():
     """Their trousers reach from knee to waist: what shows of them is in proportion to the children."""
     infants = [mimoc.build(mimoc.InfantSpec(mimoc=1, name="infant", age_months=age)) for age in (2, 20)]
-    picture = lineup(infants, width=400, height=300)
+    picture = lineup(infants, "standing", width=400, height=300)
     assert picture.shape == (300, 400, 3)
     trousers = load_model(infants[0]).material("pants_leg").rgba[:3]
     hues = picture / (picture.sum(axis=2, keepdims=True) + 1e-9)
@@ -313,12 +312,9 @@ def test_skin_points_are_in_one_picture_only(feeling, open_camera):
 
 
 def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
-    """With all joints at zero soles but reach the ground: here they are pressed, and a rim of what they feel shows."""
+    """Both stand on soles that are pressed, and a rim of what they feel shows."""
     bundle, *_ = feeling
-    model, data = load_straight(bundle)
-    data.qpos[2] -= CONTACT_DEPTH_M
-    mujoco.mj_forward(model, data)
-    markers = [skin_markers(bundle, model, data)] * 2
+    markers = [skin_markers(*feeling)] * 2
     bare, skin = (lineup([bundle, bundle], width=320, height=240, markers=each) for each in (None, markers))
     assert share_of_skin_points(bare) == (0, 0)
     for half in (skin[:, :160], skin[:, 160:]):
