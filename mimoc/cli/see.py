@@ -10,6 +10,7 @@ from mimoc.cli.infants import load_infant, resolved_spec
 from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc see out/nine_months -o seen.png --pose sitting --ages 1,3,9"
+Pose = Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")]
 NOTHING_SEEN = (
     "note: the eye looks at nothing but sky or floor, so all views are alike; let it see something: "
     "another --pose (sitting), --down, a wider --fovy, or a room with toys (`scene: {kind: room}`)"
@@ -30,9 +31,7 @@ def see(
         float | None,
         typer.Option("--foveation", min=0, max=1000, help="Strength of foveation; default: the spec's, or 5 if 0."),
     ] = None,
-    pose: Annotated[
-        str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")
-    ] = None,
+    pose: Pose = None,
     eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
     down: Annotated[
         float | None,

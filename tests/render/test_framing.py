@@ -1,6 +1,7 @@
 """Where the camera of a picture stands, several infants in their poses, transparent backgrounds and scale bars."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -71,7 +72,7 @@ def test_a_transparent_picture_shows_the_infant_alone(posed):
     assert ((opacity > 0) & (opacity < 255)).any()
     _, parts = ndimage.label(opacity > 0)
     assert parts == 1
-    inside = ndimage.binary_erosion(opacity == 255, iterations=2)
+    inside: Any = ndimage.binary_erosion(opacity == 255, iterations=2)
     assert np.abs(usual[inside].astype(int) - alone[inside, :3]).mean() < 8
 
 
