@@ -1,6 +1,7 @@
 """`mimoc see`."""
 
-from typing import Annotated
+import sys
+from typing import Annotated, Any
 
 import typer
 
@@ -9,6 +10,11 @@ from mimoc.cli.infants import load_infant, resolved_spec
 from mimoc.cli.printable import printable
 
 EXAMPLE = "Example:  mimoc see out/nine_months -o seen.png --pose sitting --ages 1,3,9"
+Pose = Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")]
+NOTHING_SEEN = (
+    "note: the eye looks at nothing but sky or floor, so all views are alike; let it see something: "
+    "another --pose (sitting), --down, a wider --fovy, or a room with toys (`scene: {kind: room}`)"
+)
 
 
 def see(
@@ -25,9 +31,7 @@ def see(
         float | None,
         typer.Option("--foveation", min=0, max=1000, help="Strength of foveation; default: the spec's, or 5 if 0."),
     ] = None,
-    pose: Annotated[
-        str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")
-    ] = None,
+    pose: Pose = None,
     eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
     down: Annotated[
         float | None,
@@ -52,3 +56,11 @@ def see(
     compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
     pictures = preview(bundle, compared.entries, pose, down, fovy)
     print(printable(write_picture(file, tile_pictures(pictures, compared.columns, compared.rows))))
+    _say_if_blank(pictures[0][-1])
+
+
+def _say_if_blank(unblurred: Any) -> None:
+    from mimoc.senses.vision.preview import is_blank
+
+    if is_blank(unblurred):
+        print(NOTHING_SEEN, file=sys.stderr)

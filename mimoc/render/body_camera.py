@@ -5,6 +5,7 @@ from functools import partial
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.render.averaging import average_down
 from mimoc.render.camera import (
@@ -36,6 +37,8 @@ BACKDROP = (0.915, 0.94, 0.935, 1.0)
 SHADOWS_WITHIN_M = 1.0
 """Distance from an infant that is drawn alone within which things cast shadows: half of the usual, so that the edges of
 shadows are twice as fine. With a quarter, the floor gets speckled."""
+HIDDEN_GROUP = 5
+"""MuJoCo's group of geoms that are not drawn by default, and that mimoc has none in."""
 FADES_BEHIND_M, FADES_WITHIN_M = 0.7, 4.5
 """How far behind the middle of a picture it begins to, and the distance that it takes."""
 
@@ -67,6 +70,7 @@ class BodyCamera:
         margin: float = MARGIN,
         shown: Shown = "skin",
         fade_m: float | None = None,
+        cut_out: bool = False,
     ):
         """Open an OpenGL context for pictures of this size.
 
@@ -81,6 +85,7 @@ class BodyCamera:
             margin: How much wider the field of view is than what it has to show.
             shown: What is drawn of infants.
             fade_m: How far from the camera things begin to fade into a backdrop; by default, they do not.
+            cut_out: Whether pictures show nothing else, on a transparent background; changes the model.
 
         Raises:
             RenderingError: If there is no OpenGL here, or none that draws such large pictures.
@@ -91,7 +96,9 @@ class BodyCamera:
         self.aspect = width_px / height_px
         """Width of the pictures over their height."""
         larger = self._supersample * width_px, self._supersample * height_px
-        self._fades = fade_m is not None
+        self._fades, self._cut_out = fade_m is not None, cut_out
+        if cut_out:
+            model.geom_group[~self._seen] = HIDDEN_GROUP
         settings = partial(_settings, 0 if self._supersample > 1 else SAMPLES, fade_m, len(root_bodies) == 1)
         self._renderer = Renderer(model, *larger, settings, shown)
 
@@ -117,9 +124,14 @@ class BodyCamera:
         return fit_shot(self.spheres(data), self._walls(data), self.view, self.aspect, self._fovy_deg, self._margin)
 
     def render(self, data: mujoco.MjData, markers: Markers | None = None, shot: Shot | None = None) -> Picture:
-        """Return a picture, shape (height, width, 3), of all of it or of a shot; markers are drawn without shadows."""
+        """Return a picture of all of it or of a shot; markers are drawn without shadows.
+
+        Its shape is (height, width, 3), or (height, width, 4) with the opacity if all else is cut out.
+        """
         with self._renderer.in_use():
             drawn = self._draw(data, markers, shot or self.shot(data))
+            if self._cut_out:
+                return _with_opacity(drawn, self._renderer.read_drawn()[::-1], self._supersample)
         if self._supersample == 1:
             return drawn.copy()
         return np.rint(average_down(drawn.astype(np.float32), self._supersample)).astype(np.uint8)
@@ -153,9 +165,19 @@ class BodyCamera:
             self._renderer.compose(data, camera)
         scene = self._renderer.scene
         scene.flags[mujoco.mjtRndFlag.mjRND_FOG] = self._fades
+        if self._cut_out:
+            scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
         for light in scene.lights[: scene.nlight]:
             if light.type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL and not light.headlight:
                 light.pos[:2] += shot.lookat_m[:2]  # The sun is everywhere; the shadows it draws are around a point.
+
+
+def _with_opacity(drawn: Picture, is_drawn: npt.NDArray[np.bool_], times: int) -> Picture:
+    """Return a picture that is smaller so many times, with its opacity; colours are those of what is drawn alone."""
+    opaque = is_drawn[..., None].astype(np.float32)
+    share = average_down(opaque, times)
+    colour = average_down(drawn * opaque, times) / np.maximum(share, np.finfo(np.float32).tiny)
+    return np.rint(np.concatenate([colour, 255 * share], axis=2)).astype(np.uint8)
 
 
 def _settings(samples: int, fade_m: float | None, alone: bool, model: mujoco.MjModel) -> tuple[Setting, ...]:

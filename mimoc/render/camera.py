@@ -76,6 +76,15 @@ class Shot:
         """The point in the middle of the picture, shape (3,), in the world."""
         return self.position_m + self.depth_m * camera_axes(self.view)[0]
 
+    def px_per_m(self, height_px: int) -> float:
+        """Return how many pixels of a picture a metre takes in the middle of what it shows."""
+        return height_px / (2 * self.depth_m * float(np.tan(np.radians(self.fovy_deg) / 2)))
+
+    def from_distance(self, distance_m: float, fovy_deg: float) -> "Shot":
+        """Return a shot of the same point in the same direction, whatever it then shows and stands behind."""
+        position_m = self.lookat_m - distance_m * camera_axes(self.view)[0]
+        return Shot(position_m, distance_m, self.view, fovy_deg)
+
 
 def fit_shot(
     spheres: Spheres, walls: Planes, view: View, aspect: float, fovy_deg: float = FOVY_DEG, margin: float = MARGIN

@@ -26,28 +26,36 @@ FORMATS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
 """Pillow's name of the format, and how it is to be written, by the end of a file's name."""
 
 
-def check_picture_name(path: str | Path) -> None:
+OPAQUE = {".jpg", ".jpeg", ".bmp"}
+"""Formats that have no transparent background."""
+
+
+def check_picture_name(path: str | Path, *, transparent: bool = False) -> None:
     """Pass the name of a file that a picture can be written to, before anything is drawn.
 
     Raises:
-        OutputError: If it ends in no format that is known.
+        OutputError: If it ends in no format that is known, or in one that cannot be transparent.
     """
-    if Path(path).suffix.lower() not in FORMATS:
+    suffix = Path(path).suffix.lower()
+    if transparent and suffix in OPAQUE:
+        fitting = ", ".join(each for each in FORMATS if each not in OPAQUE)
+        raise OutputError(f"{path}: a picture of this format has no transparent background; end its name in {fitting}")
+    if suffix not in FORMATS:
         raise OutputError(f"{path}: no picture is written to a file of this name; end it in {', '.join(FORMATS)}")
 
 
 def write_picture(path: str | Path, picture: npt.NDArray[Any]) -> Path:
-    """Write an RGB picture of 0 to 255, shape (height, width, 3), without any metadata.
+    """Write an RGB or RGBA picture of 0 to 255, shape (height, width, 3 or 4), without any metadata.
 
     Raises:
         OutputError: If its name ends in no format that is known, or it cannot be written.
     """
-    check_picture_name(path)
+    check_picture_name(path, transparent=picture.shape[-1] == 4)
     return write_file(path, encoded(picture, Path(path).suffix.lower()))
 
 
 def encoded(picture: npt.NDArray[Any], suffix: str) -> bytes:
-    """Return an RGB picture of 0 to 255, shape (height, width, 3), in the format of FORMATS with some suffix."""
+    """Return an RGB or RGBA picture of 0 to 255, shape (height, width, 3 or 4), in a format of FORMATS."""
     name, settings = FORMATS[suffix]
     buffer = io.BytesIO()
     Image.fromarray(np.rint(picture).astype(np.uint8)).save(buffer, name, **settings)

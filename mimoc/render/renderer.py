@@ -134,6 +134,12 @@ class Renderer:
         mujoco.mjr_readPixels(pixels, None, self.buffer, self.context)
         return pixels
 
+    def read_drawn(self) -> npt.NDArray[np.bool_]:
+        """Return where anything is drawn, shape (height, width), the lowest row first, while in use."""
+        depth = np.empty((self.buffer.height, self.buffer.width), np.float32)
+        mujoco.mjr_readPixels(None, depth, self.buffer, self.context)
+        return depth < 1  # OpenGL's depth where there is nothing is that of the far plane.
+
     def close(self) -> None:
         """Free the OpenGL context; closing twice is fine.
 

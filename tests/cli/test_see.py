@@ -112,6 +112,14 @@ def test_bad_input_ends_in_exit_code_2_with_one_line_and_nothing_written(options
     assert not Path("seen.png").exists()
 
 
+def test_what_shows_nothing_is_said_in_one_note(see, blind, playing):
+    """On its back, an infant without a room looks at the sky."""
+    code, out, err = see("-o seen.png --pose supine --size 64", blind)
+    assert (code, out, len(err.splitlines())) == (0, "seen.png\n", 1)
+    assert err.startswith("note: the eye looks at nothing but sky or floor")
+    assert see("-o seen.png --pose sitting --size 64", playing)[2] == ""
+
+
 def test_an_eye_that_an_infant_has_not_is_refused(see, built):
     code, _, err = see("-o seen.png", built("one_eyed", body={"remove": ["left_eye"]}))
     assert (code, err) == (2, "'eye_left' is not a camera of this infant; choose from eye_right\n")

@@ -22,6 +22,8 @@ DOWN_DEG = 50.0
 """How far it looks down if it sees none of these either."""
 AHEAD = 0.5
 """Cosine of 60°, the largest angle from straight ahead at which it looks at something."""
+BLANK_RANGE = 24
+"""Of 256 levels: a sky of which no more is seen is a blank square to the eye."""
 
 
 def preview(
@@ -56,6 +58,11 @@ def preview(
         model.camera(name).fovy = fovy_deg
     drawn, fovy_deg = _draw(model, data, first), float(model.camera(name).fovy[0])
     return [[perceive(drawn, filters(entry, fovy_deg))[0] for entry in row] for row in entries]
+
+
+def is_blank(picture: npt.NDArray[np.uint8]) -> bool:
+    """Return whether a view shows nothing: no channel of it goes over more than BLANK_RANGE."""
+    return bool(np.ptp(picture, axis=(0, 1)).max() <= BLANK_RANGE)
 
 
 def _require(kind: str, name: str, known: Collection[str]) -> None:
