@@ -9,10 +9,7 @@ from mimoc.cli.arguments import Body, PicturePath
 from mimoc.cli.infants import load_infant
 from mimoc.cli.printable import printable
 
-EXAMPLE = (
-    "Examples:  mimoc render out/nine_months -o nine_months.png --pose supine\n\n"
-    "mimoc render out/newborn out/nine_months -o row.png --pose standing --azimuth 90 --transparent --scale-bar"
-)
+EXAMPLE = "Example:  mimoc render out/nine_months -o nine_months.png --pose supine --azimuth 30 --scale-bar"
 Azimuth = Annotated[
     float | None,
     typer.Option(
