@@ -150,7 +150,7 @@ $(DOCS): $(DEMO)
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.
 # Tests on a GPU need the default build, which knows CUDA.
-torch_without_cuda = [ "$$(uname)" != Linux ] || [ "$${MIMOC_TEST_DEVICE#cuda}" != "$$MIMOC_TEST_DEVICE" ] || { $(BIN)/pip install uv && \
+torch_without_cuda = [ "$$(uname)" != Linux ] || echo "$$MIMOC_TEST_DEVICE" | grep -q ^cuda || { $(BIN)/pip install uv && \
 	UV_HTTP_CONNECT_TIMEOUT=4 UV_HTTP_TIMEOUT=8 UV_HTTP_RETRIES=1 \
 	$(BIN)/uv pip install --python $(BIN)/python --torch-backend cpu --no-deps 'torch<3'; }
 
