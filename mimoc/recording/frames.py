@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.bundle import files
+from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, open_regular_file, read_regular_file
 from mimoc.errors import RecordingError
 from mimoc.recording.video import Lossless, Mp4, Picture, Video, require_av
 
@@ -19,6 +21,10 @@ LOSSLESS, VIDEO = ".mkv", ".mp4"
 SMALL_BYTES, MOST_RATIO = 2**28, 1000
 """What pictures may take however small their file is, and how many times its size."""
 CONTAINERS = {LOSSLESS: "matroska", VIDEO: "mp4"}
+CODECS = {LOSSLESS: ("ffv1",), VIDEO: ("h264", "mpeg4")}
+"""What pictures are encoded by in a file of each extension; nothing else is decoded."""
+MOST_BYTES, MOST_SMALL_BYTES = 2**40, 2**29
+"""Of a lossless video, and of a small one, which is read at once."""
 
 
 def write_pictures(stem: Path, pictures: Picture, rate_hz: Fraction) -> None:
@@ -60,10 +66,13 @@ def join_videos(path: Path, parts: Sequence[Path], rate_hz: Fraction) -> None:
     options = {"movflags": "+faststart"} if path.suffix == VIDEO else {}
     try:
         with av.open(str(temporary), "w", format=CONTAINERS[path.suffix], options=options) as joined:
-            _copy(av, joined, parts, rate_hz)
-    except (IndexError, ValueError):  # ValueError: also what PyAV makes of texts that are no UTF-8.
+            _copy(joined, parts, rate_hz)
+    except RecordingError:
         files.discard(temporary)
-        raise RecordingError(f"{path}: a part of it is damaged") from None
+        raise
+    except (av.error.FFmpegError, IndexError, ValueError):
+        files.discard(temporary)
+        raise RecordingError(f"{path}: its parts cannot be joined") from None
     except OSError as error:
         files.discard(temporary)
         raise files.write_error(path, error) from None
@@ -88,7 +97,7 @@ def some_pictures(path: Path, shape: Sequence[int] | None, most: int | None) -> 
     Raises:
         RecordingError: If the file is damaged or missing, or is far too small for so many pictures of this shape.
     """
-    wanted = math.prod(shape) * most if shape is not None and most is not None and path.is_file() else 0
+    wanted = math.prod(shape) * most if shape is not None and most is not None and is_regular_file(path) else 0
     if wanted > SMALL_BYTES and wanted > MOST_RATIO * path.stat().st_size:
         raise RecordingError(f"{path}: the file is damaged: it cannot hold {most} such pictures")
     return list(islice(decoded(path, shape), most))
@@ -100,24 +109,65 @@ def decoded(path: Path, shape: Sequence[int] | None = None) -> Iterator[Picture]
     Raises:
         RecordingError: If the file is damaged or missing.
     """
-    av = require_av()
+    with _opened(path) as (container, stream):
+        _check_size(stream, shape)
+        for frame in container.decode(stream):
+            _check_size(frame, shape)
+            yield frame.to_ndarray(format="rgb24")
+
+
+def read_video(path: Path) -> bytes:
+    """Return the content of a small video.
+
+    Raises:
+        RecordingError: If the file is missing, or is not one.
+    """
+    with _opened(path):
+        pass
+    content = read_regular_file(path, MOST_SMALL_BYTES, below=path.parents[1])
+    if content is None:
+        raise RecordingError(f"{path}: the file is missing")
+    return content
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[Any, Any]]:
+    """Open a video as what its extension says, and its stream; whatever is wrong with it is one clear line.
+
+    By its content, a file may be a list of others, elsewhere, which FFmpeg would open.
+    """
+    av, extension = require_av(), path.suffix
     try:
-        # By its content, a file may be a list of others, elsewhere, which FFmpeg would open.
-        with av.open(str(path), format=CONTAINERS[path.suffix]) as container:
-            for frame in container.decode(video=0):
-                if shape is not None and (frame.height, frame.width, 3) != tuple(shape):
-                    raise ValueError("pictures of another size")
-                yield frame.to_ndarray(format="rgb24")
-    except (av.error.FFmpegError, OSError, IndexError, ValueError):
-        raise RecordingError(f"{path}: the file is damaged or missing") from None
+        file = open_regular_file(path, MOST_BYTES, below=path.parents[1])
+        if file is None:
+            raise UnusableFileError("the file is missing")
+        with file, av.open(file, format=CONTAINERS[extension]) as container:
+            stream = container.streams.video[0]
+            if stream.codec_context.name not in CODECS[extension]:
+                raise UnusableFileError(f"its pictures are not encoded by {' or '.join(CODECS[extension])}")
+            yield container, stream
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.
+    except (av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError):
+        raise RecordingError(f"{path}: the file is damaged") from None
 
 
-def _copy(av: Any, joined: Any, parts: Sequence[Path], rate_hz: Fraction) -> None:
+def _check_size(pictures: Any, shape: Sequence[int] | None) -> None:
+    """Check that a frame, or all of a stream, are of some shape, before anything of this size is made.
+
+    Raises:
+        UnusableFileError: If they are not.
+    """
+    if shape is not None and (pictures.height, pictures.width, 3) != tuple(shape):
+        raise UnusableFileError(f"its pictures are of another size than {shape[1]} x {shape[0]} pixels")
+
+
+def _copy(joined: Any, parts: Sequence[Path], rate_hz: Fraction) -> None:
     """Copy the packets of some videos, one after the other in time."""
     stream, done = None, 0
     for part in parts:
-        with av.open(str(part), format=CONTAINERS[part.suffix]) as container:
-            source = container.streams.video[0]
+        with _opened(part) as (container, source):
             stream = stream or joined.add_stream_from_template(source)
             begin = round(done / rate_hz / source.time_base)
             for packet in container.demux(source):

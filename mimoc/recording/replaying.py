@@ -137,7 +137,7 @@ class _Replay:
 
     def _change(self, what: str, value: Any) -> None:
         """Do again what was done besides control steps."""
-        env, sidecar = self._env, self._episode.files.sidecars[0]
+        env = self._env
         with _damage_told(self._episode):
             if what == "age_months":
                 env.grow(to=value)
@@ -149,9 +149,7 @@ class _Replay:
                 check_physics(value, env.model)
                 set_physics(env.model, env.data, value)
             elif what == "action_dtype":
-                self._dtype = np.dtype(value)
-            else:
-                raise RecordingError(f"{sidecar}: this version of mimoc does not know the change '{what}'")
+                self._dtype = _number_type(value)
 
     def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
         """Keep a row, and compare when there are enough."""
@@ -181,6 +179,13 @@ def _damage_told(episode: Episode) -> Iterator[None]:
         raise RecordingError(f"{place}: a state or a change is damaged ({type(error).__name__}: {error})") from None
 
 
+def _number_type(name: str) -> np.dtype[Any]:
+    dtype = np.dtype(name)
+    if dtype.kind not in "biuf":
+        raise ValueError(f"'{name}' is not a type of numbers")
+    return dtype
+
+
 def _told(progress: Callable[[int, int], None], before: int, total: int, steps: int) -> None:
     progress(before + steps, total)
 
@@ -199,12 +204,12 @@ def _check_observations(env: InfantEnv, episode: Episode) -> None:
     Raises:
         RecordingError: If it does not.
     """
-    here = {name: space.shape for name, space in _spaces(env).items()}
+    here = {name: (space.shape, space.dtype.name) for name, space in _spaces(env).items()}
     for reading in episode.described.readings:
-        if here.get(reading.name) != reading.shape:
+        if here.get(reading.name) != (reading.shape, reading.dtype):
             raise RecordingError(
                 f"infant {episode.infant}, episode {episode.number}: the observation '{reading.name}' of shape"
-                f" {reading.shape} is recorded, but the infant does not have it now"
+                f" {reading.shape} and type {reading.dtype} is recorded, but the infant does not have it now"
             )
     if env.action_space.shape != np.shape(episode.described.actions):
         raise RecordingError(f"infant {episode.infant}, episode {episode.number}: it has other actuators now")
