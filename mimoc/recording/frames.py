@@ -23,8 +23,8 @@ SMALL_BYTES, MOST_RATIO = 2**28, 1000
 CONTAINERS = {LOSSLESS: "matroska", VIDEO: "mp4"}
 CODECS = {LOSSLESS: ("ffv1",), VIDEO: ("h264", "mpeg4")}
 """What pictures are encoded by in a file of each extension; nothing else is decoded."""
-MOST_BYTES, MOST_SMALL_BYTES = 2**40, 2**29
-"""Of a lossless video, and of a small one, which is read at once."""
+MOST_BYTES = 2**29
+"""Of a small video, or that of a part; of a lossless one, besides twice its pictures."""
 
 
 def write_pictures(stem: Path, pictures: Picture, rate_hz: Fraction) -> None:
@@ -100,18 +100,25 @@ def some_pictures(path: Path, shape: Sequence[int] | None, most: int | None) -> 
     wanted = math.prod(shape) * most if shape is not None and most is not None and is_regular_file(path) else 0
     if wanted > SMALL_BYTES and wanted > MOST_RATIO * path.stat().st_size:
         raise RecordingError(f"{path}: the file is damaged: it cannot hold {most} such pictures")
-    return list(islice(decoded(path, shape), most))
+    return list(decoded(path, shape, most))
 
 
-def decoded(path: Path, shape: Sequence[int] | None = None) -> Iterator[Picture]:
-    """Yield the pictures of a video, one after the other, each of some shape (height, width, 3), if one is given.
+def decoded(path: Path, shape: Sequence[int] | None = None, most: int | None = None) -> Iterator[Picture]:
+    """Yield the pictures of a video, one after the other.
+
+    Args:
+        path: The video.
+        shape: Shape of each of them, (height, width, 3).
+        most: How many of them are wanted; a file that is far too large for these is not searched for them.
 
     Raises:
-        RecordingError: If the file is damaged or missing.
+        RecordingError: If the file is damaged or missing, or its pictures are of another shape.
     """
-    with _opened(path) as (container, stream):
+    is_bounded = shape is not None and most is not None
+    most_bytes = MOST_BYTES + 2 * math.prod(shape) * most if is_bounded else MOST_BYTES
+    with _opened(path, most_bytes) as (container, stream):
         _check_size(stream, shape)
-        for frame in container.decode(stream):
+        for frame in islice(container.decode(stream), most):
             _check_size(frame, shape)
             yield frame.to_ndarray(format="rgb24")
 
@@ -124,21 +131,21 @@ def read_video(path: Path) -> bytes:
     """
     with _opened(path):
         pass
-    content = read_regular_file(path, MOST_SMALL_BYTES, below=path.parents[1])
+    content = read_regular_file(path, MOST_BYTES, below=path.parents[1])
     if content is None:
         raise RecordingError(f"{path}: the file is missing")
     return content
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[tuple[Any, Any]]:
+def _opened(path: Path, most_bytes: int = MOST_BYTES) -> Iterator[tuple[Any, Any]]:
     """Open a video as what its extension says, and its stream; whatever is wrong with it is one clear line.
 
     By its content, a file may be a list of others, elsewhere, which FFmpeg would open.
     """
     av, extension = require_av(), path.suffix
     try:
-        file = open_regular_file(path, MOST_BYTES, below=path.parents[1])
+        file = open_regular_file(path, most_bytes, below=path.parents[1])
         if file is None:
             raise UnusableFileError("the file is missing")
         with file, av.open(file, format=CONTAINERS[extension]) as container:

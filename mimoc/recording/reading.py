@@ -317,7 +317,7 @@ class ReadRecording(Sequence[Episode]):
                 "ended": episode.ended,
                 "seed": episode.seed,
                 "return": float(np.nansum(episode.rewards)),
-                "is_success": bool(episode.infos.get("is_success", np.zeros(1, bool)).any()),
+                "is_success": bool((episode.infos.get("is_success", np.zeros(1)) == 1).any()),
             }
             for episode in self.episodes
         ]

@@ -11,7 +11,7 @@ from shutil import copytree, rmtree
 import numpy as np
 from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, changed_data, pick
-from fuzz.strange_infants import honest_bundle
+from fuzz.strange_infants import CANARIES, honest_bundle
 from fuzz.table_mutations import changed_table, read_table, write_table
 
 import mimoc
@@ -111,7 +111,7 @@ def plant(generator: np.random.Generator, path: Path, outside: Path) -> None:
     path.rename(kept)
     kind = int(generator.integers(6))
     if kind == 0:
-        path.symlink_to(outside / pick(generator, sorted(os.listdir(outside))))
+        path.symlink_to(outside / pick(generator, sorted(CANARIES)))
     elif kind == 1:
         path.symlink_to(outside)
     elif kind == 2:
@@ -139,12 +139,12 @@ def _change_video(generator: np.random.Generator, path: Path) -> None:
     """Write other pictures: of another codec, size or number."""
     sides = (16, 16) if generator.random() < 0.7 else (int(generator.integers(1, 99)), int(generator.integers(1, 99)))
     pictures = generator.integers(256, size=(int(generator.integers(1, 9)), *sides, 3), dtype=np.uint8)
-    if generator.random() < 0.3:
-        write_pictures(path.with_suffix(""), pictures, Fraction(100))
-        return
     av = require_av()
     path.unlink(missing_ok=True)
     try:
+        if generator.random() < 0.3:
+            write_pictures(path.with_suffix(""), pictures, Fraction(100))
+            return
         with av.open(str(path), "w", format=pick(generator, ("matroska", "matroska", "mp4", "nut"))) as container:
             stream = container.add_stream(pick(generator, CODECS), rate=50)
             stream.height, stream.width = sides
