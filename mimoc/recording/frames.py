@@ -79,28 +79,36 @@ def join_videos(path: Path, parts: Sequence[Path], rate_hz: Fraction) -> None:
     files.move_into_place(temporary, path)
 
 
-def read_pictures(path: Path, count: int | None = None, shape: Sequence[int] | None = None) -> Picture:
-    """Return the pictures of a lossless video, shape (n, height, width, 3), of the size that is given.
+def read_pictures(paths: Sequence[Path], count: int | None = None, shape: Sequence[int] | None = None) -> Picture:
+    """Return the pictures of lossless videos that follow each other, shape (n, height, width, 3).
+
+    Args:
+        paths: The videos, of an episode or of its parts.
+        count: How many pictures there are.
+        shape: Shape of each of them, (height, width, 3).
 
     Raises:
-        RecordingError: If the file is damaged or missing, or has fewer pictures than *count*.
+        RecordingError: If a file is damaged or missing, far too small for so many pictures, or there are fewer.
     """
-    found = some_pictures(path, shape, count)
-    if count is not None and len(found) < count:
-        raise RecordingError(f"{path}: there are {len(found)} pictures in it, where {count} were recorded")
+    found = list[Picture]()
+    for path in paths:
+        wanted = None if count is None else count - len(found)
+        _check_holds(path, shape, wanted)
+        found += decoded(path, shape, wanted)
+    if not found or len(found) < (count or 0):
+        raise RecordingError(f"{paths[-1]}: there are {len(found)} pictures up to its end, where {count} were recorded")
     return np.stack(found)
 
 
-def some_pictures(path: Path, shape: Sequence[int] | None, most: int | None) -> list[Picture]:
-    """Return the first pictures of a lossless video, of a shape if one is given.
+def _check_holds(path: Path, shape: Sequence[int] | None, count: int | None) -> None:
+    """Check that a file is not far smaller than some pictures of a shape.
 
     Raises:
-        RecordingError: If the file is damaged or missing, or is far too small for so many pictures of this shape.
+        RecordingError: If it is.
     """
-    wanted = math.prod(shape) * most if shape is not None and most is not None and is_regular_file(path) else 0
+    wanted = math.prod(shape) * count if shape is not None and count is not None and is_regular_file(path) else 0
     if wanted > SMALL_BYTES and wanted > MOST_RATIO * path.stat().st_size:
-        raise RecordingError(f"{path}: the file is damaged: it cannot hold {most} such pictures")
-    return list(decoded(path, shape, most))
+        raise RecordingError(f"{path}: the file is damaged: it cannot hold {count} such pictures")
 
 
 def decoded(path: Path, shape: Sequence[int] | None = None, most: int | None = None) -> Iterator[Picture]:
@@ -114,9 +122,8 @@ def decoded(path: Path, shape: Sequence[int] | None = None, most: int | None = N
     Raises:
         RecordingError: If the file is damaged or missing, or its pictures are of another shape.
     """
-    is_bounded = shape is not None and most is not None
-    most_bytes = MOST_BYTES + 2 * math.prod(shape) * most if is_bounded else MOST_BYTES
-    with _opened(path, most_bytes) as (container, stream):
+    raw_bytes = math.prod(shape) * most if shape is not None and most is not None else 0
+    with _opened(path, MOST_BYTES + 2 * raw_bytes) as (container, stream):
         _check_size(stream, shape)
         for frame in islice(container.decode(stream), most):
             _check_size(frame, shape)

@@ -142,11 +142,8 @@ class Episode:
         reading = self.reading(name)
         if reading.kind != "picture":
             return tables.array_of(self.table, OBSERVATION + name, reading)
-        count = len(self.step)
-        if len(self.files.stems) == 1:
-            return frames.read_pictures(self.files.pictures(name, frames.LOSSLESS)[0], count, reading.shape)
         paths = self.files.pictures(name, frames.LOSSLESS)
-        return np.stack([picture for path in paths for picture in frames.some_pictures(path, reading.shape, count)])
+        return frames.read_pictures(paths, len(self.step), reading.shape)
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
