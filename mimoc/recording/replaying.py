@@ -23,6 +23,8 @@ from mimoc.senses.sense import Observation
 
 ROWS = 250
 """Rows that are compared at once."""
+_SHOWN = 300
+"""Most characters of an error about what is in a file."""
 Open = Callable[[Bundle, bool], InfantEnv]
 """Opens the environment of a bundle; the flag says whether it needs scenes of other seeds, too."""
 
@@ -105,7 +107,9 @@ class _Replay:
         try:
             observation, info = self._begin()
         except (MimocError, ValueError) as error:
-            raise RecordingError(f"{self._episode.files.sidecars[0]}: cannot be begun again: {error}") from None
+            raise RecordingError(
+                f"{self._episode.files.sidecars[0]}: cannot be begun again: {_in_a_line(error)}"
+            ) from None
         self._watch(self._env, observation)
         found = state_differs(0, self._episode.start, self._env.get_state())
         found = self._differs(None, (*NOTHING_YET, info), observation) or found
@@ -176,7 +180,15 @@ def _damage_told(episode: Episode) -> Iterator[None]:
         yield
     except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
         place = episode.files.sidecars[0]
-        raise RecordingError(f"{place}: a state or a change is damaged ({type(error).__name__}: {error})") from None
+        raise RecordingError(
+            f"{place}: a state or a change is damaged ({type(error).__name__}: {_in_a_line(error)})"
+        ) from None
+
+
+def _in_a_line(error: Exception) -> str:
+    """Return the beginning of what an error says, which may be of a stranger's array, in one line."""
+    text = " ".join(str(error).split())
+    return "".join(character for character in text[:_SHOWN] if character.isprintable())
 
 
 def _number_type(name: str) -> np.dtype[Any]:

@@ -67,7 +67,7 @@ def read_table(path: Path) -> Table:
     """Return an honest table."""
     if path.suffix == ".parquet":
         return pq.read_table(path)
-    with pa.ipc.open_stream(path) as reader:
+    with pa.ipc.open_stream(path.read_bytes()) as reader:  # Not mapped: the file is going to be written.
         return reader.read_all()
 
 
