@@ -158,7 +158,10 @@ TABLES: dict[str, tuple[Craft, str]] = {
     "steps as floats": (_column("step", lambda column: column.cast(pa.float64())), "'step' is of type 'double'"),
     "steps as text": (_column("step", lambda column: column.cast(pa.string())), "'step' is of type 'string'"),
     "rewards in single precision": (_column("reward", lambda column: column.cast(pa.float32())), "of type 'float'"),
-    "rewards in a dictionary": (_column("reward", lambda column: column.dictionary_encode()), "type 'dictionary<"),
+    "rewards in a dictionary": (
+        _column("reward", lambda column: column.dictionary_encode(), f"{PART}.arrow"),
+        "'reward' is of type 'dictionary<",
+    ),
     "rewards in a structure": (
         _column("reward", lambda column: pa.StructArray.from_arrays([column], ["x"])),
         "'reward' is of type 'struct<x: double>'",
@@ -207,7 +210,7 @@ TABLES: dict[str, tuple[Craft, str]] = {
     "no rows": (_table(lambda table: table.slice(0, 0)), "it has 0 rows of 5"),
     "more rows": (_table(lambda table: pa.concat_tables([table, table])), STEP),
     "a part of whole numbers": (
-        _column("reward", lambda column: column.cast(pa.int64()), f"{PART}.arrow"),
+        _column("reward", lambda column: column.cast(pa.int64(), safe=False), f"{PART}.arrow"),
         "'reward' is of type 'int64', not double",
     ),
     "a part with nulls where there are none": (
