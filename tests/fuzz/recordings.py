@@ -84,7 +84,7 @@ def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) ->
 def change(generator: np.random.Generator, place: Path, other: Path, outside: Path) -> None:
     """Change something in the folder of a recording, or take it from another one."""
     paths = [path for path in sorted(place.rglob("*")) if "bundles" not in path.parts or generator.random() < 0.005]
-    files = [path for path in paths if path.is_file()]
+    files = [path for path in paths if path.is_file() and not path.is_symlink()]
     path = pick(generator, files)
     kind = generator.random()
     if kind < 0.08:
@@ -97,8 +97,7 @@ def change(generator: np.random.Generator, place: Path, other: Path, outside: Pa
     elif path.suffix in (".parquet", ".arrow") and kind < 0.9:
         _change_table(generator, path)
     elif path.suffix == ".json" and kind < 0.9:
-        data = changed_data(generator, json.loads(path.read_bytes()))
-        path.write_bytes(json.dumps(data).encode(errors="surrogateescape"))
+        _change_json(generator, path)
     elif path.suffix == ".mkv" and kind < 0.9:
         _change_video(generator, path)
     else:
@@ -120,6 +119,14 @@ def plant(generator: np.random.Generator, path: Path, outside: Path) -> None:
         path.symlink_to(outside / "new")
     elif kind == 4:
         os.mkfifo(path) if generator.random() < 0.5 else path.mkdir()
+
+
+def _change_json(generator: np.random.Generator, path: Path) -> None:
+    try:
+        data = json.loads(path.read_bytes())
+    except ValueError:  # It was changed before.
+        return
+    path.write_bytes(json.dumps(changed_data(generator, data)).encode(errors="surrogateescape"))
 
 
 def _change_table(generator: np.random.Generator, path: Path) -> None:
@@ -211,5 +218,5 @@ FUZZER = Fuzzer(
     about="recordings, changed in tables, videos, sidecars and folders, read, exported, shown, simulated and continued",
     prepare=prepare,
     attempt=attempt,
-    short=24,
+    short=16,
 )
