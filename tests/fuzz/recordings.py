@@ -218,5 +218,5 @@ FUZZER = Fuzzer(
     about="recordings, changed in tables, videos, sidecars and folders, read, exported, shown, simulated and continued",
     prepare=prepare,
     attempt=attempt,
-    short=16,
+    short=10,
 )
