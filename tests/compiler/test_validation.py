@@ -157,7 +157,7 @@ def test_the_worst_row_is_known_by_indicator(report):
 def test_a_report_is_the_same_after_a_trip_through_json(report):
     data = report.to_data()
     assert json.loads(json.dumps(data, allow_nan=False)) == data
-    assert (data["passed"], data["reference"]) == (True, "mean")
+    assert (data["passed"], data["within_one_sd"], data["reference"]) == (True, True, "mean")
     assert data["worst"].keys() == LAW.keys()
     for told, row in zip(data["rows"], report.rows, strict=True):
         assert (told["age_months"], told["indicator"]) == (pytest.approx(row.age_months), row.indicator)
@@ -165,6 +165,7 @@ def test_a_report_is_the_same_after_a_trip_through_json(report):
         assert told["z"] == pytest.approx(dict(row.z), rel=1e-8)
         assert told["percentile"] == pytest.approx(dict(row.percentile), rel=1e-8)
         assert (told["missed"], told["is_judged"], told["requested_z"]) == (row.missed, True, None)
+        assert told["outside_one_sd"] == row.outside_one_sd
 
 
 def test_series_hold_every_value_by_indicator(report):
@@ -235,7 +236,7 @@ def test_a_child_is_judged_by_its_sex_and_the_percentile_it_is_asked_for(sex, wa
     """Not by the mean of both sexes, beyond one SD of which it is at every age."""
     report = grow_against_who(asked(individual={"sex": sex, "length_percentile": wanted, "weight_percentile": wanted}))
     assert report.passed
-    assert report.reference == sex
+    assert (report.reference, report.within_one_sd) == (sex, False)
     for row in report.rows:
         if row.indicator in ("length_cm", "weight_kg"):
             assert row.percentile[sex] == pytest.approx(wanted, abs=0.1)

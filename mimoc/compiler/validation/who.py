@@ -58,6 +58,11 @@ class Row:
         return self.z[self.reference] - (self.requested_z or 0.0)
 
     @property
+    def outside_one_sd(self) -> bool:
+        """Whether it is more than one standard deviation from the median, whatever the spec asks for."""
+        return abs(self.z[self.reference]) > 1
+
+    @property
     def missed(self) -> bool:
         """Whether it is not what the spec asks for, or of the average child, too far from the mean of both sexes."""
         limit = AVERAGE_SD if self.requested_z is None else REQUESTED_SD
@@ -75,6 +80,11 @@ class GrowthReport:
     def passed(self) -> bool:
         """Whether no measure is missed."""
         return not any(row.missed for row in self.rows)
+
+    @property
+    def within_one_sd(self) -> bool:
+        """Whether no measure is more than one standard deviation from the median, whatever the spec asks for."""
+        return not any(row.outside_one_sd for row in self.rows)
 
     @property
     def reference(self) -> Reference:
@@ -112,6 +122,7 @@ class GrowthReport:
                 "reference": self.reference,
                 "tolerance_sd": {"average": AVERAGE_SD, "requested": REQUESTED_SD},
                 "passed": self.passed,
+                "within_one_sd": self.within_one_sd,
                 "worst": {indicator: _row_data(row) for indicator, row in self.worst.items()},
                 "rows": [_row_data(row) for row in self.rows],
             }
@@ -202,6 +213,7 @@ def _row_data(row: Row) -> dict[str, Any]:
         "requested_percentile": None if row.requested_z is None else percentile(row.requested_z),
         "is_judged": row.is_judged,
         "missed": row.missed,
+        "outside_one_sd": row.outside_one_sd,
     }
 
 
