@@ -145,6 +145,17 @@ def test_a_folder_among_the_parts_of_an_episode_is_one_clear_line(copied, prepar
     assert "part0001.x: cannot be written" in refusal(lambda: go_on(folder, prepared.bundles[BLIND]))
 
 
+@pytest.mark.parametrize("part", ["part0000", "part0001"])
+def test_a_part_without_rows_can_be_joined_or_is_refused(part, copied, prepared):
+    folder = copied(BLIND)
+    path = (folder / PART).with_suffix(f".{part}.arrow")
+    table = read_table(path)
+    with pa.ipc.new_stream(path, table.schema) as writer:
+        writer.write_table(table.slice(0, 0))
+    with suppress(MimocError):
+        go_on(folder, prepared.bundles[BLIND])
+
+
 def test_a_number_that_was_a_flag_in_an_earlier_part_is_a_number_in_all(copied, prepared):
     """As the info of a script's own task may be."""
     folder = copied(BLIND)
