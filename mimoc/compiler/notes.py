@@ -36,7 +36,11 @@ def _plugin_notes(plugins: Mapping[str, str]) -> Iterator[str]:
 
 def _said_twice(spec: InfantSpec) -> Iterator[str]:
     for earlier, later, _ in pairs(spec.body, spec.age_months):
-        yield f"'{dotted(earlier.path)}' and '{dotted(later.path)}' say the same; one of the two is enough"
+        first, second = dotted(earlier.path), dotted(later.path)
+        if later.is_side_of(earlier) and later.value != earlier.value:
+            yield f"'{second}' counts in place of '{first}' on that side"
+        else:
+            yield f"'{first}' and '{second}' say the same; one of the two is enough"
 
 
 def _task_notes(spec: InfantSpec) -> Iterator[str]:

@@ -127,12 +127,11 @@ class BodySpec(Model):
         default_factory=dict, json_schema_extra=keys_among(MEASUREMENT_KEYS + SIDED_MEASUREMENT_KEYS)
     )
     """Measurements that replace those predicted from age and individual, by AnthroKids name; the prefix `left_` or
-    `right_` selects one side. At another age, each keeps its ratio to the average child's."""
+    `right_` selects one side, on which it counts. At another age, each keeps its ratio to the average child's."""
     parts: Mapping[PartName, PartSpec] = Field(
         default_factory=dict, json_schema_extra=keys_among(trunk_bodies() + all_limb_bodies())
     )
-    """Scale factors of single parts, by name of the body, on what they would be otherwise; a size that `individual` or
-    `measurements` give has no factor."""
+    """Scale factors of single parts, by name of the body, on what they would be otherwise."""
     remove: Annotated[tuple[LimbName, ...], *Distinct] = ()
     """Limbs or eyes to remove, together with everything attached to them."""
     expression: Expression = "neutral"

@@ -16,29 +16,6 @@ MEASUREMENT_OF: Mapping[str, str] = {
 }
 """The AnthroKids measurement that is the same size as a measure of an individual; weight is none."""
 
-PART_SIZES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
-    "hip": {"girth": ("hip_breadth", "hip_circumference")},
-    "lower_body": {"girth": ("waist_circumference",)},
-    "upper_body": {"girth": ("chest_breadth", "chest_circumference")},
-    "chest": {"girth": ("shoulder_breadth",)},
-    "head": {"girth": ("head_breadth", "head_circumference", "head_length")},
-    "upper_arm": {"length": ("shoulder_elbow_length",), "girth": ("upper_arm_circumference",)},
-    "lower_arm": {"length": ("elbow_hand_length",), "girth": ("forearm_circumference",)},
-    "hand": {"length": ("hand_length",), "girth": ("hand_breadth", "maximum_fist_breadth")},
-    "fingers": {"length": ("hand_length",), "girth": ("hand_breadth",)},
-    "mfknuckle": {"girth": ("middle_finger_diameter",)},
-    "thbase": {"girth": ("thumb_diameter",)},
-    "upper_leg": {"length": ("rump_knee_length",), "girth": ("mid_thigh_circumference",)},
-    "lower_leg": {"length": ("knee_sole_length",), "girth": ("ankle_circumference", "calf_circumference")},
-    "foot": {"length": ("foot_length",), "girth": ("foot_breadth",)},
-    "toes": {"girth": ("foot_breadth",)},
-}
-"""The measurements that a factor of a part changes by about half of itself or more, by name of the part without side.
-
-With one kind of hands or the other, taken on compiled bodies (`tests/compiler/test_sizes.py`). Sums of many parts, such
-as crown-sole length, are not there.
-"""
-
 CHART_DIGIT = 0.1
 """Last digit of WHO's charts, in cm and in kg: a percentile and a measure are the same if they agree to half of it."""
 
@@ -49,16 +26,15 @@ class Naming:
 
     path: KeyPath
     value: float
-    """In cm or kg; or a percentile, or a factor."""
+    """In cm or kg; or a percentile."""
     sizes: frozenset[str]
     """Names of measurements, those of limbs with their side; `weight_kg` is the weight."""
     percentile_of: str = ""
     """The measure whose percentile this is, by the name of its key; empty if it is none."""
 
-    @property
-    def is_factor(self) -> bool:
-        """Whether it is a factor of a part."""
-        return self.path[1] == "parts"
+    def is_side_of(self, other: "Naming") -> bool:
+        """Whether it is of one side of what another one is of, where it counts in its place."""
+        return self.sizes < other.sizes
 
     def measure(self, body: BodySpec, age_months: float) -> float:
         """Return the value in cm or kg, that of a percentile by WHO's standard for the child's sex and age."""
@@ -74,7 +50,7 @@ class Naming:
         unit = "kg" if "weight_kg" in self.sizes else "cm"
         if self.percentile_of:
             return f"percentile {self.value:g}, {self.measure(body, age_months):.1f} {unit}"
-        return f"{self.value:.10g}" + ("" if self.is_factor else f" {unit}")
+        return f"{self.value:.10g} {unit}"
 
 
 def namings(body: BodySpec) -> Iterator[Naming]:
@@ -82,7 +58,8 @@ def namings(body: BodySpec) -> Iterator[Naming]:
 
     1. Percentiles of the individual, and 2. its cm and kg: of the whole child.
     3. Measurements of both sides, and 4. of one side: in place of what follows from age and individual.
-    5. Factors of parts: on what the part would be otherwise.
+
+    Factors of parts name no size: they are on what the part would be otherwise.
     """
     for measure, percentile in INDICATORS.items() if body.individual else ():
         sizes = frozenset({MEASUREMENT_OF.get(measure, measure)})
@@ -92,21 +69,18 @@ def namings(body: BodySpec) -> Iterator[Naming]:
                 yield Naming(("body", "individual", key), value, sizes, percentile_of)
     for key in sorted(body.measurements, key=lambda key: (key.startswith(SIDES), key)):
         yield Naming(("body", "measurements", key), body.measurements[key], _sizes(key.removesuffix("_cm")))
-    for name, part in body.parts.items():
-        side = next((side for side in SIDES if name.startswith(f"{side}_")), "")
-        for key, measurements in PART_SIZES.get(name.removeprefix(f"{side}_"), {}).items():
-            if getattr(part, key) != 1:
-                sizes = frozenset().union(*(_sizes(measurement, side) for measurement in measurements))
-                yield Naming(("body", "parts", name, key), getattr(part, key), sizes)
 
 
 def pairs(body: BodySpec, age_months: float) -> Iterator[tuple[Naming, Naming, bool]]:
-    """Yield each two keys that name one size, the earlier by precedence first, and whether they say the same."""
+    """Yield each two keys that name one size, the earlier by precedence first, and whether both may stand.
+
+    They may if they say the same, or if the later one is of one side.
+    """
     before: list[Naming] = []
     for naming in namings(body):
         for other in before:
-            if naming.sizes & other.sizes and not (naming.is_factor and other.is_factor):
-                yield other, naming, _agree(other, naming, body, age_months)
+            if naming.sizes & other.sizes:
+                yield other, naming, naming.is_side_of(other) or _agree(other, naming, body, age_months)
         before.append(naming)
 
 
@@ -121,27 +95,22 @@ def check_sizes(body: BodySpec, age_months: float, written: object = None) -> No
     Raises:
         KeyedError: If one has; at the key that says more, naming the other.
     """
-    for other, naming, agree in pairs(body, age_months):
-        if agree:
+    for other, naming, may_stand in pairs(body, age_months):
+        if may_stand:
             continue
         line = written.locate(other.path)[0] if isinstance(written, Source) and written.has_lines else 0
         place, value = f"'{dotted(other.path)}'" + (f" in line {line}" if line else ""), naming.said(body, age_months)
-        what = f"a factor of {value} changes" if naming.is_factor else f"{value} contradicts"
-        is_of_both = naming.sizes < other.sizes and not naming.is_factor
-        advice = "give left_ and right_ instead of both sides" if is_of_both else "leave one of the two out"
-        message = f"{what} {place}, which is {other.said(body, age_months)}; {advice}"
+        message = f"{value} contradicts {place}, which is {other.said(body, age_months)}; leave one of the two out"
         raise KeyedError(naming.path, message, against=other.path)
 
 
-def _sizes(measurement: str, side: str = "") -> frozenset[str]:
-    """Return the sizes that a measurement is of: those of both sides, unless it or the part has one."""
+def _sizes(measurement: str) -> frozenset[str]:
+    """Return the sizes that a measurement is of: those of both sides, unless it has one."""
     if unsided(measurement) not in LIMB_MEASUREMENTS or measurement != unsided(measurement):
         return frozenset({measurement})
-    return frozenset(f"{each}_{measurement}" for each in ((side,) if side else SIDES))
+    return frozenset(f"{side}_{measurement}" for side in SIDES)
 
 
 def _agree(earlier: Naming, later: Naming, body: BodySpec, age_months: float) -> bool:
-    if later.is_factor:
-        return False
     apart = abs(later.value - earlier.measure(body, age_months))
     return apart <= (CHART_DIGIT / 2 if earlier.percentile_of else 0)

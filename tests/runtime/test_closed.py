@@ -72,7 +72,7 @@ def test_it_is_refused_within_any_wrapper_and_closed_twice_in_silence(kind, seei
 
 
 def test_learners_of_stable_baselines_are_refused_too(seeing):
-    envs = mimoc.sb3_vec_env(seeing, 2)
+    envs = mimoc.sb3_vec_env(seeing, 2, max_episode_steps=10)
     envs.reset()
     envs.close()
     envs.close()

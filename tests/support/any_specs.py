@@ -1,7 +1,6 @@
 """A strategy for specs."""
 
 from hypothesis import strategies as st
-from support.agreeing import agreeing
 
 from mimoc.schema import InfantSpec, PartSpec
 from mimoc.schema.names import (
@@ -39,7 +38,9 @@ def _spec(hands: str, timestep_ms: float, data: st.DataObject, age_months: float
             **LEAST,
             "age_months": age_months,
             "body": {
-                **agreeing(age_months, hands=hands, measurements=measurements, parts=scaled),
+                "hands": hands,
+                "measurements": measurements,
+                "parts": scaled,
                 "remove": [] if said else data.draw(st.lists(st.sampled_from(removable), unique=True, max_size=3)),
             },
             "actuation": {"strength": strength},
