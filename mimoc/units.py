@@ -39,13 +39,13 @@ def months_to_days(age_months: float) -> float:
 
 
 def to_steps(time_ms: float, timestep_ms: float) -> int:
-    """Return a time as a whole number of physics steps.
+    """Return a time as a whole number of physics steps, as near as times in files are, of nine digits.
 
     Raises:
         ValueError: If it is not a whole number of steps; the message names the nearest time that is.
     """
     steps = time_ms / timestep_ms
-    if abs(steps - round(steps)) > 1e-6:
+    if abs(steps - round(steps)) > 1e-6 + 1e-8 * steps:
         nearest_ms = round(steps) * timestep_ms
         raise ValueError(
             f"{time_ms:g} ms is {steps:.2f} steps of {timestep_ms:g} ms; the nearest that works is {nearest_ms:g} ms"
