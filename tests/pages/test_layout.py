@@ -9,14 +9,16 @@ PHONES = [(390, 844), (740, 360), (360, 640), (640, 360), (414, 896)]
 WINDOWS = [*PHONES, (1100, 720), (1100, 500)]
 GAP_PX = 12
 """Around the pictures, as in the lower left corner of a wide window."""
-BOXES = """(selector) => [...document.querySelectorAll(selector)].filter((each) => each.checkVisibility()).map((each) => {
-    const { left, top, right, bottom } = each.getBoundingClientRect();
-    return [left, top, right, bottom];
-})"""
+BOXES = """(selector) => {
+    const shown = [...document.querySelectorAll(selector)].filter((each) => each.checkVisibility());
+    const boxes = shown.map((each) => each.getBoundingClientRect());
+    return boxes.map(({ left, top, right, bottom }) => [left, top, right, bottom]);
+}"""
 IS_OPAQUE = """(points) => {
     const { renderer, canvas } = mimoc.stage;
     mimoc.stage.render();
-    const [context, ratio, box, pixel] = [renderer.getContext(), renderer.getPixelRatio(), canvas.getBoundingClientRect(), new Uint8Array(4)];
+    const [context, ratio, box] = [renderer.getContext(), renderer.getPixelRatio(), canvas.getBoundingClientRect()];
+    const pixel = new Uint8Array(4);
     return points.map(([x, y]) => {
         const [column, row] = [ratio * (x - box.left), ratio * (box.bottom - y)].map(Math.floor);
         context.readPixels(column, row, 1, 1, context.RGBA, context.UNSIGNED_BYTE, pixel);
@@ -34,23 +36,22 @@ def seeing(request, open_page, written, recorded):
     return page
 
 
-@pytest.fixture(params=WINDOWS, ids=lambda size: "{}x{}".format(*size))
-def sized(request, seeing):
-    """Return the page after it has got another size, as when a phone is turned, and that size."""
-    width, height = request.param
-    seeing.set_viewport_size({"width": width, "height": height})
-    seeing.evaluate("window.scrollTo(0, 0)")
-    wait_for(seeing, "mimoc.stage.camera.aspect === mimoc.stage.canvas.clientWidth / mimoc.stage.canvas.clientHeight")
-    return seeing, width, height
+def resize(page, width, height):
+    """Give a page another size, as when a phone is turned."""
+    page.set_viewport_size({"width": width, "height": height})
+    page.evaluate("window.scrollTo(0, 0)")
+    wait_for(page, "mimoc.stage.camera.aspect === mimoc.stage.canvas.clientWidth / mimoc.stage.canvas.clientHeight")
 
 
 def overlap(one, other):
     return all(max(one[axis], other[axis]) < min(one[axis + 2], other[axis + 2]) for axis in (0, 1))
 
 
-def test_what_the_eyes_see_is_in_the_lower_left_corner_of_the_stage(sized):
+@pytest.mark.parametrize(("width", "height"), WINDOWS)
+def test_what_the_eyes_see_is_in_the_lower_left_corner_of_the_stage(width, height, seeing):
     """Left eye first, square, inside the window, and over nothing that is read or pressed."""
-    page, width, height = sized
+    page = seeing
+    resize(page, width, height)
     (stage,), eyes = page.evaluate(BOXES, "#stage"), page.evaluate(BOXES, "#seen figure")
     assert page.locator("#seen figcaption").all_inner_texts() == ["Left eye", "Right eye"]
     side_px = eyes[0][2] - eyes[0][0]
@@ -66,10 +67,12 @@ def test_what_the_eyes_see_is_in_the_lower_left_corner_of_the_stage(sized):
     assert not any(overlap(*pair) for pair in combinations(eyes, 2))
 
 
-def test_what_an_eye_sees_is_drawn_where_its_name_is(sized):
-    """Pictures were where they are after a reload, and their names where they were before."""
-    page, *_ = sized
+@pytest.mark.parametrize(("width", "height"), WINDOWS)
+def test_what_an_eye_sees_is_drawn_where_its_name_is(width, height, seeing):
+    """Names stayed where they were in the window's former size."""
+    page = seeing
     page.evaluate("mimoc.enter('pose')")
+    resize(page, width, height)
     within, around = [], []
     for left, top, right, bottom in page.evaluate(BOXES, "#seen figure"):
         within += [(x, y) for x in (left + 2, right - 2) for y in (top + 2, bottom - 2)]
@@ -81,8 +84,7 @@ def test_what_an_eye_sees_is_drawn_where_its_name_is(sized):
 
 @pytest.mark.parametrize(("width", "height"), PHONES)
 def test_the_stage_and_its_times_fit_a_phone(width, height, seeing):
-    seeing.set_viewport_size({"width": width, "height": height})
-    seeing.evaluate("window.scrollTo(0, 0)")
+    resize(seeing, width, height)
     (times,) = seeing.evaluate(BOXES, "#times")
     assert times[3] <= height
     assert seeing.evaluate("document.documentElement.scrollWidth") <= width
