@@ -14,8 +14,8 @@ from mimoc.render.camera import FROM_THE_FRONT, view_of_body
 GAP_M = 0.06
 """Between one infant and the next."""
 UP = (0.0, 0.0, 1.0)
-SKIN = ".skn"
-"""Ending of the files of skins: infants in a row share textures, but no skins."""
+NAME_BYTES = 40
+"""For the name of a body in MuJoCo's file of a skin."""
 BESIDE_M = 1.0
 """How far beyond the ends of a row things cast shadows."""
 FLOOR = """
@@ -137,37 +137,50 @@ def _take_pose(data: mujoco.MjData, prefix: str, posed: tuple[mujoco.MjModel, mu
 
 def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
     """Return a model of several infants on a floor, and what the names of their parts begin with."""
-    files = {name: file for number, bundle in enumerate(bundles) for name, file in _assets(bundle, number).items()}
+    prefixes = [f"{number}: " for number in range(len(bundles))]
+    files: dict[str, bytes] = {}
+    for bundle, prefix in zip(bundles, prefixes, strict=True):
+        files |= _textures(bundle) | {prefix + name: _renamed(skin, prefix) for name, skin in _skins(bundle).items()}
     row = mujoco.MjSpec.from_string(FLOOR, assets=files)
-    prefixes = [f"infant {number}: " for number in range(len(bundles))]
-    for number, (bundle, prefix) in enumerate(zip(bundles, prefixes, strict=True)):
-        infant = _infant_as_in_its_scene(bundle, number)
+    for bundle, prefix in zip(bundles, prefixes, strict=True):
+        infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_textures(bundle))
+        scene = mujoco.MjSpec.from_string(_text(bundle, bundle.manifest.scene), include=dict(bundle.files))
+        for geom in infant.geoms:
+            geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
         infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
         row.attach(infant, frame=row.worldbody.add_frame(), prefix=prefix)
+        for skin in scene.skins:
+            name, file, material = (prefix + text for text in (skin.name, skin.file, skin.material))
+            row.add_skin(name=name, file=file, material=material, group=skin.group)
     return row.compile(), prefixes
-
-
-def _infant_as_in_its_scene(bundle: Bundle, number: int) -> mujoco.MjSpec:
-    """Return an infant without its scene, with its skin if it has one there."""
-    infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_assets(bundle, number))
-    scene = mujoco.MjSpec.from_string(_text(bundle, bundle.manifest.scene), include=dict(bundle.files))
-    for skin in scene.skins:
-        own = {"file": _own_file(skin.file, number), "material": skin.material, "group": skin.group}
-        infant.add_skin(name=skin.name, **own)
-    for geom in infant.geoms:
-        geom.group = scene.geom(geom.name).group
-    return infant
 
 
 def _text(bundle: Bundle, name: str) -> str:
     return bundle.files[name].decode()
 
 
-def _assets(bundle: Bundle, number: int) -> dict[str, bytes]:
-    """Return the files that a bundle's model refers to; its skins are its own."""
-    files = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
-    return {_own_file(name, number) if name.endswith(SKIN) else name: content for name, content in files.items()}
+def _textures(bundle: Bundle) -> dict[str, bytes]:
+    return {name: file for name, file in bundle.files.items() if name.endswith(".png")}
 
 
-def _own_file(name: str, number: int) -> str:
-    return f"{name.removesuffix(SKIN)}{number}{SKIN}"
+def _skins(bundle: Bundle) -> dict[str, bytes]:
+    return {name: file for name, file in bundle.files.items() if name.endswith(".skn")}
+
+
+def _renamed(skin: bytes, prefix: str) -> bytes:
+    """Return a file of a skin of bodies whose names begin with *prefix*; not every MuJoCo does this itself (3.5).
+
+    The file has four counts, of vertices, texture coordinates, triangles and bodies, these vertices, coordinates and
+    triangles, and then for each body its name, seven numbers of its pose, a count, and as many vertices and weights.
+    """
+    vertices, texcoords, triangles, bodies = np.frombuffer(skin, "<i4", 4).tolist()
+    start = 4 * (4 + 3 * vertices + 2 * texcoords + 3 * triangles)
+    parts = [skin[:start]]
+    for _ in range(bodies):
+        counted = start + NAME_BYTES + 4 * 7
+        (moved,) = np.frombuffer(skin, "<i4", 1, counted).tolist()
+        end = counted + 4 * (1 + 2 * moved)
+        name = prefix.encode() + skin[start : start + NAME_BYTES].rstrip(b"\0")
+        parts += [name.ljust(NAME_BYTES, b"\0"), skin[start + NAME_BYTES : end]]
+        start = end
+    return b"".join(parts)

@@ -24,7 +24,7 @@ COMMANDS = {
     "check": "check {}",
     "explain": "explain {} body.head.mass",
     "render": f"render {{}} -o picture.png {SMALL}",
-    "see": "see {} -o picture.png --size 16 --ages 2",
+    "see": "see {} -o picture.png --size 16 --ages 2 --pose sitting --fovy 60",
     "train": "train {} -o runs --steps 64 --envs 1 --set n_steps=64 --set batch_size=64 --one-process",
 }
 

@@ -92,6 +92,7 @@ def test_a_row_is_the_same_wherever_its_infants_live(kind, built, posed):
         assert np.abs(usual.astype(int) - other).mean() < 1
 
 
+@pytest.mark.matrix
 @pytest.mark.parametrize("pose", POSES)
 def test_infants_in_a_row_face_forward_and_keep_their_distance(pose, built, posed):
     """The feet of those that sat, and the hands of those that lay, went through each other."""
