@@ -42,14 +42,8 @@ def surroundings(model):
     """Return how a model's floor, light and sky look."""
     vis, mat = model.vis, model.material("mat").id
     names = {field: getattr(model, field) for field in dir(model) if field.startswith("light_")}
-    names |= {
-        field: getattr(model, field)[mat] for field in dir(model) if field.startswith("mat_") and "tex" not in field
-    }
-    names |= {
-        "texrepeat": model.mat_texrepeat[mat],
-        "texuniform": model.mat_texuniform[mat],
-        "extent": model.stat.extent,
-    }
+    fields = [field for field in dir(model) if field.startswith("mat_") and field != "mat_texid"]
+    names |= {field: getattr(model, field)[mat] for field in fields} | {"extent": model.stat.extent}
     names |= {"floor": model.geom("floor").size, "haze": vis.rgba.haze, "clip": vis.map.shadowclip}
     names |= {name: getattr(vis.headlight, name) for name in ("ambient", "diffuse", "specular")}
     names |= {name: getattr(vis.map, name) for name in ("znear", "zfar", "fogstart", "fogend")}
