@@ -104,7 +104,7 @@ class Reader:
 
     def _sh(self, text: str) -> None:
         """Run each line: mimoc's own commands in this process, which takes half the time, and all else in bash."""
-        for line in text.splitlines():
+        for line in text.replace("\\\n", " ").splitlines():
             program, *arguments = shlex.split(line, comments=True)
             if program == "mimoc":
                 done = self._invoke(*arguments)

@@ -12,7 +12,7 @@ from mimoc.cli.printable import printable
 EXAMPLE = "Example:  mimoc see out/nine_months -o seen.png --pose sitting --ages 1,3,9"
 Pose = Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")]
 NOTHING_SEEN = (
-    "note: the eye looks at nothing but sky or floor, so all views are alike; let it see something: "
+    "note: the eye sees one plain surface (sky, floor, or skin near by), so all views are alike; let it see something: "
     "another --pose (sitting), --down, a wider --fovy, or a room with toys (`scene: {kind: room}`)"
 )
 

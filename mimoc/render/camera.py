@@ -17,7 +17,7 @@ FROM_THE_FRONT: View = (180.0, -4.0)
 FROM_ABOVE: View = (160.0, -25.0)
 """As one looks at what lies around an infant."""
 RAISED_DEG = 48.0
-"""How much higher the camera stands for an infant that lies on its back, so that its face shows."""
+"""How much higher the camera stands for an infant that lies, so that more of it shows than its feet or its crown."""
 FOVY_DEG = 24.0
 """Vertical field of view of a camera that has the space: narrow, from far away, which leaves heads round."""
 WIDEST_DEG = 100.0
@@ -158,13 +158,13 @@ def unobstructed_view(spheres: Spheres, walls: Planes, view: View, aspect: float
 def view_of_body(view: View, data: mujoco.MjData, body: str) -> View:
     """Return a view relative to a body that is turned about the vertical and may lie on its back or its face.
 
-    One that lies on its back is seen from above, one on its face from beyond its head.
+    One that lies is seen from above: from beyond its feet if it is on its back, from beyond its head if on its face.
     """
     world_from_body = data.body(body).xmat.reshape(3, 3)
     across_x, across_y = world_from_body[:2, 1]  # Its left, which stays level.
-    facing_up = max(float(world_from_body[2, 0]), 0.0)
+    lying = float(world_from_body[2, 0])  # 1 on its back, -1 on its face.
     azimuth, elevation = view
-    return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation - RAISED_DEG * facing_up**2
+    return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation - RAISED_DEG * lying**2
 
 
 def bounding_spheres(model: mujoco.MjModel, data: mujoco.MjData, seen: npt.NDArray[np.bool_]) -> Spheres:

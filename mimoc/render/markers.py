@@ -1,6 +1,6 @@
 """Markers: small spheres drawn on top of an infant, such as one on each point of its skin."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import mujoco
@@ -31,9 +31,9 @@ class Markers:
     colours: npt.NDArray[np.float32]
     """Red, green, blue and opacity, shape (n, 4)."""
 
-    def moved(self, by_m: FloatArray) -> "Markers":
-        """Return them elsewhere, by a vector of shape (3,) in the world."""
-        return Markers(self.positions_m + by_m, self.radii_m, self.colours)
+    def moved(self, move: Callable[[FloatArray], FloatArray]) -> "Markers":
+        """Return them where a motion of points, shape (n, 3), takes them."""
+        return Markers(move(self.positions_m), self.radii_m, self.colours)
 
 
 def force_markers(positions_m: FloatArray, forces_n: FloatArray, spacings_m: FloatArray) -> Markers:

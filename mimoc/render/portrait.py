@@ -3,32 +3,21 @@
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from itertools import accumulate
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
-from mimoc.bundle.strangers import check_files
 from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m
 from mimoc.render.camera import FOVY_DEG, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.renderer import Picture, Shown
+from mimoc.render.row import row_of
 from mimoc.render.scale_bar import with_scale_bar
-from mimoc.units import cm_to_m
 
 ROW_FOVY_DEG = 10.0
 """For infants in a row: from so far away that those at the ends do not turn their faces."""
-GAP_IN_LENGTHS = 0.5
-"""Distance of infants in a row, as a share of their length."""
-SKIN = ".skn"
-"""Ending of the files of skins: infants in a row share textures, but no skins."""
-SEPARATOR = ": "
-"""Between the number of an infant in a row and the names of its parts."""
-BESIDE_M = 1.0
-"""How far beyond the ends of a row things cast shadows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +86,8 @@ def lineup(
 ) -> Picture:
     """Return a picture of several infants in a row, to scale, shape (height, width, 3), or (..., 4) if transparent.
 
+    They face the same way on a plain floor, whatever their scenes are.
+
     Args:
         bundles: The infants, from the left.
         pose: A keyframe of all; else of each bundle its own.
@@ -110,20 +101,14 @@ def lineup(
         UnknownNameError: If a bundle has no such pose.
         RenderingError: If there is no OpenGL here.
     """
-    posed = [load_posed(bundle, pose) for bundle in bundles]
-    places_m = _places_m(bundles)
-    model, roots = _in_a_row(bundles, places_m)
-    data = mujoco.MjData(model)
-    for (alone, state), root, y_m in zip(posed, roots, places_m, strict=True):
-        _take_pose(model, data, root.rpartition(SEPARATOR)[0], (alone, state), y_m)
-    mujoco.mj_forward(model, data)
+    row = row_of(bundles, pose)
     drawn = None
     if markers is not None:
-        drawn = join_markers(each.moved(np.array((0.0, y_m, 0.0))) for each, y_m in zip(markers, places_m, strict=True))
+        drawn = join_markers(each.moved(move.points_m) for each, move in zip(markers, row.moves, strict=True))
     azimuth, _ = FROM_THE_FRONT
-    steepest = min(view_of_body(FROM_THE_FRONT, data, root)[1] for root in roots)
+    steepest = min(view_of_body(FROM_THE_FRONT, row.data, root)[1] for root in row.roots)
     view = framing.view((azimuth, steepest), azimuth)
-    return _picture(model, data, roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
+    return _picture(row.model, row.data, row.roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
 
 
 def _picture(
@@ -150,69 +135,3 @@ def _picture(
             shot = shot.from_distance(distance_m, fovy_deg)
         picture = camera.render(data, markers, shot)
     return with_scale_bar(picture, shot.px_per_m(height)) if framing.scale_bar else picture
-
-
-def _take_pose(
-    row: mujoco.MjModel, data: mujoco.MjData, number: str, alone: tuple[mujoco.MjModel, mujoco.MjData], y_m: float
-) -> None:
-    """Give an infant in a row the pose that it has alone, some way to the left; toys are those of the first."""
-    model, state = alone
-    prefix = number + SEPARATOR if number else ""
-    for joint in range(model.njnt):
-        name = model.joint(joint).name
-        if mujoco.mj_name2id(row, mujoco.mjtObj.mjOBJ_JOINT, prefix + name) < 0:
-            continue
-        data.joint(prefix + name).qpos[:] = state.joint(joint).qpos
-        if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
-            data.joint(prefix + name).qpos[1] += y_m
-
-
-def _places_m(bundles: Sequence[Bundle]) -> list[float]:
-    """Return where each infant stands in a row, along y."""
-    halves_m = [cm_to_m(GAP_IN_LENGTHS * bundle.manifest.child.length_cm / 2) for bundle in bundles]
-    return list(accumulate((half + before for half, before in zip(halves_m[1:], halves_m, strict=False)), initial=0.0))
-
-
-def _in_a_row(bundles: Sequence[Bundle], places_m: Sequence[float]) -> tuple[mujoco.MjModel, list[str]]:
-    """Return a model of several infants in the world of the first, and the roots of their bodies."""
-    for bundle in bundles:
-        check_files(bundle)
-    first = bundles[0]
-    files = {name: file for number, bundle in enumerate(bundles) for name, file in _assets(bundle, number).items()}
-    row = mujoco.MjSpec.from_string(_text(first, first.manifest.scene), include=dict(first.files), assets=files)
-    for key in row.keys:
-        row.delete(key)
-    roots = [first.manifest.root_body]
-    for number, (bundle, y_m) in enumerate(zip(bundles[1:], places_m[1:], strict=True), start=1):
-        infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_assets(bundle, number))
-        _dress(infant, bundle, number)
-        infant.option.integrator, infant.option.timestep = row.option.integrator, row.option.timestep
-        prefix = f"infant {number}{SEPARATOR}"
-        row.attach(infant, frame=row.worldbody.add_frame(pos=[0, y_m, 0]), prefix=prefix)
-        roots.append(prefix + bundle.manifest.root_body)
-    row.visual.map.shadowclip = max(row.visual.map.shadowclip, places_m[-1] / 2 + BESIDE_M)
-    return row.compile(), roots
-
-
-def _dress(infant: mujoco.MjSpec, bundle: Bundle, number: int) -> None:
-    """Show an infant that stands alone as it is in its scene: with its skin, if it has one there."""
-    scene = mujoco.MjSpec.from_string(_text(bundle, bundle.manifest.scene), include=dict(bundle.files))
-    for skin in scene.skins:
-        own = {"file": _own_file(skin.file, number), "material": skin.material, "group": skin.group}
-        infant.add_skin(name=skin.name, **own)
-    for geom in infant.geoms:
-        geom.group = scene.geom(geom.name).group
-
-
-def _text(bundle: Bundle, name: str) -> str:
-    return bundle.files[name].decode()
-
-
-def _assets(bundle: Bundle, number: int = 0) -> dict[str, bytes]:
-    """Return the files that a bundle's model refers to; its skins are its own."""
-    files = {name: content for name, content in bundle.files.items() if name.startswith("assets/")}
-    return {_own_file(name, number) if name.endswith(SKIN) else name: content for name, content in files.items()}
-
-
-def _own_file(name: str, number: int) -> str:
-    return f"{name.removesuffix(SKIN)}{number or ''}{SKIN}"

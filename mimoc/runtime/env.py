@@ -234,9 +234,9 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         variant = growing.find_variant(self._variants, self.manifest, {growing.AGE: to})
         if variant:
             growing.check_same_body(self._infant.bare, variant.bare)
-            former = self._living()
+            former = self._living
             self._become(variant)
-            growing.carry_on(former, self._living())
+            growing.carry_on(former, self._living)
             self._renderer.follow(self._infant.bare, self.data)
             self._renderer.show()
             self.journal.grew(self.age_months)
@@ -274,7 +274,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         """
         own = {"steps": self._steps, "random": self.np_random.bit_generator.state}
         infant = {growing.SEED: self.manifest.seed, growing.AGE: self.age_months}
-        return copy.deepcopy({**self._living().state, **own, **infant})
+        return copy.deepcopy({**self._living.state, **own, **infant})
 
     def set_state(self, state: dict[str, Any]) -> Observation:
         """Restore a state of this environment, or of another one of the same bundle; return the observation.
@@ -293,7 +293,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             if variant:
                 self._become(variant)
                 self._start(self.manifest.pose)
-            with self._living().checked(state, self.get_state() if variant else own):
+            with self._living.checked(state, self.get_state() if variant else own):
                 self._restore(copy.deepcopy(state))
         if variant:
             self._renderer.start_again(self._infant.bare, self.data)
@@ -344,14 +344,11 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self._model_fields = ModelFields(model, fields)
         self._schedule = Schedule(self._senses, self._act, model, timing_of(self.manifest, self._senses), self._noise)
         self._keypoints = Keypoints(self.manifest.keypoints, model)
+        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
+        self._living = Living(self.manifest, self._infant.bare, self.data, *parts)
 
     def _open_renderer(self) -> EnvRenderer:
         return EnvRenderer(self.render_mode, self._infant.bare, self.data, self.manifest.root_body, self._picture_size)
-
-    def _living(self) -> Living:
-        """Return what lives of the infant."""
-        parts = self._constraints, self._model_fields, self._task, self._schedule, self._noise
-        return Living(self.manifest, self._infant.bare, self.data, *parts)
 
     def _become(self, variant: Variant) -> None:
         """Bind to the infant at another age or in another scene, where nothing is started yet."""
@@ -376,7 +373,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
     def _restore(self, state: dict[str, Any]) -> None:
         """Restore a state of the infant that is bound."""
-        self._living().restore(state)
+        self._living.restore(state)
         self._steps, self.np_random.bit_generator.state = state["steps"], state["random"]
 
     @bounded()
@@ -397,5 +394,5 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
 
 
 BOUND = {"data", "_act", "_senses", "_constraints", "_task", "_model_fields", "_schedule", "_keypoints", "_renderer"}
-BOUND |= {"_noise", "journal", "closed"}
+BOUND |= {"_living", "_noise", "journal", "closed"}
 """Attributes that are not copied but bound anew."""

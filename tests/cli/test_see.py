@@ -116,7 +116,7 @@ def test_what_shows_nothing_is_said_in_one_note(see, blind, playing):
     """On its back, an infant without a room looks at the sky."""
     code, out, err = see("-o seen.png --pose supine --size 64", blind)
     assert (code, out, len(err.splitlines())) == (0, "seen.png\n", 1)
-    assert err.startswith("note: the eye looks at nothing but sky or floor")
+    assert err.startswith("note: the eye sees one plain surface")
     assert see("-o seen.png --pose sitting --size 64", playing)[2] == ""
 
 

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from mimoc.bundle.model import load_model, load_posed
 from mimoc.render.portrait import Framing, lineup, portrait
-from mimoc.render.scale_bar import COLOUR
+from mimoc.render.row import GAP_M, row_of
+from mimoc.render.scale_bar import COLOUR, bar_length_cm
 
 SIZE = {"width": 160, "height": 120}
 POSES = ("supine", "prone", "sitting", "standing")
@@ -19,6 +21,38 @@ def widths(picture):
     """Return the width and height of what is opaque in a picture."""
     rows, columns = (np.flatnonzero(np.any(picture[..., 3] > 128, axis=axis)) for axis in (1, 0))
     return np.ptp(columns) + 1, np.ptp(rows) + 1
+
+
+def bar_px(picture):
+    """Return the length of the bar in a picture's lower left corner."""
+    lines = np.all(picture[5 * len(picture) // 6 :, :, :3] == COLOUR[:3], axis=2).astype(int)
+    return max(np.diff(np.flatnonzero(np.diff([0, *line, 0])))[::2].max(initial=0) for line in lines)
+
+
+def ends_of(model, data, root, axis):
+    """Return the least and the largest coordinate of an infant's solids."""
+    geoms = np.flatnonzero(model.body_rootid[model.geom_bodyid] == model.body(root).id)
+    along = data.geom_xmat[geoms].reshape(-1, 3, 3)[:, axis]
+    middles_m = data.geom_xpos[geoms, axis] + (along * model.geom_aabb[geoms, :3]).sum(axis=1)
+    reach_m = (np.abs(along) * model.geom_aabb[geoms, 3:]).sum(axis=1)
+    return (middles_m - reach_m).min(), (middles_m + reach_m).max()
+
+
+def surroundings(model):
+    """Return how a model's floor, light and sky look."""
+    vis, mat = model.vis, model.material("mat").id
+    names = {field: getattr(model, field) for field in dir(model) if field.startswith("light_")}
+    fields = [field for field in dir(model) if field.startswith("mat_") and field != "mat_texid"]
+    names |= {field: getattr(model, field)[mat] for field in fields} | {"extent": model.stat.extent}
+    names |= {"floor": model.geom("floor").size, "haze": vis.rgba.haze, "clip": vis.map.shadowclip}
+    names |= {name: getattr(vis.headlight, name) for name in ("ambient", "diffuse", "specular")}
+    names |= {name: getattr(vis.map, name) for name in ("znear", "zfar", "fogstart", "fogend")}
+    names |= {name: getattr(vis.quality, name) for name in ("shadowsize", "numslices", "numstacks")}
+    for name in ("sky", "mat"):
+        texture = model.texture(name)
+        start, size = int(texture.adr[0]), int(np.prod([texture.width[0], texture.height[0], texture.nchannel[0]]))
+        names[name] = model.tex_data[start : start + size]
+    return names
 
 
 @pytest.fixture(scope="module")
@@ -38,9 +72,38 @@ def test_infants_in_a_row_are_in_the_poses_of_their_specs(posed):
 def test_each_pose_that_is_asked_for_is_another_picture(posed):
     pictures = {pose: lineup([posed["sitting"]] * 2, pose, **SIZE, framing=ALONE) for pose in POSES}
     assert len({picture.tobytes() for picture in pictures.values()}) == len(POSES)
-    ratios = {pose: math.prod([height / width for width, height in [widths(pictures[pose])]]) for pose in POSES}
-    assert ratios["standing"] == max(ratios.values())
-    assert ratios["prone"] == min(ratios.values())
+    widths_px, heights_px = np.transpose([widths(pictures[pose]) for pose in POSES])
+    assert POSES[np.argmax(heights_px / widths_px)] == "standing"
+
+
+@pytest.mark.parametrize("kind", ["room", "crib"])
+def test_a_row_is_the_same_wherever_its_infants_live(kind, built, posed):
+    """In a room, an infant has a place and a direction of its own, which tore the row apart."""
+    at_home = built(scene={"kind": kind, "seed": 3, "pose": "sitting"})
+    flat = posed["sitting"]
+    usual, *others = (lineup(pair, **SIZE) for pair in ((flat, flat), (at_home, flat), (flat, at_home)))
+    for other in others:
+        assert np.abs(usual.astype(int) - other).mean() < 1
+
+
+@pytest.mark.matrix
+@pytest.mark.parametrize("pose", POSES)
+def test_infants_in_a_row_face_forward_and_keep_their_distance(pose, built, posed):
+    """The feet of those that sat, and the hands of those that lay, went through each other."""
+    older = built(age_months=20, scene={"kind": "room", "seed": 5})
+    row = row_of([older, posed["supine"], older], pose)
+    for root in row.roots:
+        assert row.data.body(root).xpos[0] == pytest.approx(0, abs=1e-9)
+        assert row.data.body(root).xmat.reshape(3, 3)[:2, 1] == pytest.approx([0, 1], abs=0.02)
+    ends_m = [ends_of(row.model, row.data, root, axis=1) for root in row.roots]
+    (_, first), (second, third), (fourth, _) = ends_m
+    assert (second - first, fourth - third) == pytest.approx((GAP_M, GAP_M))
+
+
+def test_the_floor_of_a_row_is_that_of_flat_scenes(posed):
+    row, flat = surroundings(row_of([posed["sitting"]], None).model), surroundings(load_model(posed["sitting"]))
+    for name, value in flat.items():
+        assert np.array_equal(row[name], value), name
 
 
 @pytest.mark.parametrize("draw", [portrait, lambda bundle, **how: lineup([bundle] * 2, **how)], ids=["one", "two"])
@@ -82,21 +145,15 @@ def test_a_scale_bar_is_as_long_as_it_says(draw, transparent, posed):
     """From 2 m, a camera with a field of view of 24 (10) degrees sees 2 * 2 tan(12) (tan 5) metres."""
     framing = Framing(0, 0, 2.0, transparent, scale_bar=True)
     picture = draw(posed["sitting"], width=640, height=480, framing=framing)
-    dark = np.all(picture[..., :3] == COLOUR[:3], axis=2)
-    longest = max(np.diff(np.flatnonzero(np.diff([0, *row, 0])))[::2].max(initial=0) for row in dark[400:].astype(int))
     fovy_deg, length_m = (24, 0.2) if draw is portrait else (10, 0.1)
-    assert longest == pytest.approx(length_m * 480 / (4 * math.tan(math.radians(fovy_deg / 2))), abs=1)
+    assert bar_px(picture) == pytest.approx(length_m * 480 / (4 * math.tan(math.radians(fovy_deg / 2))), abs=1)
 
 
-def test_what_fills_a_picture_is_as_large_as_its_bar_says(posed):
-    """An infant that stands is as high as its spec says, within what perspective takes."""
+def test_an_infant_is_as_high_as_its_bar_says(posed):
+    """From so far away that its nose is no larger than its ears, but for a hundredth."""
     bundle = posed["sitting"]
-    framing = Framing(0, 0, transparent=True, scale_bar=False)
-    plain, barred = (
-        portrait(bundle, "standing", 320, 480, framing=each)
-        for each in (framing, Framing(0, 0, transparent=True, scale_bar=True))
-    )
-    row = np.all(barred[..., :3] == COLOUR[:3], axis=2)[400:]
-    bar_px = max(np.diff(np.flatnonzero(np.diff([0, *line.astype(int), 0])))[::2].max(initial=0) for line in row)
-    height_cm = [widths(plain)[1] / bar_px * length for length in (1, 2, 5, 10, 20, 50)]
-    assert min(abs(each / bundle.manifest.child.length_cm - 1) for each in height_cm) < 0.08
+    picture = portrait(bundle, "standing", 900, 1200, shown="solids", framing=Framing(0, 0, 10.0, True, scale_bar=True))
+    height_m = np.ptp(ends_of(*load_posed(bundle, "standing"), bundle.manifest.root_body, axis=2))
+    _, height_px = widths(picture[:1000])
+    bar_m = bar_length_cm(900, height_px / height_m) / 100
+    assert height_px * bar_m / bar_px(picture) == pytest.approx(height_m, rel=0.015)

@@ -310,10 +310,12 @@ def test_skin_points_are_in_one_picture_only(feeling, open_camera):
 
 
 def test_infants_in_a_row_show_their_skin_each_in_its_place(feeling):
-    """Both stand on soles that are pressed, and a rim of what they feel shows."""
+    """Both stand on soles that are pressed, and a rim of what they feel shows; one is in a room at home."""
     bundle, *_ = feeling
-    markers = [skin_markers(*feeling)] * 2
-    bare, skin = (lineup([bundle, bundle], width=320, height=240, markers=each) for each in (None, markers))
+    spec = {"mimoc": 1, "name": "other", "age_months": 9, "senses": {"touch": {"density": 0.3}}}
+    other = mimoc.build(mimoc.InfantSpec.model_validate(spec | {"scene": {"kind": "room", "pose": "standing"}}))
+    markers = [skin_markers(each, *load_posed(each)) for each in (bundle, other)]
+    bare, skin = (lineup([bundle, other], width=320, height=240, markers=each) for each in (None, markers))
     assert share_of_skin_points(bare) == (0, 0)
     for half in (skin[:, :160], skin[:, 160:]):
         unloaded, pressed = share_of_skin_points(half)

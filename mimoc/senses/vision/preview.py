@@ -22,8 +22,16 @@ DOWN_DEG = 50.0
 """How far it looks down if it sees none of these either."""
 AHEAD = 0.5
 """Cosine of 60°, the largest angle from straight ahead at which it looks at something."""
-BLANK_RANGE = 24
-"""Of 256 levels: a sky of which no more is seen is a blank square to the eye."""
+BLANK_RANGE = 26
+"""Of 256 levels, between the least and the most of a channel: a view that has no more is a plain square to the eye.
+
+Measured on 888 unblurred views of infants of 0 to 18 months in all poses, on a flat floor, in empty space, in cribs and
+in rooms with and without toys, gazes of 60 degrees up to 80 down, fields of view of 18 to 60 degrees. Sky, mat, and
+their own skin from near by go over 0 to 16 levels, wallpapers and carpets from near by over up to 19; the least of all
+others are 36 (the edge of a shadow), 43 (a horizon), 57 (a panelled ceiling), and hands, feet and toys 60 and more.
+"""
+SPLINTERS = 1.0
+"""Per cent of the pixels that do not count, such as a hair or the tip of a finger in a corner."""
 
 
 def preview(
@@ -61,8 +69,9 @@ def preview(
 
 
 def is_blank(picture: npt.NDArray[np.uint8]) -> bool:
-    """Return whether a view shows nothing: no channel of it goes over more than BLANK_RANGE."""
-    return bool(np.ptp(picture, axis=(0, 1)).max() <= BLANK_RANGE)
+    """Return whether a view shows nothing: but for SPLINTERS, no channel of it goes over more than BLANK_RANGE."""
+    least, most = np.percentile(picture, (SPLINTERS / 2, 100 - SPLINTERS / 2), axis=(0, 1))
+    return bool((most - least).max() <= BLANK_RANGE)
 
 
 def _require(kind: str, name: str, known: Collection[str]) -> None:

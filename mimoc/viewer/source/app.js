@@ -4,7 +4,7 @@ import { Quaternion, Vector3 } from "three";
 import { Body, ROOT } from "./body.js";
 import { Charts } from "./charts.js";
 import { Dragging, reachFor } from "./dragging.js";
-import { Eyes, pictureSize } from "./eyes.js";
+import { Eyes } from "./eyes.js";
 import { Infant } from "./infant.js";
 import { makeMaterials, readTextures } from "./materials.js";
 import { Stage } from "./stage.js";
@@ -24,7 +24,7 @@ export class App {
     this.body = new Body(data);
     this.stage = new Stage(document.getElementById("canvas"));
     this.infant = new Infant(this.body, data, this.materials);
-    this.eyes = new Eyes(data.eyes, this.infant);
+    this.eyes = new Eyes(data.eyes, this.infant, [...document.getElementById("seen").children]);
     this.touch = data.touch && new TouchPoints(data.touch, this.body);
     this.surroundings = new Surroundings(data, this.materials);
     if (!this.surroundings.isEmpty) this.stage.reach = 2.5;
@@ -141,16 +141,14 @@ export class App {
 
   showEyes(wanted) {
     this.eyes.show(wanted);
-    const seen = this.page.getElementById("seen");
-    seen.hidden = !wanted;
-    [...seen.children].forEach((place, eye) => {
+    this.page.getElementById("seen").hidden = !wanted;
+    this.eyes.places.forEach((place, eye) => {
       const { video } = this.eyes.recorded.find(({ name }) => name === this.data.eyes.names[eye]) ?? {};
       place.querySelector("video")?.remove();
       place.hidden = eye >= this.data.eyes.names.length;
       place.querySelector("figcaption").textContent = this.data.eyes.names[eye] === "eye_right" ? "Right eye" : "Left eye";
       if (video) place.append(video);
     });
-    seen.style.setProperty("--picture", `${pictureSize(this.stage.canvas)}px`);
     this.stage.draw();
   }
 

@@ -4,12 +4,13 @@ import { BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, 
 import { quaternions, vectors } from "./body.js";
 
 const REACH = 0.3; // Metres of the field of view that are drawn.
-const GAP = 12; // Pixels around the small pictures.
 const SKY = new Color(0xf3ece1);
 
 export class Eyes {
-  constructor(data, infant) {
+  // What they see is drawn over the places, elements of the page with the names of the eyes.
+  constructor(data, infant, places) {
     this.data = data;
+    this.places = places;
     this.infant = infant;
     this.turns = quaternions(data.quat.values);
     this.cameras = data.names.map((_, eye) => {
@@ -39,18 +40,19 @@ export class Eyes {
     this.cameras.forEach((camera, eye) => camera.position.copy(places[eye]));
   }
 
-  // Draw both pictures into the lower left corner, the left eye on the left.
+  // Draw what each eye sees where the page has its place, whatever the layout.
   draw({ renderer, scene, canvas, floor }) {
     if (!this.shown || this.recorded.length) return;
-    const size = pictureSize(canvas);
+    const box = canvas.getBoundingClientRect();
     const hidden = [...this.frusta, ...[...this.unseen, ...this.unseenSkins].filter((each) => each.visible)];
     for (const each of hidden) each.visible = false;
     floor.ground.visible = true;
     renderer.setScissorTest(true);
     this.cameras.forEach((camera, eye) => {
-      const left = GAP + eye * (size + GAP);
-      renderer.setViewport(left, GAP, size, size);
-      renderer.setScissor(left, GAP, size, size);
+      const place = this.places[eye].getBoundingClientRect();
+      const area = [place.left - box.left, box.bottom - place.bottom, place.width, place.height];
+      renderer.setViewport(...area);
+      renderer.setScissor(...area);
       renderer.setClearColor(SKY, 1);
       renderer.clear();
       renderer.render(scene, camera);
@@ -62,8 +64,6 @@ export class Eyes {
     floor.ground.visible = false;
   }
 }
-
-export const pictureSize = (canvas) => Math.round(Math.min(150, 0.24 * canvas.clientWidth));
 
 function makeFrustum(fovy, colour) {
   const half = REACH * Math.tan((fovy * Math.PI) / 360);

@@ -8,7 +8,7 @@ from mimoc.bundle.model import load_posed
 from mimoc.compiler import building, loading
 from mimoc.errors import UnknownNameError
 from mimoc.senses.vision.blur import blur, contrast_gain
-from mimoc.senses.vision.preview import preview
+from mimoc.senses.vision.preview import BLANK_RANGE, is_blank, preview
 from mimoc.senses.vision.spec import VisionEntry
 
 PLAYROOM = Path(__file__).parents[3] / "configs" / "playroom.yaml"
@@ -107,3 +107,32 @@ def test_the_narrower_the_field_the_larger_what_is_in_its_middle(bundle):
     half = np.tan(np.radians(15)) / np.tan(np.radians(30)) * 24
     inner = wide[round(24 - half) : round(24 + half), round(24 - half) : round(24 + half)].astype(float)
     assert narrow.mean(axis=(0, 1)) == pytest.approx(inner.mean(axis=(0, 1)), abs=4)
+
+
+FLAT, CRIB, ROOM = {"kind": "flat"}, {"kind": "crib"}, {"kind": "room", "seed": 3}
+TOYS = ROOM | {"toys": {"count": [5, 5]}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "age_months", "pose", "down_deg", "fovy_deg", "blank"),
+    [
+        pytest.param(FLAT, 6, "supine", None, 18, True, id="sky"),
+        pytest.param(FLAT, 0, "supine", None, 60, True, id="wide sky"),
+        pytest.param(CRIB, 6, "supine", None, 18, True, id="sky over a crib"),
+        pytest.param(FLAT, 18, "sitting", None, 18, True, id="mat"),
+        pytest.param(ROOM | {"seed": 0}, 9, "sitting", None, 18, True, id="carpet"),
+        pytest.param(FLAT, 0, "prone", None, 18, True, id="skin, and a splinter of light"),
+        pytest.param(CRIB, 6, "standing", 0, 18, False, id="horizon"),
+        pytest.param(ROOM, 6, "supine", 0, 18, False, id="ceiling"),
+        pytest.param(FLAT, 0, "sitting", 40, 60, False, id="feet"),
+        pytest.param(FLAT, 6, "sitting", None, 60, False, id="hand"),
+        pytest.param(TOYS, 6, "sitting", None, 18, False, id="toy"),
+    ],
+)
+def test_a_view_is_blank_if_it_shows_one_plain_surface(built, scene, age_months, pose, down_deg, fovy_deg, blank):
+    """Looked at, one by one, and far from the limit."""
+    entry = DRAWN.model_copy(update={"width_px": 128, "height_px": 128, "supersample": 2})
+    [[view]] = preview(built(age_months=age_months, scene=scene), [[entry]], pose, down_deg, fovy_deg)
+    assert is_blank(view) == blank
+    range_levels = np.subtract(*np.percentile(view, (99.5, 0.5), axis=(0, 1))).max()
+    assert max(range_levels / BLANK_RANGE, BLANK_RANGE / max(range_levels, 1)) > 1.25
