@@ -1,6 +1,5 @@
 """`mimoc see`."""
 
-import sys
 from typing import Annotated, Any
 
 import typer
@@ -63,4 +62,4 @@ def _say_if_blank(unblurred: Any) -> None:
     from mimoc.senses.vision.preview import is_blank
 
     if is_blank(unblurred):
-        print(NOTHING_SEEN, file=sys.stderr)
+        print(NOTHING_SEEN)

@@ -115,9 +115,10 @@ def test_bad_input_ends_in_exit_code_2_with_one_line_and_nothing_written(options
 def test_what_shows_nothing_is_said_in_one_note(see, blind, playing):
     """On its back, an infant without a room looks at the sky."""
     code, out, err = see("-o seen.png --pose supine --size 64", blind)
-    assert (code, out, len(err.splitlines())) == (0, "seen.png\n", 1)
-    assert err.startswith("note: the eye sees one plain surface")
-    assert see("-o seen.png --pose sitting --size 64", playing)[2] == ""
+    written, note = out.splitlines()
+    assert (code, written, err) == (0, "seen.png", "")
+    assert note.startswith("note: the eye sees one plain surface")
+    assert see("-o seen.png --pose sitting --size 64", playing) == (0, "seen.png\n", "")
 
 
 def test_an_eye_that_an_infant_has_not_is_refused(see, built):
