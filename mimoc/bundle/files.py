@@ -26,13 +26,22 @@ def check_page(file: str | Path) -> Path:
     return path
 
 
-def write_file(path: str | Path, content: bytes) -> Path:
+def write_file(path: str | Path, content: bytes, *, below: Path | None = None) -> Path:
     """Write a file into an existing folder atomically: a reader sees either the old content or the new.
+
+    A link in its place is replaced, and never followed.
+
+    Args:
+        path: The file.
+        content: What it shall contain.
+        below: A folder above it; none between the two may be a link.
 
     Raises:
         OutputError: If the file cannot be written.
     """
     path = Path(path).expanduser()
+    if below is not None:
+        check_unlinked(path.parent, below=below)
     temporary = temporary_path(path)
     try:
         temporary.write_bytes(content)
@@ -40,6 +49,49 @@ def write_file(path: str | Path, content: bytes) -> Path:
         discard(temporary)
         raise write_error(path, error) from None
     return move_into_place(temporary, path)
+
+
+def check_unlinked(path: Path, *, below: Path) -> Path:
+    """Check that neither a path nor any folder between it and one above is a link; return the path.
+
+    Raises:
+        OutputError: If one is: what is written or removed there would be somewhere else.
+    """
+    place = below
+    for name in path.relative_to(below).parts:
+        place /= name
+        if place.is_symlink():
+            raise OutputError(f"{place}: this is a link, through which mimoc writes nothing; remove it")
+    return path
+
+
+def make_folder(path: Path, *, below: Path) -> Path:
+    """Make a folder, and those between it and one above, unless they exist; none of them may be a link.
+
+    Raises:
+        OutputError: If one is, or it cannot be made.
+    """
+    try:
+        check_unlinked(path, below=below).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise write_error(path, error) from None
+    return path
+
+
+def open_new_file(path: Path, *, below: Path) -> int:
+    """Return the handle of a new, empty file, opened for writing; whatever file or link has its name is removed first.
+
+    Its folder is made if it does not exist; see `make_folder`.
+
+    Raises:
+        OutputError: If it cannot be written.
+    """
+    make_folder(path.parent, below=below)
+    try:
+        path.unlink(missing_ok=True)
+        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        raise write_error(path, error) from None
 
 
 def temporary_path(path: Path) -> Path:

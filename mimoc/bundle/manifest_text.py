@@ -4,6 +4,7 @@ import json
 
 from pydantic import ValidationError
 
+from mimoc.bundle.json_files import problems_in
 from mimoc.bundle.manifest import MANIFEST_VERSION, Manifest
 from mimoc.bundle.plugins_needed import check_plugins
 from mimoc.errors import BundleError
@@ -11,8 +12,6 @@ from mimoc.errors import BundleError
 MANIFEST = "manifest.json"
 MOST_BYTES = 2**22
 """4 MB; a room with fifty toys and an infant with ten fingers have 56 kB."""
-_SHOWN = 3
-"""Most problems that an error tells of."""
 
 
 def read_manifest(content: bytes) -> Manifest:
@@ -34,14 +33,4 @@ def read_manifest(content: bytes) -> Manifest:
     try:
         return Manifest.model_validate_json(content)
     except ValidationError as error:
-        raise BundleError(f"{MANIFEST}: {_told(error)}; build it again") from None
-
-
-def _told(error: ValidationError) -> str:
-    """Return what is wrong with a manifest, in one line."""
-    found = [
-        ": ".join([".".join(map(str, each["loc"])), each["msg"].removeprefix("Value error, ")]).removeprefix(": ")
-        for each in error.errors(include_url=False, include_context=False, include_input=False)
-    ]
-    text = "; ".join(found[:_SHOWN] + ([f"and {len(found) - _SHOWN} more"] if len(found) > _SHOWN else []))
-    return "".join(character if character.isprintable() else "?" for character in text)
+        raise BundleError(f"{MANIFEST}: {problems_in(error)}; build it again") from None

@@ -6,6 +6,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
+from typing import BinaryIO
 
 MOST_BYTES = 2**26
 """Of one file; 64 MB."""
@@ -28,10 +29,10 @@ class UnusableFileError(Exception):
 class RegularFiles:
     """Reads files of one folder."""
 
-    def __init__(self, folder: int, handles: ExitStack):
+    def __init__(self, folder: int, handles: ExitStack, most_bytes_in_all: int):
         """Read from a folder that is open, and keep others open until *handles* is closed."""
         self._folders, self._handles = {PurePosixPath("."): folder}, handles
-        self._left = MOST_BYTES_IN_ALL
+        self._left = most_bytes_in_all
 
     def read(self, name: str, most_bytes: int = MOST_BYTES) -> bytes | None:
         """Return the content of a file, None if it does not exist or cannot be read.
@@ -39,15 +40,43 @@ class RegularFiles:
         Raises:
             UnusableFileError: If it is not a regular file of the folder, or too large.
         """
+        file = self.open(name, min(most_bytes, self._left))
+        if file is None:
+            return None
+        try:
+            with file:
+                content = file.read(os.fstat(file.fileno()).st_size)
+        except OSError:
+            return None
+        self._left -= len(content)
+        return content
+
+    def open(self, name: str, most_bytes: int) -> BinaryIO | None:
+        """Return a file opened for reading, None if it does not exist or cannot be read.
+
+        Raises:
+            UnusableFileError: If it is not a regular file of the folder, or too large.
+        """
         path = PurePosixPath(name)
         try:
-            content = _read(path.name, min(most_bytes, self._left), self._folder(path.parent))
+            return _open(path.name, most_bytes, self._folder(path.parent))
         except OSError as error:
             if error.errno in _LINK_MET:
                 raise UnusableFileError("is a link, which mimoc never writes") from None
             return None
-        self._left -= len(content or b"")
-        return content
+
+    def names(self, folder: str = ".") -> list[str]:
+        """Return the sorted names of what is in a folder; none if it does not exist or cannot be read.
+
+        Raises:
+            UnusableFileError: If it is a link, or not a folder.
+        """
+        try:
+            return sorted(os.listdir(self._folder(PurePosixPath(folder))))
+        except OSError as error:
+            if error.errno in _LINK_MET:
+                raise UnusableFileError("is a link, or not a folder") from None
+            return []
 
     def _folder(self, path: PurePosixPath) -> int:
         if path not in self._folders:
@@ -59,7 +88,7 @@ class RegularFiles:
 
 
 @contextmanager
-def regular_files(folder: Path) -> Iterator[RegularFiles]:
+def regular_files(folder: Path, most_bytes_in_all: int = MOST_BYTES_IN_ALL) -> Iterator[RegularFiles]:
     """Open a folder, which may itself be a link, to read its files.
 
     Raises:
@@ -68,17 +97,37 @@ def regular_files(folder: Path) -> Iterator[RegularFiles]:
     with ExitStack() as handles:
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         handles.callback(os.close, handle)
-        yield RegularFiles(handle, handles)
+        yield RegularFiles(handle, handles, most_bytes_in_all)
 
 
-def read_regular_file(path: Path, most_bytes: int = MOST_BYTES) -> bytes | None:
+def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path | None = None) -> bytes | None:
     """Return the content of a file, None if it does not exist or cannot be read.
+
+    Args:
+        path: The file.
+        most_bytes: The largest size that is read.
+        below: A folder above it; no folder between the two may be a link. By default, the one that it is in.
+
+    Raises:
+        UnusableFileError: If it is not a regular file, or too large.
+    """
+    above = path.parent if below is None else below
+    try:
+        with regular_files(above, most_bytes) as files:
+            return files.read(path.relative_to(above).as_posix(), most_bytes)
+    except OSError:
+        return None
+
+
+def open_regular_file(path: Path, most_bytes: int, *, below: Path) -> BinaryIO | None:
+    """Return a file opened for reading, None if it does not exist or cannot be read; see `read_regular_file`.
 
     Raises:
         UnusableFileError: If it is not a regular file, or too large.
     """
     try:
-        return _read(path, most_bytes)
+        with regular_files(below) as files:
+            return files.open(path.relative_to(below).as_posix(), most_bytes)
     except OSError:
         return None
 
@@ -91,24 +140,18 @@ def is_regular_file(path: Path) -> bool:
         return False
 
 
-def _read(path: str | Path, most_bytes: int, folder: int | None = None) -> bytes | None:
-    handle = os.open(path, _FILE, dir_fd=folder)
+def _open(name: str, most_bytes: int, folder: int) -> BinaryIO | None:
+    handle = os.open(name, _FILE, dir_fd=folder)
     try:
-        found = os.fstat(handle)
-        if stat.S_ISDIR(found.st_mode):
+        status = os.fstat(handle)
+        if stat.S_ISDIR(status.st_mode):
+            os.close(handle)
             return None
-        if not stat.S_ISREG(found.st_mode):
+        if not stat.S_ISREG(status.st_mode):
             raise UnusableFileError("is not a regular file")
-        if found.st_size > most_bytes:
+        if status.st_size > most_bytes:
             raise UnusableFileError("is larger than those of any infant")
-        return _all(handle, found.st_size)
-    finally:
+        return os.fdopen(handle, "rb")
+    except UnusableFileError:
         os.close(handle)
-
-
-def _all(handle: int, size: int) -> bytes:
-    """Return the content of a file of some size, or what is left of it if it was cut meanwhile."""
-    parts = [os.read(handle, size)]
-    while parts[-1] and sum(map(len, parts)) < size:
-        parts.append(os.read(handle, size))
-    return parts[0] if len(parts) == 1 else b"".join(parts)
+        raise
