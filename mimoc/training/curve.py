@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import TrainingError
+from mimoc.schema.bounded import bounded
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,7 @@ class Curve:
         """
         try:
             return cls(tuple(map(_row, csv.DictReader(io.StringIO(text)))))
-        except (KeyError, ValueError, TypeError):
+        except (KeyError, ValueError, TypeError, csv.Error):
             raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
 
@@ -114,6 +115,8 @@ def _mean(values: Iterable[float]) -> float:
 
 def _row(cells: dict[str, str]) -> Row:
     numbers = {each.name: float(cells[each.name] or "nan") for each in fields(Row)}
-    counts = {name: int(cells[name]) for name in ("steps", "episodes")}
+    counts = {name: bounded(int(cells[name])) for name in ("steps", "episodes")}
+    if min(counts.values()) < 0 or any(map(math.isinf, numbers.values())):
+        raise ValueError("a number that no training has")
     found: dict[str, Any] = {**numbers, **counts}
     return Row(**found)

@@ -11,6 +11,7 @@ import pytest
 from support.commands import process
 
 import mimoc
+from mimoc.cohorts import perform as performing
 from mimoc.cohorts.perform import PINNED, perform
 from mimoc.cohorts.plan import plan
 from mimoc.cohorts.store import Store
@@ -106,9 +107,9 @@ def test_what_no_table_can_hold_is_a_failed_job(cohort, here, own, tmp_path):
 
 def test_a_log_that_cannot_be_written_is_one_clear_error(cohort, own, tmp_path, monkeypatch):
     """`/dev/full` is like a full disk."""
-    monkeypatch.setattr(Store, "log", lambda store, job: Path("/dev/full"))
+    monkeypatch.setattr(performing, "open_new_file", lambda path, below: os.open("/dev/full", os.O_WRONLY))
     (job,) = cohort(do=[{"python": {"function": "own:probe", "options": {"at": 0}}}]).jobs()
-    with pytest.raises(OutputError, match=r"^/dev/full: cannot be written \(No space left on device\); choose another"):
+    with pytest.raises(OutputError, match=r"\.txt: cannot be written \(No space left on device\); choose another"):
         perform([job], Store(tmp_path))
 
 

@@ -57,7 +57,7 @@ def test_a_run_folder_has_all_that_is_needed_to_repeat_and_to_use_the_training(l
     assert {"mujoco", "gymnasium", "numpy", "torch", "stable_baselines3", "python", "mimoc"} <= run["sessions"][
         0
     ].keys()
-    assert Settings.from_data(run["settings"]).hyper["width"] == 8
+    assert Settings(**run["settings"]).hyper["width"] == 8
 
 
 def test_the_command_in_the_run_folder_has_all_settings(learn, tmp_path):

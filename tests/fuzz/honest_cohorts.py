@@ -1,0 +1,259 @@
+"""Cohorts that anyone might write, drawn from the JSON Schema and put through every command that has to do with them."""
+
+import contextlib
+import io
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fuzz.from_schema import OMITTED, Drawing, Hints
+from fuzz.fuzzing import Fuzzer
+from fuzz.mutations import pick
+
+from mimoc import cli
+from mimoc.cohorts import Cohort, engines
+from mimoc.cohorts import plan as plans
+from mimoc.cohorts.infants import children_of
+from mimoc.cohorts.perform import perform
+from mimoc.errors import MimocError, SpecError
+from mimoc.policies import POLICIES
+from mimoc.schema.cohort_file import MEASURES
+from mimoc.schema.infant import read_spec
+from mimoc.schema.json_schema import json_schema
+from mimoc.schema.source import in_memory
+from mimoc.schema.yaml_scalars import dump
+
+MOST_INFANTS = 4
+TRIES = 1000
+"""Cohorts that are drawn until one is valid."""
+MODULE = """
+def probe(work, **options):
+    return {"own": float(work.seed), "text": "é", "options": len(options)}
+
+def weigh(work):
+    return work.bundle.manifest.child.weight_kg / 2
+"""
+TRAINING = {"steps": 64, "envs": 2, "checkpoint_every": 64}
+HYPER = {
+    "ppo": {"n_steps": 32, "batch_size": 32, "n_epochs": 1, "width": 8},
+    "sac": {"learning_starts": 10, "width": 8},
+}
+
+
+def _between(low: float, high: float, digits: int = 1) -> Any:
+    return lambda generator: round(float(generator.uniform(low, high)), digits)
+
+
+def _whole(low: int, high: int) -> Any:
+    return lambda generator: int(generator.integers(low, high + 1))
+
+
+def _among(*values: Any) -> Any:
+    return lambda generator: pick(generator, values)
+
+
+def _run(generator: np.random.Generator) -> dict[str, Any]:
+    step = Drawing(json_schema("cohort"), IN_COHORTS, generator).value({"$ref": "#/$defs/RunStep"})
+    return {"steps": 10, **step}
+
+
+def _do(generator: np.random.Generator) -> list[Any]:
+    """Return some steps, those of which a word would mean long ones in full."""
+    schema = json_schema("cohort")
+    drawn = Drawing(schema, IN_COHORTS, generator).value(schema["properties"]["do"])
+    short = {"run": _run, "train": _train}
+    return [{step: short[step](generator)} if isinstance(step, str) and step in short else step for step in drawn]
+
+
+def _train(generator: np.random.Generator) -> dict[str, Any]:
+    algo = pick(generator, tuple(HYPER))
+    return {"algo": algo, "hyper": HYPER[algo], **TRAINING}
+
+
+IN_INFANTS: Hints = {
+    "name": _among("kim", "one_2"),
+    "age_months": _between(0, 24),
+    "individual": lambda generator: Drawing(json_schema("cohort"), IN_COHORTS, generator).value(INDIVIDUAL),
+    "steps": _whole(1, 20),
+    "step_ms": _among(10.0, 20.0, 50.0),
+    "timestep_ms": _among(2.5, 5.0),
+    **dict.fromkeys(("width_px", "height_px"), _whole(1, 24)),
+    "supersample": _whole(1, 2),
+    "density": _between(0.2, 1),
+    "count": _among([0, 0], [0, 2], [1, 1]),
+    "source": _among("builtin"),
+    **dict.fromkeys(("root", "subset", "textures"), _among(OMITTED)),
+    **{f"{sense}_ms": _among(0.0, 50.0, 100.0) for sense in ("motor", "proprioception", "sensory", "touch")},
+    **{f"{sense}_ms": _among(0.0, 50.0, 200.0) for sense in ("vestibular", "vision", "delay_jitter")},
+}
+IN_COHORTS: Hints = {
+    "base": lambda generator: infant(generator),
+    "cohort": _among("spring", "a1"),
+    "vary": lambda generator: varied(generator),
+    "draw": _whole(1, 3),
+    "n": _whole(1, 3),
+    "steps": _whole(1, 20),
+    "policy": lambda generator: pick(generator, tuple(POLICIES)),
+    "seeds": _among(0, [3, 1], "0:2"),
+    "measure": lambda generator: [name for name in (*MEASURES, "own_code:weigh") if generator.random() < 0.3],
+    "do": _do,
+    "run": _run,
+    "train": _train,
+    "experiment": _among(OMITTED),
+    "function": _among("own_code:probe"),
+    "python": _among("own_code:probe", {"function": "own_code:probe", "seeds": 3, "options": {"x": 1, "y": "z"}}),
+    **dict.fromkeys(("length_cm",), _between(50, 90)),
+    **dict.fromkeys(("head_circumference_cm",), _between(35, 50)),
+    **dict.fromkeys(("weight_kg",), _between(3, 13)),
+    **{f"{what}_percentile": _between(1, 99) for what in ("length", "weight", "head")},
+}
+INDIVIDUAL = {"$ref": "#/$defs/IndividualSpec"}
+
+
+def infant(generator: np.random.Generator) -> dict[str, Any]:
+    """Return a spec without what is wrong with the first one that was drawn."""
+    data = Drawing(json_schema("infant"), IN_INFANTS, generator).value()
+    for _ in range(20):
+        try:
+            read_spec(in_memory(data, "<spec>", Path()))
+        except SpecError as error:
+            for problem in error.problems:
+                _remove(data, problem.key.split("."))
+        else:
+            break
+    return data
+
+
+def varied(generator: np.random.Generator) -> dict[str, Any]:
+    """Return values for one or two keys of the spec."""
+    drawing = Drawing(json_schema("infant"), IN_INFANTS, generator)
+    found = {}
+    for _ in range(generator.integers(1, 3)):
+        path, node = list[str](), drawing.schema
+        while "properties" in node and not (path and generator.random() < 0.1):
+            path.append(pick(generator, [key for key in node["properties"] if key not in ("mimoc", "name")]))
+            node = drawing.resolved(node["properties"][path[-1]])
+        hint = IN_INFANTS.get(path[-1])
+        values = [hint(generator) if hint else drawing.value(node) for _ in range(generator.integers(1, 4))]
+        numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+        shape = pick(generator, ("list", "range", "draws")) if len(numbers) == len(values) > 1 else "list"
+        if shape == "range" and min(numbers) < max(numbers):
+            found[".".join(path)] = {"from": min(numbers), "to": max(numbers), "step": max(numbers) - min(numbers)}
+        elif shape == "draws":
+            found[".".join(path)] = {"uniform": sorted(numbers)[:2], "n": len(numbers), "seed": 3}
+        else:
+            found[".".join(path)] = values
+    return found
+
+
+def _remove(data: Any, keys: list[str]) -> None:
+    """Remove a key, or what it is below of, if that is not there."""
+    for key in keys[:-1]:
+        if not isinstance(data.get(key), dict):
+            break
+        data = data[key]
+    else:
+        key = keys[-1]
+    data.pop(key, None)
+
+
+def valid_cohort(generator: np.random.Generator, folder: Path) -> Path:
+    """Return the file of a small cohort that is valid."""
+    (folder / "own_code.py").write_text(MODULE)
+    path = folder / "cohort.yaml"
+    for _ in range(TRIES):
+        data = Drawing(json_schema("cohort"), IN_COHORTS, generator).value()
+        if generator.random() < 0.5:
+            (folder / "base.yaml").write_text(dump(data["base"]))
+            data["base"] = "base.yaml"
+        path.write_text(dump(data))
+        with contextlib.suppress(SpecError):
+            cohort = Cohort(path)
+            if len(children_of(cohort.spec)) <= MOST_INFANTS and len(cohort.infants) <= MOST_INFANTS:
+                return path
+    raise AssertionError("no valid cohort was drawn")
+
+
+def prepare(_: Path) -> None:
+    """Have jobs done in this process, as no process shall be started for each cohort."""
+    engines.ENGINES = {**engines.ENGINES, "here": __name__}
+    plans.try_out = lambda jobs, store, limit_s: [perform(jobs, store), *map(store.read, jobs)][1:]
+
+
+OPTIONS = ()
+
+
+def check(_: Any) -> None:
+    """Admit all options of this engine, of which there are none."""
+
+
+def run(jobs: Any, store: Any, _: Any, done: Any) -> None:
+    """Do jobs in this process."""
+    perform(jobs, store)
+    done(len(jobs))
+
+
+def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
+    """Draw a cohort, and use it with every command."""
+    path, out = valid_cohort(generator, folder), folder / "out"
+    cohort, place = Cohort(path), ["-o", out]
+    with contextlib.chdir(folder):
+        called("cohort", "plan", path, *place)
+        try:
+            called("cohort", "run", path, *place, "--on", "here")
+        except AssertionError:
+            _explain_failures(cohort, out)
+        called("cohort", "status", path, *place)
+        called("cohort", "table", path, *place)
+        called("report", out, "-o", "cohort.html")
+        called("report", out, "-o", "whole.html", "--cohort", path)
+        (folder / "infant.yaml").write_text(dump(dict(pick(generator, cohort.infants).data)))
+        use_infant(Path("infant.yaml"), generator)
+
+
+def use_infant(spec: Path, generator: np.random.Generator) -> None:
+    """Build an infant, and use its bundle and a recording of it."""
+    called("build", spec, "-o", "bundle")
+    called("run", "bundle", "--steps", 3, "--record", "recording", "--seed", generator.integers(9))
+    called("replay", "recording")
+    called("export", "recording", "--to", "csv", "-o", "csv")
+    called("report", "bundle", "-o", "infant.html")
+    called("view", "recording", "-o", "recording_view.html", "--no-open")
+    called("view", "bundle", "-o", "view.html", "--no-open")
+
+
+def called(*arguments: object) -> str:
+    """Run a command in this process, and return what it prints; unless it succeeds, raise an AssertionError."""
+    words, kept, told = [*map(str, arguments)], sys.argv, io.StringIO()
+    sys.argv = ["mimoc", *words]
+    try:
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+            cli.main()
+    except SystemExit as ended:
+        if ended.code:
+            raise AssertionError(f"mimoc {' '.join(words)}: exit code {ended.code}: {told.getvalue()}") from None
+    except Exception:
+        raise AssertionError(f"mimoc {' '.join(words)}: {traceback.format_exc()}") from None
+    finally:
+        sys.argv = kept
+    return told.getvalue()
+
+
+def _explain_failures(cohort: Cohort, out: Path) -> None:
+    """Raise why jobs have failed: a MimocError if an infant cannot be built, which only building it shows."""
+    for failure in cohort.status(out).failures:
+        log = failure.log.read_text() if failure.log.exists() else ""
+        assert "\nmimoc.errors." in log, f"a job fails: {failure.error}"
+        raise MimocError(failure.error)
+    raise
+
+
+FUZZER = Fuzzer(
+    name="honest_cohorts",
+    about="cohorts drawn from the JSON Schema, put through every command",
+    prepare=prepare,
+    attempt=attempt,
+    short=3,
+)
