@@ -83,7 +83,7 @@ class Curve:
             TrainingError: If the text is not a learning curve.
         """
         try:
-            return cls(tuple(map(_row, csv.DictReader(io.StringIO(text)))))
+            return cls(tuple(_possible(_row(cells)) for cells in csv.DictReader(io.StringIO(text))))
         except (KeyError, ValueError, TypeError, csv.Error):
             raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
@@ -113,10 +113,16 @@ def _mean(values: Iterable[float]) -> float:
     return math.fsum(found) / len(found) if found else math.nan
 
 
+def _possible(row: Row) -> Row:
+    """Return a row, if its counts are none below zero or of more than 64 bits, and no mean is infinite."""
+    for value in astuple(row):
+        if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
+            raise ValueError(f"{value} is a number that no training has")
+    return row
+
+
 def _row(cells: dict[str, str]) -> Row:
     numbers = {each.name: float(cells[each.name] or "nan") for each in fields(Row)}
-    counts = {name: bounded(int(cells[name])) for name in ("steps", "episodes")}
-    if min(counts.values()) < 0 or any(map(math.isinf, numbers.values())):
-        raise ValueError("a number that no training has")
+    counts = {name: int(cells[name]) for name in ("steps", "episodes")}
     found: dict[str, Any] = {**numbers, **counts}
     return Row(**found)

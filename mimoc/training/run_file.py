@@ -13,9 +13,8 @@ from mimoc.training.settings import Settings
 
 def _possible(settings: Settings) -> Settings:
     """Return settings that a training can have."""
-    bounded(settings.data())
     try:
-        settings.check()
+        Settings.choose(**bounded(settings.data()))
     except MimocError as error:
         raise ValueError(str(error)) from None
     return settings

@@ -50,7 +50,7 @@ class RunFolder:
         Raises:
             OutputError: If a file cannot be written.
         """
-        write_file(self.path / CHECKPOINTS / f"{steps:010d}.zip", policy, below=self.path)
+        write_file(self.path / CHECKPOINTS / f"{steps:010d}.zip", policy)
         write_file(self.path / POLICY, policy)
         write_file(self.path / STATE, state)
 

@@ -46,28 +46,18 @@ class Settings:
             UnknownNameError: If there is no such algorithm or hyperparameter.
             TrainingError: If a value is out of range, or two values are incompatible.
         """
-        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom), dict(growth))
-        chosen.check()
-        return chosen
-
-    def check(self) -> None:
-        """Check that a training can have these settings.
-
-        Raises:
-            UnknownNameError: If there is no such algorithm or hyperparameter.
-            TrainingError: If a value is out of range, or two values are incompatible.
-        """
-        for name in ("steps", "envs", "checkpoint_every"):
-            if (value := getattr(self, name)) < 1:
+        for name, value in {"steps": steps, "envs": envs, "checkpoint_every": checkpoint_every}.items():
+            if value < 1:
                 raise TrainingError(f"{name}: expected at least 1, got {value}")
-        if self.seed < 0:
-            raise TrainingError(f"seed: expected a non-negative integer, got {self.seed}")
-        batch_size = complete(self.algo, self.hyper)["batch_size"]
-        if self.algo == "ppo" and self.rollout_steps % batch_size:
+        if seed < 0:
+            raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
+        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom), dict(growth))
+        if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
-                f"a rollout of {self.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
-                f"{batch_size}; choose a batch_size that divides it"
+                f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
+                f"{chosen.hyper['batch_size']}; choose a batch_size that divides it"
             )
+        return chosen
 
     @property
     def rollout_steps(self) -> int:

@@ -1,4 +1,4 @@
-"""Cohorts that anyone might write, drawn from the JSON Schema and put through every command that has to do with them."""
+"""Cohorts that anyone might write, drawn from the JSON Schema, and put through every command that is for them."""
 
 import contextlib
 import io
