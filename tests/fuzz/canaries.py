@@ -1,11 +1,12 @@
-"""Files that nobody may open, watched by the system, so that what MuJoCo opens is seen as well."""
+"""Files that nobody may open or change, watched by the system, so that what MuJoCo opens is seen as well."""
 
 import ctypes
 import os
 import struct
 from pathlib import Path
 
-IN_OPEN = 0x20
+TOUCHED = 0x20 | 0x2 | 0x4 | 0x40 | 0x80 | 0x100 | 0x200
+"""IN_OPEN, IN_MODIFY, IN_ATTRIB, IN_MOVED_FROM, IN_MOVED_TO, IN_CREATE and IN_DELETE (inotify(7))."""
 IN_NONBLOCK = os.O_NONBLOCK
 HEADER = struct.Struct("iIII")
 """Of an event: watch, mask, cookie, and the length of the name that follows (inotify(7))."""
@@ -22,11 +23,14 @@ class Canaries:
         self.folder = folder
         library = ctypes.CDLL(None, use_errno=True)
         self._handle = library.inotify_init1(IN_NONBLOCK)
-        if self._handle < 0 or library.inotify_add_watch(self._handle, os.fsencode(folder), IN_OPEN) < 0:
+        if self._handle < 0 or library.inotify_add_watch(self._handle, os.fsencode(folder), TOUCHED) < 0:
             raise OSError(ctypes.get_errno(), "cannot watch", str(folder))
 
     def opened(self) -> list[str]:
-        """Return the names of the files that have been opened since the last call."""
+        """Return the names of the files that have been opened, made, changed or removed since the last call.
+
+        A dot stands for the folder itself, which was listed.
+        """
         try:
             events = os.read(self._handle, 2**16)
         except BlockingIOError:
@@ -35,7 +39,7 @@ class Canaries:
         while place < len(events):
             length = HEADER.unpack_from(events, place)[3]
             name = events[place + HEADER.size : place + HEADER.size + length]
-            names.add(os.fsdecode(name.rstrip(b"\0")))
+            names.add(os.fsdecode(name.rstrip(b"\0")) or ".")
             place += HEADER.size + length
         return sorted(names)
 

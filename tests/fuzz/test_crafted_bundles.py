@@ -59,9 +59,15 @@ def test_what_is_not_a_regular_file_of_the_bundle_is_refused(name, tmp_path, out
     assert outside.opened() == []
 
 
-def test_the_canaries_see_what_is_opened(outside):
+def test_the_canaries_see_what_is_opened_made_or_removed(outside):
     (outside.folder / "canary.xml").read_bytes()
     assert outside.opened() == ["canary.xml"]
+    (outside.folder / "canary.xml").rename(outside.folder / "other")
+    (outside.folder / "eye.png").unlink()
+    (outside.folder / "folder").mkdir()
+    assert outside.opened() == ["canary.xml", "eye.png", "folder", "other"]
+    list(outside.folder.iterdir())
+    assert outside.opened() == ["."]
 
 
 @pytest.mark.parametrize("number", range(len(VARIATIONS)))
