@@ -5,8 +5,8 @@ import os
 import struct
 from pathlib import Path
 
-TOUCHED = 0x20 | 0x2 | 0x4 | 0x40 | 0x80 | 0x100 | 0x200
-"""IN_OPEN, IN_MODIFY, IN_ATTRIB, IN_MOVED_FROM, IN_MOVED_TO, IN_CREATE and IN_DELETE (inotify(7))."""
+TOUCHED = 0x20 | 0x2 | 0x40 | 0x80 | 0x100 | 0x200
+"""IN_OPEN, IN_MODIFY, IN_MOVED_FROM, IN_MOVED_TO, IN_CREATE and IN_DELETE (inotify(7))."""
 IN_NONBLOCK = os.O_NONBLOCK
 HEADER = struct.Struct("iIII")
 """Of an event: watch, mask, cookie, and the length of the name that follows (inotify(7))."""
