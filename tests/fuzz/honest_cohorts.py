@@ -4,8 +4,11 @@ import contextlib
 import io
 import sys
 import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from fuzz.from_schema import OMITTED, Drawing, Hints
@@ -13,10 +16,11 @@ from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import pick
 
 from mimoc import cli
-from mimoc.cohorts import Cohort, engines
+from mimoc.cohorts import Cohort, Job, engines
 from mimoc.cohorts import plan as plans
 from mimoc.cohorts.infants import children_of
 from mimoc.cohorts.perform import perform
+from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MimocError, SpecError
 from mimoc.policies import POLICIES
 from mimoc.schema.cohort_file import MEASURES
@@ -177,9 +181,20 @@ def valid_cohort(generator: np.random.Generator, folder: Path) -> Path:
 
 
 def prepare(_: Path) -> None:
-    """Have jobs done in this process, as no process shall be started for each cohort."""
-    engines.ENGINES = {**engines.ENGINES, "here": __name__}
-    plans.try_out = lambda jobs, store, limit_s: [perform(jobs, store), *map(store.read, jobs)][1:]
+    """Return nothing: each cohort is drawn anew."""
+
+
+@contextmanager
+def here() -> Iterator[str]:
+    """Have jobs done in this process, as starting one for each cohort takes seconds; yield the name of the engine."""
+    known = {**engines.ENGINES, "here": __name__}
+    with patch.object(engines, "ENGINES", known), patch.object(plans, "try_out", _try_out):
+        yield "here"
+
+
+def _try_out(jobs: Sequence[Job], store: Store, _: float) -> list[Result | None]:
+    perform(jobs, store)
+    return [store.read(job) for job in jobs]
 
 
 OPTIONS = ()
@@ -199,10 +214,10 @@ def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
     """Draw a cohort, and use it with every command."""
     path, out = valid_cohort(generator, folder), folder / "out"
     cohort, place = Cohort(path), ["-o", out]
-    with contextlib.chdir(folder):
+    with contextlib.chdir(folder), here() as engine:
         called("cohort", "plan", path, *place)
         try:
-            called("cohort", "run", path, *place, "--on", "here")
+            called("cohort", "run", path, *place, "--on", engine)
         except AssertionError:
             _explain_failures(cohort, out)
         called("cohort", "status", path, *place)

@@ -1,0 +1,80 @@
+"""Folders of cohorts that are changed by chance, and used: reported on, counted, gathered in a table, gone on with."""
+
+from pathlib import Path
+from shutil import copytree
+
+import numpy as np
+from fuzz.folder_mutations import spoil
+from fuzz.fuzzing import Fuzzer
+from fuzz.honest_cohorts import MODULE, here
+from fuzz.mutations import pick
+
+import mimoc
+from mimoc.cohorts import Cohort
+from mimoc.cohorts.plan import plan
+from mimoc.cohorts.store import Result, Store
+from mimoc.errors import MimocError
+from mimoc.schema.yaml_scalars import dump
+
+STUDY = {
+    "mimoc": 1,
+    "cohort": "spring",
+    "base": {"mimoc": 1, "name": "infant", "age_months": 9, "body": {"skin": False}},
+    "children": [{"sex": "female", "length_percentile": 30, "weight_kg": 8}, {"length_cm": 72}],
+    "vary": {"scene.pose": ["supine", "prone"]},
+    "do": ["build", {"run": {"steps": 3}}, {"python": "own_code:probe"}],
+}
+LEFT = 3
+"""Jobs that are still to be done."""
+
+
+def prepare(folder: Path) -> Path:
+    """Return a folder with the file of a cohort and its folder: most is done, and something has failed."""
+    (folder / "own_code.py").write_text(MODULE)
+    (folder / "cohort.yaml").write_text(dump(STUDY))
+    study, store = Cohort(folder / "cohort.yaml"), Store(folder / "out")
+    with here() as engine:
+        study.run(store.folder, engine)
+    study.table(store.folder)
+    *_, failed, last = study.jobs()
+    store.write_bundle(last, mimoc.build(study.specs[0]))  # It is not looked at, but may be in the way.
+    for job in study.jobs()[-LEFT:]:
+        store.forget(job)
+    store.write(failed, Result("failed", {}, {"mimoc": "1"}, "it is late", 1.0))
+    store.log(failed).write_text("late\n")
+    return folder
+
+
+def attempt(prepared: Path, generator: np.random.Generator, folder: Path) -> None:
+    """Change the folder of a cohort, and use it in a few ways."""
+    for name in ("own_code.py", "cohort.yaml"):
+        (folder / name).write_bytes((prepared / name).read_bytes())
+    out = Path(copytree(prepared / "out", folder / "out"))
+    spoil(generator, out, folder.parent / "outside")
+    study, refused = Cohort(folder / "cohort.yaml"), None
+    ways = (
+        lambda engine: mimoc.report(out, folder / "page.html"),
+        lambda engine: mimoc.report(out, folder / "page.html", cohort=study),
+        lambda engine: study.table(out),
+        lambda engine: plan(study, out),
+        lambda engine: study.run(out, engine),
+        lambda engine: study.retry(out, engine),
+        lambda engine: [Store(out).read_bundle(job) for job in study.jobs() if job.step == "build"],
+    )
+    with here() as engine:
+        for _ in range(3):
+            try:
+                pick(generator, ways)(engine)
+            except MimocError as error:
+                refused = error
+    if refused:
+        raise refused
+
+
+FUZZER = Fuzzer(
+    name="cohorts",
+    about="folders of cohorts, changed in results, marks, bundles, links and what is there, used in every way",
+    prepare=prepare,
+    attempt=attempt,
+    short=12,
+)
