@@ -181,7 +181,7 @@ def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
     The folder is kept open meanwhile, so that no new folder can be given its inode.
     """
     try:
-        handle = os.open(folder, os.O_RDONLY)
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     except OSError:
         yield lambda: False
         return
