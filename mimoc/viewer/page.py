@@ -76,16 +76,18 @@ def describe(
 
 
 def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]]:
-    """Return an infant at all ages of a page; without its task, if that is beyond it at some of them."""
+    """Return an infant at all ages of a page; without its task and toys, if these do not suit it at some of them."""
     at, grown = _Ages(spec), list[Variant]()
     try:
         for age in AGES_MONTHS:
             progress(len(grown), len(AGES_MONTHS))
             grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
     except SpecError:
-        if spec.task is None:
+        empty = {"toys": {"count": [0, 0]}} if spec.scene.kind == "room" else {}
+        alone = spec.with_(task=None, scene=empty)
+        if alone == spec:
             raise
-        return _grown(spec.with_(task=None), progress)
+        return _grown(alone, progress)
     return at, grown
 
 
