@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import (
     DummyVecEnv,
     SubprocVecEnv,
@@ -12,6 +13,7 @@ from stable_baselines3.common.vec_env import (
     VecEnvWrapper,
     VecMonitor,
     VecNormalize,
+    VecTransposeImage,
 )
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
@@ -76,12 +78,21 @@ def make_vector_env(
     openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
     envs = VecMonitor(_together(openers, growth, threads) if processes is None else _apart(openers, growth, processes))
     return VecNormalize(
-        envs,
+        _channels_first(envs),
         gamma=settings.hyper["gamma"],
         clip_obs=settings.hyper["observation_clip"],
         epsilon=settings.hyper["observation_floor"] ** 2,
         norm_obs_keys=normalized_names(envs.observation_space),
     )
+
+
+def _channels_first(envs: VecEnv) -> VecEnv:
+    """Return environments whose images begin with the channels, as networks take them.
+
+    Stable-Baselines3 would wrap the normalised environments; SAC stores what comes before the normalisation.
+    """
+    space: Any = envs.observation_space
+    return VecTransposeImage(envs) if any(map(is_image_space, space.spaces.values())) else envs
 
 
 def normalized_names(space: Any) -> list[str]:
