@@ -141,6 +141,8 @@ def varied(generator: np.random.Generator) -> dict[str, Any]:
             node = drawing.resolved(node["properties"][path[-1]])
         hint = IN_INFANTS.get(path[-1])
         values = [hint(generator) if hint else drawing.value(node) for _ in range(generator.integers(1, 4))]
+        if OMITTED in values:
+            continue
         numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
         shape = pick(generator, ("list", "range", "draws")) if len(numbers) == len(values) > 1 else "list"
         if shape == "range" and min(numbers) < max(numbers):
