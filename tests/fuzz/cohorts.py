@@ -76,5 +76,5 @@ FUZZER = Fuzzer(
     about="folders of cohorts, changed in results, marks, bundles, links and what is there, used in every way",
     prepare=prepare,
     attempt=attempt,
-    short=12,
+    short=8,
 )

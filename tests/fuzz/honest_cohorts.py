@@ -272,5 +272,7 @@ FUZZER = Fuzzer(
     about="cohorts drawn from the JSON Schema, put through every command",
     prepare=prepare,
     attempt=attempt,
-    short=3,
+    short=1,
+    longest_s=30.0,
+    honest=True,
 )

@@ -20,4 +20,4 @@ def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
         outcomes.append(run_try(made, prepared, SEED, number, tmp_path / f"{number}", watch))
     watch.close()
     assert [outcome for outcome in outcomes if outcome.is_fault] == []
-    assert {outcome.result for outcome in outcomes} == {"used", "refused"}
+    assert {outcome.result for outcome in outcomes} >= ({"used"} if made.honest else {"used", "refused"})

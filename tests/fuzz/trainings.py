@@ -62,5 +62,5 @@ FUZZER = Fuzzer(
     about="folders of training runs, changed in settings, curves, checkpoints and links, used in every way",
     prepare=prepare,
     attempt=attempt,
-    short=12,
+    short=6,
 )
