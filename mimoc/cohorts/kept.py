@@ -9,8 +9,8 @@ from typing import Any
 from mimoc.bundle.json_files import parse_json
 from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, regular_files
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.result_file import MOST_BYTES, ResultFile
 from mimoc.cohorts.store import RESULTS, Store
+from mimoc.schema.cohort_folder import MOST_BYTES, ResultFile
 
 STEPS = ("build", "check", "run", "train", "experiment", "python")
 MOST_BYTES_IN_ALL = 2**30

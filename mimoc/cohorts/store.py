@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle.files import check_unlinked, make_folder, write_file
+from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
 from mimoc.bundle.json_files import read_json_file
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.result_file import MOST_BYTES, MarkFile, ResultFile
 from mimoc.errors import BundleError, MimocError, OutputError
 from mimoc.rounding import rounded
+from mimoc.schema.cohort_folder import MOST_BYTES, MarkFile, ResultFile
 
 MARK = "cohort.json"
 """File that says that a folder is a cohort's."""
@@ -136,11 +136,14 @@ class Store:
         """Remove the result of a job, so that it is done again.
 
         Raises:
-            OutputError: If a folder that it is in is a link.
+            OutputError: If it cannot be removed, or a folder that it is in is a link.
         """
         for path in (self.result(job), self.log(job)):
             check_unlinked(path.parent, below=self.folder)
-            path.unlink(missing_ok=True)
+            try:
+                path.unlink(missing_ok=True)
+            except OSError as error:
+                raise write_error(path, error) from None
 
     def log(self, job: Job) -> Path:
         """Return the path of what a job prints."""

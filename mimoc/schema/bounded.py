@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, JsonValue
 
-from mimoc.schema.quantities import Whole
+from mimoc.schema.quantities import Real, Whole
 
 INT64 = 2**63
 
@@ -27,4 +27,6 @@ def bounded(data: Any) -> Any:
 
 
 Int64 = Annotated[Whole, Field(ge=-INT64, lt=INT64)]
+Count = Annotated[Whole, Field(ge=0, lt=INT64)]
+NotNegative = Annotated[Real, Field(ge=0)]
 Plain = Annotated[JsonValue, AfterValidator(bounded)]

@@ -5,10 +5,9 @@ import json
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.vec_env import VecNormalize
@@ -17,8 +16,7 @@ from mimoc.bundle.json_files import parse_json
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
-from mimoc.schema.bounded import Int64
-from mimoc.schema.quantities import Real
+from mimoc.schema.bounded import Count, NotNegative
 from mimoc.training.agents import set_weights
 from mimoc.training.archives import Archive, read_arrays
 from mimoc.training.curve import Curve
@@ -48,8 +46,8 @@ class Progress:
 class _State(Model):
     """What `state.json` contains."""
 
-    steps: Annotated[Int64, Field(ge=0)]
-    wall_s: Annotated[Real, Field(ge=0)]
+    steps: Count
+    wall_s: NotNegative
 
 
 def pack(policy: bytes, agent: BaseAlgorithm, progress: Progress) -> bytes:

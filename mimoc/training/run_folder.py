@@ -16,12 +16,11 @@ from typing import Any
 
 from mimoc.bundle.files import check_unlinked, make_folder, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
-from mimoc.bundle.json_files import read_json_file
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import BundleError, OutputError, TrainingError
 from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
-from mimoc.training.run_file import RunFile
+from mimoc.training.run_file import RunFile, read_run_file
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
@@ -100,7 +99,7 @@ def read_training_run(path: Path) -> TrainingRun:
         curve = Curve() if told is None else Curve.from_csv(told.decode())
     except (ValueError, TrainingError):
         raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
-    return TrainingRun(run.settings, run.command, run.sessions, run.origin, curve)
+    return TrainingRun(run.settings, run.command, run.sessions, run.origin or {}, curve)
 
 
 def read_run_bundle(path: Path) -> Bundle:
@@ -175,7 +174,7 @@ def _read_run(path: Path) -> RunFile | None:
     if not os.path.lexists(path / RUN):
         return None
     try:
-        if (run := read_json_file(path / RUN, RunFile)) is None:
+        if (run := read_run_file(path / RUN)) is None:
             raise UnusableFileError("cannot be read")
     except UnusableFileError as error:
         raise TrainingError(f"{path / RUN}: file is damaged ({error}); name another folder") from None
@@ -224,10 +223,15 @@ def _leftovers(folder: Path) -> list[Path]:
 
 
 def _clear(path: Path) -> None:
-    for name in (STATE, POLICY, CURVE, PICTURE, RUN):
-        (path / name).unlink(missing_ok=True)
-    for old in (path / CHECKPOINTS).glob("*.zip"):
-        old.unlink()
+    """Remove a training run; raise an OutputError if something in it cannot be removed."""
+    try:
+        for file in (
+            *(path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)),
+            *(path / CHECKPOINTS).glob("*.zip"),
+        ):
+            file.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from None
     rmtree(path / BUNDLE, ignore_errors=True)
 
 

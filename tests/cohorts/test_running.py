@@ -120,7 +120,7 @@ def test_a_folder_that_cannot_be_written_any_more_ends_the_run_with_one_clear_er
     )
     done = invoke("cohort", "run", write(do=[{"python": "own:spoil"}]), "-o", tmp_path / "out", "--processes", 1)
     assert (done.code, len(done.err.splitlines())) == (2, 1)
-    assert "cannot be written (Not a directory); choose another folder" in done.err
+    assert "cannot be written (Not a directory); choose another place" in done.err
 
 
 def test_a_package_that_cannot_be_imported_is_one_clear_error(cohort, tmp_path):
@@ -210,7 +210,7 @@ def die_at(moment):
 
     sys.addaudithook(heed)
 
-for moment in [chance.randrange(60) for _ in range(30)]:
+for moment in [chance.randrange(100) for _ in range(30)]:
     if not (child := os.fork()):
         die_at(moment)
         store.create("small")

@@ -1,5 +1,6 @@
 """Folders of cohorts that are changed by chance, and used: reported on, counted, gathered in a table, gone on with."""
 
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from shutil import copytree
 
@@ -24,6 +25,7 @@ STUDY = {
     "vary": {"scene.pose": ["supine", "prone"]},
     "do": ["build", {"run": {"steps": 3}}, {"python": "own_code:probe"}],
 }
+Way = Callable[[], object]
 LEFT = 3
 """Jobs that are still to be done."""
 
@@ -47,24 +49,39 @@ def prepare(folder: Path) -> Path:
 
 def attempt(prepared: Path, generator: np.random.Generator, folder: Path) -> None:
     """Change the folder of a cohort, and use it in a few ways."""
-    for name in ("own_code.py", "cohort.yaml"):
-        (folder / name).write_bytes((prepared / name).read_bytes())
-    out = Path(copytree(prepared / "out", folder / "out"))
-    spoil(generator, out, folder.parent / "outside")
-    study, refused = Cohort(folder / "cohort.yaml"), None
-    ways = (
-        lambda engine: mimoc.report(out, folder / "page.html"),
-        lambda engine: mimoc.report(out, folder / "page.html", cohort=study),
-        lambda engine: study.table(out),
-        lambda engine: plan(study, out),
-        lambda engine: study.run(out, engine),
-        lambda engine: study.retry(out, engine),
-        lambda engine: [Store(out).read_bundle(job) for job in study.jobs() if job.step == "build"],
+    place = copied(prepared, folder)
+    spoil(generator, place / "out", folder.parent / "outside")
+    known = ways(place)
+    use(pick(generator, known) for _ in range(3))
+
+
+def copied(prepared: Path, folder: Path) -> Path:
+    """Copy the file of the cohort and its folder; return where they are now."""
+    return Path(copytree(prepared, folder / "cohort"))
+
+
+def ways(place: Path) -> tuple[Way, ...]:
+    """Return all that can be done with the folder of the cohort."""
+    study, out, page = Cohort(place / "cohort.yaml"), place / "out", place / "page.html"
+    built = [job for job in study.jobs() if job.step == "build"]
+    return (
+        lambda: mimoc.report(out, page),
+        lambda: mimoc.report(out, page, cohort=study),
+        lambda: study.table(out),
+        lambda: plan(study, out),
+        lambda: study.run(out, "here"),
+        lambda: study.retry(out, "here"),
+        lambda: [Store(out).read_bundle(job) for job in built],
     )
-    with here() as engine:
-        for _ in range(3):
+
+
+def use(chosen: Iterable[Way]) -> None:
+    """Do things one after the other, and raise the error of one that was refused."""
+    refused = None
+    with here():
+        for way in chosen:
             try:
-                pick(generator, ways)(engine)
+                way()
             except MimocError as error:
                 refused = error
     if refused:

@@ -1,55 +1,65 @@
 """Folders of training runs that are changed by chance, and used: reported on, resumed, and acted by."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from shutil import copytree
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from fuzz import policies
+from fuzz import cohorts, policies
+from fuzz.cohorts import Way
 from fuzz.folder_mutations import spoil
 from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import pick
 
 import mimoc
-from mimoc.errors import MimocError, RenderingError
+from mimoc.errors import RenderingError
 from mimoc.reporting.infant import portrait
 from mimoc.training.run_folder import read_training_run
 
 SETTINGS = {"envs": 2, "checkpoint_every": 64, "hyper": policies.TINY}
 STEPS = 64
+Prepared = tuple[Path, mimoc.Bundle, Any]
 
 
-def prepare(folder: Path) -> tuple[Path, mimoc.Bundle, Any]:
+def prepare(folder: Path) -> Prepared:
     """Return the folder of a training run that has hardly begun, its infant, and its environment."""
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(policies.SPEC))
     mimoc.train(bundle, folder / "run", steps=STEPS, **SETTINGS)
     return folder / "run", bundle, mimoc.InfantEnv(bundle)
 
 
-def attempt(prepared: tuple[Path, mimoc.Bundle, Any], generator: np.random.Generator, folder: Path) -> None:
+def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) -> None:
     """Change the folder of a training run, and use it in a few ways."""
-    trained, bundle, env = prepared
-    run = Path(copytree(trained, folder / "run"))
+    run = copied(prepared, folder)
     spoil(generator, run, folder.parent / "outside")
-    ways = (
-        lambda: mimoc.report(run, folder / "page.html"),
-        lambda: mimoc.report(run, folder / "page.html"),
+    known = ways(prepared, run)
+    use(pick(generator, known) for _ in range(3))
+
+
+def copied(prepared: Prepared, folder: Path) -> Path:
+    """Copy the folder of the training run; return where it is now."""
+    return Path(copytree(prepared[0], folder / "run"))
+
+
+def ways(prepared: Prepared, run: Path) -> tuple[Way, ...]:
+    """Return all that can be done with a folder of the training run."""
+    _, bundle, env = prepared
+    return (
+        lambda: mimoc.report(run, run.parent / "page.html"),
         lambda: read_training_run(run),
         lambda: policies.use(run / "policy.zip", env),
         lambda: mimoc.train(bundle, run, steps=STEPS, **SETTINGS),
         lambda: mimoc.train(bundle, run, steps=2 * STEPS, **SETTINGS),
         lambda: mimoc.train(bundle, run, steps=STEPS, force=True, **SETTINGS),
     )
-    refused = None
+
+
+def use(chosen: Iterable[Way]) -> None:
+    """Do things one after the other, without portraits, and raise the error of one that was refused."""
     with patch.object(portrait, "portrait", _no_portrait):
-        for _ in range(3):
-            try:
-                pick(generator, ways)()
-            except MimocError as error:
-                refused = error
-    if refused:
-        raise refused
+        cohorts.use(chosen)
 
 
 def _no_portrait(*_: object, **__: object) -> None:

@@ -64,8 +64,7 @@ def _scatters(known: Mapping[int, Mapping[str, Any]]) -> list[Block]:
     """Return plots of measures against each other, where the children that have both differ."""
     plots = []
     for across, up in product(LENGTHS, AGAINST_LENGTH):
-        pairs = [(child, child.get(across), child.get(up)) for child in known.values()]
-        pairs = [each for each in pairs if isinstance(each[1], (int, float)) and isinstance(each[2], (int, float))]
+        pairs = [(child, child[across], child[up]) for child in known.values() if {across, up} <= child.keys()]
         if len({pair[1:] for pair in pairs}) > 1:
             plots.append(_scatter(pairs, across, up))
     caption = f"{words.count(len(known), 'child', 'children')} of the cohort; girls orange, boys blue."

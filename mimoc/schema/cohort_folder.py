@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, StringConstraints
+from pydantic import AfterValidator, StringConstraints
 
 from mimoc.schema.base import Model
 from mimoc.schema.body import IndividualSpec
-from mimoc.schema.bounded import Int64, Plain
+from mimoc.schema.bounded import Int64, NotNegative, Plain
 from mimoc.schema.quantities import Real
 
 
@@ -53,4 +53,4 @@ class ResultFile(Model):
     measures: Mapping[str, Measure]
     versions: Mapping[str, str]
     error: str
-    seconds: Annotated[Real, Field(ge=0)]
+    seconds: NotNegative
