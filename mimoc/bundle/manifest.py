@@ -14,6 +14,7 @@ from mimoc.schema.entries import (
     Amount,
     Body,
     Camera,
+    ControlStep,
     Duration,
     FreeJoint,
     Geom,
@@ -169,7 +170,7 @@ class Manifest(Model):
     """That free joint."""
     timestep_ms: Annotated[Duration, Field(ge=0.1, le=20)]
     """Duration of a physics step."""
-    step_ms: Annotated[Duration, Field(ge=0.1, le=1000)]
+    step_ms: ControlStep
     """Duration of a control step, a whole number of physics steps."""
     pose: Keyframe
     """Keyframe that an episode starts from by default."""

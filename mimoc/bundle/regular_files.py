@@ -17,8 +17,11 @@ MOST_NESTED = 8
 """Folders within each other."""
 
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
-_LINK_MET = (errno.ELOOP, errno.EMLINK, errno.ENOTDIR)
+_LINK = (errno.ELOOP, errno.EMLINK)
+"""Errors of opening a file that is a link."""
+_LINK_MET = (*_LINK, errno.ENOTDIR)
 """Errors of opening a file or, the last, a folder that is a link."""
+_LINK_TEXT = "is a link, which mimoc never writes"
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 
 
@@ -44,8 +47,7 @@ class RegularFiles:
         if file is None:
             return None
         try:
-            with file:
-                content = file.read(os.fstat(file.fileno()).st_size)
+            content = _content(file)
         except OSError:
             return None
         self._left -= len(content)
@@ -62,7 +64,7 @@ class RegularFiles:
             return _open(path.name, most_bytes, self._folder(path.parent))
         except OSError as error:
             if error.errno in _LINK_MET:
-                raise UnusableFileError("is a link, which mimoc never writes") from None
+                raise UnusableFileError(_LINK_TEXT) from None
             return None
 
     def names(self, folder: str = ".") -> list[str]:
@@ -111,11 +113,15 @@ def read_regular_file(path: Path, most_bytes: int = MOST_BYTES, *, below: Path |
     Raises:
         UnusableFileError: If it is not a regular file, or too large.
     """
-    above = path.parent if below is None else below
     try:
-        with regular_files(above, most_bytes) as files:
-            return files.read(path.relative_to(above).as_posix(), most_bytes)
-    except OSError:
+        if below is None:  # By its path at once: another process may replace its folder meanwhile.
+            file = _open(path, most_bytes)
+            return None if file is None else _content(file)
+        with regular_files(below, most_bytes) as files:
+            return files.read(path.relative_to(below).as_posix(), most_bytes)
+    except OSError as error:
+        if error.errno in _LINK:
+            raise UnusableFileError(_LINK_TEXT) from None
         return None
 
 
@@ -140,7 +146,13 @@ def is_regular_file(path: Path) -> bool:
         return False
 
 
-def _open(name: str, most_bytes: int, folder: int) -> BinaryIO | None:
+def _content(file: BinaryIO) -> bytes:
+    """Return the content of a file, or what is left of it if it was cut meanwhile, and close it."""
+    with file:
+        return file.read(os.fstat(file.fileno()).st_size)
+
+
+def _open(name: str | Path, most_bytes: int, folder: int | None = None) -> BinaryIO | None:
     handle = os.open(name, _FILE, dir_fd=folder)
     try:
         status = os.fstat(handle)

@@ -57,7 +57,7 @@ def replay(
             count, steps = count + 1, steps + replayed.episode.steps
             if replayed.difference:
                 failed += 1
-                print(replayed)
+                print(printable(replayed))
     if failed:
         print(f"failed: {failed} of {counted(count, 'episode')} did not come out again")
         raise typer.Exit(FAILED_CHECK)

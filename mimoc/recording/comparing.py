@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.errors import RecordingError
 from mimoc.recording import frames, tables
-from mimoc.recording.blocks import Array, Block
+from mimoc.recording.blocks import Array, Block, Reading
+from mimoc.recording.described import OBSERVATION
 from mimoc.recording.reading import Episode
 from mimoc.recording.state_text import is_same
-from mimoc.recording.tables import OBSERVATION
+from mimoc.recording.table_check import sparse_of
 
 Found = tuple[int, str, int, float, float]
 """Row, array, index in it, and both values of a number that differs."""
@@ -46,8 +48,8 @@ class Recorded:
     def __init__(self, episode: Episode):
         """Begin with its first row."""
         self._episode, self._taken = episode, 0
-        pictures = [each.name for each in episode.described.readings if each.kind == "picture"]
-        self._pictures = {name: _frames(episode, name) for name in pictures}
+        pictures = [reading for reading in episode.described.readings if reading.kind == "picture"]
+        self._pictures = {reading.name: _frames(episode, reading) for reading in pictures}
 
     def differs(self, block: Block) -> Difference | None:
         """Compare the next rows; return the first difference in time, if there is one."""
@@ -71,7 +73,7 @@ class Recorded:
                 recorded = tables.array_of(rows, OBSERVATION + name, reading)
                 yield _first(name, recorded, block.dense[name][: block.rows])
             else:
-                yield _first_sparse(name, tables.sparse_of(rows, OBSERVATION + name), block)
+                yield _first_sparse(name, sparse_of(rows, OBSERVATION + name), block)
         for name in sorted(block.numbers.keys() | {each for each in rows.column_names if each.startswith("term.")}):
             now = block.numbers.get(name, np.full(block.room, np.nan))[: block.rows]
             known = name in rows.column_names
@@ -130,7 +132,7 @@ def _bits(array: Array) -> Array:
 def _label(episode: Episode, what: str, index: int) -> str:
     """Return the name of a number in an array of the observation, or where it is in a picture."""
     reading = next((each for each in episode.described.readings if each.name == what), None)
-    if reading is None:
+    if reading is None or index >= reading.size:  # A number of the info may have the name of an observation.
         return ""
     if reading.layout:
         return f"'{reading.layout[index]}'"
@@ -138,6 +140,8 @@ def _label(episode: Episode, what: str, index: int) -> str:
     return f"at ({at})"
 
 
-def _frames(episode: Episode, name: str) -> Iterator[Any]:
-    for path in episode.files.pictures(name, frames.LOSSLESS):
-        yield from frames.decoded(path, episode.reading(name).shape)
+def _frames(episode: Episode, reading: Reading) -> Iterator[Any]:
+    paths = episode.files.pictures(reading.name, frames.LOSSLESS)
+    for path in paths:
+        yield from frames.decoded(path, reading.shape, episode.sidecar.rows)
+    raise RecordingError(f"{paths[-1]}: there are fewer pictures in it than control steps")

@@ -5,15 +5,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from mimoc.errors import RecordingError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block
-from mimoc.recording.folder import PART, WHOLE, EpisodeFiles, part_stem, read_json, with_extension, write_json
-from mimoc.recording.tables import Described
+from mimoc.recording.described import Described
+from mimoc.recording.description import as_json, read_sidecar
+from mimoc.recording.folder import PART, WHOLE, EpisodeFiles, part_stem, remove_files, with_extension, write_json
 from mimoc.units import ms_to_s
-
-UNFINISHED = "unfinished"
-"""How an episode ended that is still being recorded, or was when its process was killed."""
 
 
 def rate_hz(step_ms: float) -> Fraction:
@@ -56,49 +53,13 @@ def finish(episode: EpisodeFiles, ended: str, described: Described | None = None
         RecordingError: If a part is damaged.
     """
     stem = episode.stem
-    described = described or tables.describe(episode.tables[0])
+    described = described or tables.describe(episode.tables)
     for reading in described.readings:
         for extension in (frames.LOSSLESS, frames.VIDEO) if reading.kind == "picture" else ():
             parts = episode.pictures(reading.name, extension)
             whole = with_extension(stem, f".{reading.name}{extension}")
             frames.join_videos(whole, parts, rate_hz(described.step_ms))
     tables.join(with_extension(stem, WHOLE), episode.tables)
-    write_json(with_extension(stem, ".json"), {**read_sidecars(episode), "ended": ended})
-    for path in sorted(stem.parent.glob(f"{stem.name}.part*"), key=lambda path: path.suffix != ".json"):
-        path.unlink(missing_ok=True)
-
-
-def read_sidecars(episode: EpisodeFiles) -> dict[str, Any]:
-    """Return what the sidecar of an episode says, or what those of its parts say together.
-
-    Raises:
-        RecordingError: If one is damaged.
-    """
-    first, *others = (_read_sidecar(path) for path in episode.sidecars)
-    for other in others:
-        first["rows"] += other["rows"]
-        for name in ("changes", "states"):
-            first[name] += other[name]
-    return {"ended": UNFINISHED, **first}
-
-
-def _read_sidecar(path: Path) -> dict[str, Any]:
-    told = read_json(path)
-    if not _is_sidecar(told):
-        raise RecordingError(f"{path}: the file is damaged")
-    return told
-
-
-def _is_sidecar(told: Any) -> bool:
-    """Return whether data is what `write_part` writes into each sidecar."""
-    if not isinstance(told, dict) or type(told.get("rows")) is not int or told["rows"] < 1:
-        return False
-    changes, states = told.get("changes"), told.get("states")
-    if not isinstance(changes, list) or not isinstance(states, list):
-        return False
-    has_steps = all(isinstance(each, dict) and type(each.get("step")) is int for each in (*changes, *states))
-    return (
-        has_steps
-        and all(len(each) == 2 for each in changes)
-        and all(isinstance(each.get("state"), dict) for each in states)
-    )
+    sidecar = read_sidecar(episode.sidecars, below=episode.folder)
+    write_json(with_extension(stem, ".json"), as_json(sidecar.model_copy(update={"ended": ended})))
+    remove_files(sorted(stem.parent.glob(f"{stem.name}.part*"), key=lambda path: path.suffix != ".json"))

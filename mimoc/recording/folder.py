@@ -5,29 +5,25 @@ import json
 import os
 import platform
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
-from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
+from mimoc.bundle.regular_files import UnusableFileError, regular_files
 from mimoc.errors import OutputError, RecordingError
+from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, as_json, read_description
 from mimoc.version import __version__
 
 RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
 WHOLE, PART = ".parquet", ".arrow"
 """Extensions of the rows of an episode, and of those of a part."""
-FORMAT = 1
-MOST_BYTES = 2**29
-"""Of a description or a sidecar, which has all states of an episode; 512 MB."""
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
-NAME = re.compile(r"^(\d{4,})-(\d{6,})(?:\.part(\d{4,}))?\.json$")
-DIGEST = re.compile("sha256:[0-9a-f]{64}")
-"""Of a bundle."""
+NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.part([0-9]{4,}))?\.json")
 DIGITS = 16
 """Of a bundle's digest in the name of its folder."""
 
@@ -47,6 +43,11 @@ class EpisodeFiles:
     def stem(self) -> Path:
         """Path of all its files without what tells them apart."""
         return self.stems[0].with_name(_name(self.infant, self.number))
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the recording."""
+        return self.stems[0].parents[1]
 
     @property
     def sidecars(self) -> list[Path]:
@@ -73,14 +74,14 @@ class RecordingFolder:
     """The folder of one recording, locked against other processes that record."""
 
     path: Path
-    told: dict[str, Any]
+    description: Description
     """Content of `recording.json`."""
     handle: int = field(repr=False)
 
     @property
     def bundles(self) -> list[str]:
         """The digest of each infant's bundle."""
-        return [each["bundle"] for each in self.told["infants"]]
+        return [infant.bundle for infant in self.description.infants]
 
     def stem(self, infant: int, number: int) -> Path:
         """Return the path of an episode's files without their extensions."""
@@ -89,9 +90,17 @@ class RecordingFolder:
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
         found = [0] * len(self.bundles)
-        for each in episodes_in(self.path):
+        for each in self.episodes():
             found[each.infant] = max(found[each.infant], each.number + 1)
         return found
+
+    def episodes(self) -> list[EpisodeFiles]:
+        """Return the episodes in it.
+
+        Raises:
+            RecordingError: If one is of an infant that is not recorded here.
+        """
+        return episodes_in(self.path, len(self.bundles))
 
     def mark(self, run: str, steps: int) -> None:
         """Come back to where a run was after some steps, and remove what it has recorded since; or note this place.
@@ -101,16 +110,25 @@ class RecordingFolder:
         Raises:
             OutputError: If the folder cannot be written.
         """
-        marks: list[dict[str, Any]] = self.told.setdefault("marks", [])
-        here = [index for index, each in enumerate(marks) if (each["run"], each["steps"]) == (run, steps)]
-        if here and all(each["run"] == run for each in marks[here[-1] :]):
-            for each in episodes_in(self.path):
-                if each.number >= marks[here[-1]]["episodes"][each.infant]:
-                    remove(each)
-            del marks[here[-1] + 1 :]
+        marks = self.description.marks
+        here = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
+        if here and all(mark.run == run for mark in marks[here[-1] :]):
+            marks = marks[: here[-1] + 1]
+            for episode in self.episodes():
+                if episode.number >= marks[-1].episodes[episode.infant]:
+                    remove(episode)
         else:
-            marks.append({"run": run, "steps": steps, "episodes": self.next_numbers()})
-        write_json(self.path / RECORDING, self.told)
+            marks = (*marks, Mark(run=run, steps=steps, episodes=tuple(self.next_numbers())))
+        self.description = self.description.model_copy(update={"marks": marks})
+        self.write_description()
+
+    def write_description(self) -> None:
+        """Write `recording.json`.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        write_json(self.path / RECORDING, as_json(self.description))
 
     def close(self) -> None:
         """Unlock the folder."""
@@ -127,26 +145,26 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
     folder = Path(path).expanduser()
     previous = check_recordable(folder, bundles)
     try:
-        (folder / EPISODES).mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder / EPISODES, below=folder)
         handle = os.open(folder, os.O_RDONLY)
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
+    opened = RecordingFolder(folder, previous or _description_of(bundles, step_ms), handle)
     try:
         _lock(handle, folder)
-        told = previous or {"recording": FORMAT, "step_ms": step_ms, "infants": _told_of(bundles), "sessions": []}
-        if not told["sessions"] or told["sessions"][-1] != versions():
-            told["sessions"].append(versions())
         for bundle in bundles:
-            if not (home := bundle_folder(folder, digest(bundle))).exists():
+            home = bundle_folder(folder, digest(bundle))
+            if not check_unlinked(home, below=folder).exists():
                 write_bundle(bundle, home)
-        write_json(folder / RECORDING, told)
+        _note_versions(opened)
     except BaseException:
-        os.close(handle)
+        opened.close()
         raise
-    return RecordingFolder(folder, told, handle)
+    return opened
 
 
-def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> dict[str, Any] | None:
+def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | None:
     """Check that infants can be recorded in a folder; return what its `recording.json` says, None if there is none.
 
     Raises:
@@ -159,8 +177,8 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> dict[str, Any] 
         if inside - {EPISODES, BUNDLES}:
             raise RecordingError(f"{folder}: the folder is not empty and no recording; name a new or empty folder")
         return None
-    told = read_description(folder)
-    found, wanted = [each["bundle"] for each in told["infants"]], [digest(bundle) for bundle in bundles]
+    description = description_in(folder)
+    found, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
     if len(found) != len(wanted):
         raise RecordingError(
             f"{folder}: the recording here is of {len(found)} infants side by side, not {len(wanted)}; name another"
@@ -168,15 +186,15 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> dict[str, Any] 
         )
     for infant, (theirs, ours) in enumerate(zip(found, wanted, strict=True)):
         if theirs != ours:
-            name = told["infants"][infant]["name"]
+            name = description.infants[infant].name
             raise RecordingError(
                 f"{folder}: the recording here is of another bundle ('{name}', {theirs[7:15]}, not"
                 f" '{bundles[infant].manifest.name}', {ours[7:15]}); name another folder"
             )
-    return told
+    return description
 
 
-def read_description(folder: Path) -> dict[str, Any]:
+def description_in(folder: Path) -> Description:
     """Return what the `recording.json` of a folder says.
 
     Raises:
@@ -187,36 +205,22 @@ def read_description(folder: Path) -> dict[str, Any]:
     path = folder / RECORDING
     if not os.path.lexists(path):
         raise RecordingError(f"{folder}: this is not a recording, it has no {RECORDING}")
-    told = read_json(path)
-    if not isinstance(told, dict) or told.get("recording") != FORMAT:
-        raise RecordingError(f"{path}: this version of mimoc reads recordings of version {FORMAT} only")
-    if not _is_description(told):
-        raise RecordingError(f"{path}: the file is damaged")
-    return told
+    return read_description(path)
 
 
-def read_json(path: Path) -> Any:
-    """Return what a file of a recording says.
+def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
+    """Return the episodes in the folder of a recording, by infant and number; those without any part are left out.
 
     Raises:
-        RecordingError: If it is missing, damaged, not a regular file, or too large.
+        RecordingError: If one is of none of so many infants, or the folder with the episodes is a link.
     """
-    try:
-        return json.loads(read_regular_file(path, MOST_BYTES) or b"")
-    except UnusableFileError as error:
-        raise RecordingError(f"{path}: {error}") from None
-    except (ValueError, RecursionError):
-        raise RecordingError(f"{path}: the file is damaged or missing") from None
-
-
-def episodes_in(folder: Path) -> list[EpisodeFiles]:
-    """Return the episodes in the folder of a recording, by infant and number; those without any part are left out."""
-    whole: set[tuple[int, int]] = set()
+    home, whole = folder / EPISODES, set[tuple[int, int]]()
     parts: dict[tuple[int, int], set[int]] = {}
-    home = folder / EPISODES
-    for path in home.iterdir() if home.is_dir() else ():
-        if found := NAME.match(path.name):
+    for name in _names_in(folder):
+        if found := NAME.fullmatch(name):
             key = int(found[1]), int(found[2])
+            if key[0] >= infants:
+                raise RecordingError(f"{home / name}: there is no infant {key[0]} in this recording of {infants}")
             if found[3] is None:
                 whole.add(key)
             else:
@@ -225,11 +229,36 @@ def episodes_in(folder: Path) -> list[EpisodeFiles]:
     return [each for each in listed if each.stems]
 
 
+def _names_in(folder: Path) -> list[str]:
+    """Return the names of what is in the folder of the episodes."""
+    try:
+        with regular_files(folder) as files:
+            return files.names(EPISODES)
+    except (UnusableFileError, OSError) as error:
+        raise RecordingError(f"{folder / EPISODES}: {error}") from None
+
+
 def remove(episode: EpisodeFiles) -> None:
-    """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole."""
-    found = sorted(episode.stem.parent.glob(f"{episode.stem.name}.*"), key=lambda path: path.suffix != ".json")
-    for path in found:
-        path.unlink(missing_ok=True)
+    """Remove all files of an episode, its sidecars first, so that a half of it is never taken for the whole.
+
+    Raises:
+        OutputError: If one cannot be removed.
+    """
+    files = episode.stem.parent.glob(f"{episode.stem.name}.*")
+    remove_files(sorted(files, key=lambda path: path.suffix != ".json"))
+
+
+def remove_files(paths: Iterable[Path]) -> None:
+    """Remove files, if they exist.
+
+    Raises:
+        OutputError: If one cannot be removed.
+    """
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except OSError as error:
+            raise write_error(path, error) from None
 
 
 def bundle_folder(folder: Path, bundle_digest: str) -> Path:
@@ -267,28 +296,17 @@ def _name(infant: int, number: int) -> str:
     return f"{infant:04d}-{number:06d}"
 
 
-def _told_of(bundles: Sequence[Bundle]) -> list[dict[str, str]]:
-    return [{"name": bundle.manifest.name, "bundle": digest(bundle)} for bundle in bundles]
+def _description_of(bundles: Sequence[Bundle], step_ms: float) -> Description:
+    infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
+    return Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
 
 
-def _is_description(told: Mapping[str, Any]) -> bool:
-    """Return whether data is what `open_folder` and `RecordingFolder.mark` write into `recording.json`."""
-    infants, sessions, marks = (told.get(name) for name in ("infants", "sessions", "marks"))
-    if not (isinstance(infants, list) and isinstance(sessions, list) and isinstance(told.get("step_ms"), (int, float))):
-        return False
-    if not infants or not all(
-        isinstance(each, dict) and isinstance(each.get("name"), str) and DIGEST.fullmatch(str(each.get("bundle")))
-        for each in infants
-    ):
-        return False
-    return marks is None or (isinstance(marks, list) and all(_is_mark(each, len(infants)) for each in marks))
-
-
-def _is_mark(told: Any, infants: int) -> bool:
-    if not isinstance(told, dict) or not {"run", "steps", "episodes"} <= told.keys():
-        return False
-    episodes = told["episodes"]
-    return isinstance(episodes, list) and len(episodes) == infants and all(type(each) is int for each in episodes)
+def _note_versions(folder: RecordingFolder) -> None:
+    """Write the description, with the versions of the software here if they have changed."""
+    sessions, current = folder.description.sessions, versions()
+    if not sessions or sessions[-1] != current:
+        folder.description = folder.description.model_copy(update={"sessions": (*sessions, current)})
+    folder.write_description()
 
 
 def _files(home: Path, key: tuple[int, int], is_whole: bool, parts: set[int]) -> EpisodeFiles:

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from mimoc.errors import RecordingError
 from mimoc.recording import episode_writer
 from mimoc.recording.blocks import Block, Reading, reading_of
+from mimoc.recording.described import Described
 from mimoc.recording.folder import EpisodeFiles, part_stem
 from mimoc.recording.state_text import to_plain
-from mimoc.recording.tables import Described
 from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import Journal

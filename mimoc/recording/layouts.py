@@ -1,6 +1,5 @@
 """Names of many numbers in few words: `hip 0 x [N]`, `hip 0 y [N]` ... as one run for each part of the body."""
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from itertools import groupby, takewhile
@@ -30,11 +29,6 @@ def written_out(layout: Sequence[Any]) -> tuple[str, ...]:
     if sum(1 if isinstance(each, str) else _count(each) for each in layout) > MOST:
         raise ValueError("a layout of more numbers than any infant has")
     return tuple(name for each in layout for name in ([each] if isinstance(each, str) else _names(each)))
-
-
-def from_json(text: str | bytes) -> tuple[str, ...]:
-    """Return the names of a layout that is JSON."""
-    return written_out(json.loads(text))
 
 
 def _prefix(name: str) -> str | None:

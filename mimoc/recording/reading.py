@@ -13,10 +13,10 @@ from mimoc.bundle.regular_files import is_regular_file
 from mimoc.errors import BundleError, RecordingError, UnknownNameError
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.episode_writer import read_sidecars
-from mimoc.recording.folder import EpisodeFiles, bundle_folder, digest, episodes_in, read_description
+from mimoc.recording.described import OBSERVATION, Described
+from mimoc.recording.description import Description, Sidecar, read_sidecar
+from mimoc.recording.folder import EpisodeFiles, bundle_folder, description_in, digest, episodes_in
 from mimoc.recording.state_text import from_plain
-from mimoc.recording.tables import OBSERVATION, Described
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,14 @@ class Episode:
         return self.files.number
 
     @cached_property
-    def told(self) -> Mapping[str, Any]:
+    def sidecar(self) -> Sidecar:
         """Content of its sidecar: how it began, all that was done besides its steps, states and versions."""
-        return read_sidecars(self.files)
+        return read_sidecar(self.files.sidecars, below=self.files.folder)
 
     @property
     def steps(self) -> int:
         """Control steps of it that are recorded."""
-        return int(self.told["rows"]) - 1
+        return self.sidecar.rows - 1
 
     @property
     def ended(self) -> str:
@@ -59,28 +59,28 @@ class Episode:
 
         Unfinished is an episode that is still being recorded, or was when its process was killed.
         """
-        return self.told["ended"]
+        return self.sidecar.ended
 
     @property
     def seed(self) -> int | None:
         """Seed of its reset; None if it went on with the random numbers of the episode before."""
-        reset = self.told["reset"]
-        return reset and reset["seed"]
+        reset = self.sidecar.reset
+        return reset and reset.seed
 
     @property
     def bundle_digest(self) -> str:
         """Digest of the infant's bundle."""
-        return self.told["bundle"]
+        return self.sidecar.bundle
 
     @property
     def versions(self) -> Mapping[str, str]:
         """Versions of the software that it was recorded with."""
-        return self.told["versions"]
+        return self.sidecar.versions
 
     @cached_property
     def described(self) -> Described:
         """What its numbers are."""
-        return tables.describe(self.files.tables[0])
+        return tables.describe(self.files.tables)
 
     @property
     def step_ms(self) -> float:
@@ -141,13 +141,9 @@ class Episode:
         """
         reading = self.reading(name)
         if reading.kind != "picture":
-            with tables.damage_told(self.files.tables[0]):
-                return tables.array_of(self.table, OBSERVATION + name, reading)
-        count = len(self.step)
-        if len(self.files.stems) == 1:
-            return frames.read_pictures(self.files.pictures(name, frames.LOSSLESS)[0], count, reading.shape)
+            return tables.array_of(self.table, OBSERVATION + name, reading)
         paths = self.files.pictures(name, frames.LOSSLESS)
-        return np.stack([picture for path in paths for picture in frames.some_pictures(path, reading.shape, count)])
+        return frames.read_pictures(paths, len(self.step), reading.shape)
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
@@ -160,9 +156,9 @@ class Episode:
     @cached_property
     def table(self) -> Any:
         """All rows as an Arrow table, as they are in the file."""
-        table = tables.read_columns(self.files.tables)
-        if len(table) != self.told["rows"]:
-            raise RecordingError(f"{self.files.tables[0]}: the file is damaged: rows are missing")
+        table = tables.read_columns(self.files.tables, self.described)
+        if len(table) != self.sidecar.rows:
+            raise RecordingError(f"{self.files.tables[0]}: it has {len(table)} rows of {self.sidecar.rows}")
         return table
 
     def columns(self, *names: str) -> dict[str, Array]:
@@ -189,43 +185,42 @@ class Episode:
     @property
     def options(self) -> Mapping[str, Any]:
         """Options of its reset."""
-        reset = self.told["reset"]
-        return from_plain(reset["options"]) if reset else {}
+        reset = self.sidecar.reset
+        return self._restored(reset.options) if reset else {}
 
     @property
     def before(self) -> Any:
         """What its reset went on from: parts of a state; None if it began without a reset."""
-        reset = self.told["reset"]
-        return reset and from_plain(reset["before"])
+        reset = self.sidecar.reset
+        return reset and self._restored(reset.before)
 
     @property
     def objects(self) -> Mapping[str, str]:
         """Classes of the objects of a script's own that it was recorded with, by what they are."""
-        return self.told.get("objects", {})
+        return self.sidecar.objects or {}
 
     @property
     def start(self) -> Any:
         """The complete state before the first control step, for `InfantEnv.set_state`."""
-        return from_plain(self.told["start"])
+        return self._restored(self.sidecar.start)
 
     @cached_property
     def states(self) -> dict[int, Any]:
         """Complete states after some numbers of control steps."""
-        return {each["step"]: from_plain(each["state"]) for each in self.told["states"]}
+        return {kept.step: self._restored(kept.state) for kept in self.sidecar.states}
 
     @cached_property
     def changes(self) -> dict[int, list[tuple[str, Any]]]:
         """What was done to the infant besides control steps, in order, by the number of steps before it."""
         found: dict[int, list[tuple[str, Any]]] = {}
-        for each in self.told["changes"]:
-            what = next(name for name in each if name != "step")
-            found.setdefault(each["step"], []).append((what, from_plain(each[what])))
+        for change in self.sidecar.changes:
+            (kind,) = change.kinds
+            found.setdefault(change.step, []).append((kind, self._restored(getattr(change, kind))))
         return found
 
     def column(self, name: str) -> Array:
         """Return a column of the file as an array of k + 1 rows."""
-        with tables.damage_told(self.files.tables[0]):
-            return tables.array_of(self.table, name)
+        return tables.array_of(self.table, name)
 
     def reading(self, name: str) -> Reading:
         """Return what is known of an array of the observation.
@@ -244,6 +239,12 @@ class Episode:
             raise UnknownNameError("recorded observation of numbers", name, numbers)
         return self.observation(name)
 
+    def _restored(self, plain: Any) -> Any:
+        try:
+            return from_plain(plain)
+        except RecordingError as error:
+            raise RecordingError(f"{self.files.sidecars[0]}: {error}") from None
+
     def _named(self, prefix: str) -> dict[str, Array]:
         names = [name for name in self.table.column_names if name.startswith(prefix)]
         return {name.removeprefix(prefix): self.column(name)[1:] for name in names}
@@ -255,7 +256,7 @@ class ReadRecording(Sequence[Episode]):
 
     path: Path
     """The folder."""
-    told: Mapping[str, Any]
+    description: Description
     """Content of its `recording.json`."""
     episodes: tuple[Episode, ...]
     """All episodes, those of the first infant first."""
@@ -279,7 +280,7 @@ class ReadRecording(Sequence[Episode]):
     @property
     def infants(self) -> int:
         """How many infants were recorded side by side."""
-        return len(self.told["infants"])
+        return len(self.description.infants)
 
     def of_infant(self, infant: int) -> tuple[Episode, ...]:
         """Return the episodes of one infant."""
@@ -291,8 +292,10 @@ class ReadRecording(Sequence[Episode]):
         Raises:
             RecordingError: If it is missing, damaged, or another one.
         """
-        wanted = self.told["infants"][infant]["bundle"]
+        wanted = self.description.infants[infant].bundle
         home = bundle_folder(self.path, wanted)
+        if home.is_symlink() or home.parent.is_symlink():
+            raise RecordingError(f"{home}: this is a link, or in one, which mimoc never writes")
         try:
             found = read_bundle(home)
         except BundleError as error:
@@ -311,7 +314,7 @@ class ReadRecording(Sequence[Episode]):
                 "ended": episode.ended,
                 "seed": episode.seed,
                 "return": float(np.nansum(episode.rewards)),
-                "is_success": bool(episode.infos.get("is_success", np.zeros(1, bool)).any()),
+                "is_success": bool((episode.infos.get("is_success", np.zeros(1)) == 1).any()),
             }
             for episode in self.episodes
         ]
@@ -329,41 +332,25 @@ def read_recording(folder: str | Path) -> ReadRecording:
         MissingExtraError: If PyArrow is not installed.
     """
     path = Path(folder).expanduser()
-    told = read_description(path)
-    episodes = tuple(Episode(each) for each in episodes_in(path))
+    description = description_in(path)
+    episodes = tuple(Episode(files) for files in episodes_in(path, len(description.infants)))
     for episode in episodes:
-        _check(episode, len(told["infants"]))
-    return ReadRecording(path, told, episodes)
+        _check(episode, description)
+    return ReadRecording(path, description, episodes)
 
 
-def _has_head(told: Mapping[str, Any]) -> bool:
-    """Return whether a sidecar says, besides what each does, how an episode began."""
-    reset = told.get("reset", "missing")
-    if isinstance(reset, dict):
-        seed = reset.get("seed", "missing")
-        is_begun = seed is None or (type(seed) is int and seed >= 0)
-        is_begun &= isinstance(reset.get("options"), dict) and isinstance(reset.get("before"), dict)
-    else:
-        is_begun = reset is None
-    texts = [told.get("versions"), told.get("objects", {})]
-    return (
-        is_begun
-        and isinstance(told.get("start"), dict)
-        and isinstance(told.get("bundle"), str)
-        and isinstance(told["ended"], str)
-        and all(isinstance(each, dict) and all(isinstance(text, str) for text in each.values()) for each in texts)
-    )
-
-
-def _check(episode: Episode, infants: int) -> None:
-    """Check that what is needed of an episode is there.
+def _check(episode: Episode, description: Description) -> None:
+    """Check that an episode is of this recording, and that all its files are there and what it says they are.
 
     Raises:
-        RecordingError: If it is not.
+        RecordingError: If not.
     """
-    if episode.infant >= infants or not _has_head(episode.told):
-        raise RecordingError(f"{episode.files.sidecars[0]}: the file is damaged or of another recording")
-    _check_regular(episode.files.tables)
+    sidecar, place = episode.sidecar, episode.files.sidecars[0]
+    if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
+        raise RecordingError(f"{place}: this is an episode of another infant or recording")
+    for name, kept in (("changes", sidecar.changes), ("states", sidecar.states)):
+        if late := [each.step for each in kept if each.step >= sidecar.rows]:
+            raise RecordingError(f"{place}: {name}: there is no control step {late[0]} in this episode")
     for reading in episode.described.readings:
         if reading.kind == "picture":
             _check_regular(episode.files.pictures(reading.name, frames.LOSSLESS))

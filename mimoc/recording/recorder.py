@@ -14,7 +14,8 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.bundle import files
 from mimoc.errors import RecordingError
 from mimoc.recording import episode_writer
-from mimoc.recording.folder import EPISODES, RecordingFolder, digest, episodes_in, open_folder, versions
+from mimoc.recording.description import UNFINISHED
+from mimoc.recording.folder import EPISODES, RecordingFolder, digest, open_folder, versions
 from mimoc.recording.infant_journal import InfantJournal, Pace
 from mimoc.recording.video import require_av
 from mimoc.recording.writer import Writer
@@ -241,9 +242,9 @@ def _tidy(folder: RecordingFolder) -> None:
     """Put together the episodes of a process that was killed, and remove what it had begun to write."""
     for leftover in (folder.path / EPISODES).glob(".mimoc-*.tmp"):
         files.discard(leftover)
-    for episode in episodes_in(folder.path):
+    for episode in folder.episodes():
         if not episode.is_whole:
-            episode_writer.finish(episode, episode_writer.UNFINISHED)
+            episode_writer.finish(episode, UNFINISHED)
 
 
 def _fitting(pace: Pace, infant: InfantEnv, infants: int) -> Pace:

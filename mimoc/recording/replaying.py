@@ -23,6 +23,8 @@ from mimoc.senses.sense import Observation
 
 ROWS = 250
 """Rows that are compared at once."""
+_SHOWN = 300
+"""Most characters of an error about what is in a file."""
 Open = Callable[[Bundle, bool], InfantEnv]
 """Opens the environment of a bundle; the flag says whether it needs scenes of other seeds, too."""
 
@@ -105,7 +107,9 @@ class _Replay:
         try:
             observation, info = self._begin()
         except (MimocError, ValueError) as error:
-            raise RecordingError(f"{self._episode.files.sidecars[0]}: cannot be begun again: {error}") from None
+            raise RecordingError(
+                f"{self._episode.files.sidecars[0]}: cannot be begun again: {_in_a_line(error)}"
+            ) from None
         self._watch(self._env, observation)
         found = state_differs(0, self._episode.start, self._env.get_state())
         found = self._differs(None, (*NOTHING_YET, info), observation) or found
@@ -137,7 +141,7 @@ class _Replay:
 
     def _change(self, what: str, value: Any) -> None:
         """Do again what was done besides control steps."""
-        env, sidecar = self._env, self._episode.files.sidecars[0]
+        env = self._env
         with _damage_told(self._episode):
             if what == "age_months":
                 env.grow(to=value)
@@ -149,9 +153,7 @@ class _Replay:
                 check_physics(value, env.model)
                 set_physics(env.model, env.data, value)
             elif what == "action_dtype":
-                self._dtype = np.dtype(value)
-            else:
-                raise RecordingError(f"{sidecar}: this version of mimoc does not know the change '{what}'")
+                self._dtype = _number_type(value)
 
     def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
         """Keep a row, and compare when there are enough."""
@@ -178,7 +180,22 @@ def _damage_told(episode: Episode) -> Iterator[None]:
         yield
     except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
         place = episode.files.sidecars[0]
-        raise RecordingError(f"{place}: a state or a change is damaged ({type(error).__name__}: {error})") from None
+        raise RecordingError(
+            f"{place}: a state or a change is damaged ({type(error).__name__}: {_in_a_line(error)})"
+        ) from None
+
+
+def _in_a_line(error: Exception) -> str:
+    """Return the beginning of what an error says, which may be of a stranger's array, in one line."""
+    text = " ".join(str(error).split())
+    return "".join(character for character in text[:_SHOWN] if character.isprintable())
+
+
+def _number_type(name: str) -> np.dtype[Any]:
+    dtype = np.dtype(name)
+    if dtype.kind not in "biuf":
+        raise ValueError(f"'{name}' is not a type of numbers")
+    return dtype
 
 
 def _told(progress: Callable[[int, int], None], before: int, total: int, steps: int) -> None:
@@ -199,12 +216,12 @@ def _check_observations(env: InfantEnv, episode: Episode) -> None:
     Raises:
         RecordingError: If it does not.
     """
-    here = {name: space.shape for name, space in _spaces(env).items()}
+    here = {name: (space.shape, space.dtype.name) for name, space in _spaces(env).items()}
     for reading in episode.described.readings:
-        if here.get(reading.name) != reading.shape:
+        if here.get(reading.name) != (reading.shape, reading.dtype):
             raise RecordingError(
                 f"infant {episode.infant}, episode {episode.number}: the observation '{reading.name}' of shape"
-                f" {reading.shape} is recorded, but the infant does not have it now"
+                f" {reading.shape} and type {reading.dtype} is recorded, but the infant does not have it now"
             )
     if env.action_space.shape != np.shape(episode.described.actions):
         raise RecordingError(f"infant {episode.infant}, episode {episode.number}: it has other actuators now")

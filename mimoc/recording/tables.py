@@ -1,101 +1,31 @@
 """Rows of a recording as Parquet, with the names and units of all numbers in its schema."""
 
-import json
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from mimoc.bundle import files
-from mimoc.errors import MissingExtraError, RecordingError
+from mimoc.bundle.regular_files import UnusableFileError, open_regular_file
+from mimoc.errors import RecordingError
+from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
+from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
 from mimoc.recording.folder import WHOLE
-from mimoc.recording.layouts import shortened, written_out
+from mimoc.recording.table_check import STEP, check_rows, check_schema, lists_of, pairs_of, sparse_of
 
-try:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-except ImportError:
-    raise MissingExtraError("pyarrow", "record") from None
-
-KEY = b"mimoc"
-"""Key of what mimoc says of the columns in the schema's metadata."""
-OBSERVATION = "observation."
-"""What the names of the columns of observations begin with."""
-KINDS, DTYPES = ("dense", "sparse", "picture"), ("float32", "float64", "uint8", "int8", "int32", "int64", "bool")
-"""What there is of arrays in observations."""
-MOST_NUMBERS = 2**26
-"""Of one array of an observation; pictures have the most."""
-MOST_STEP_MS = 1e6
 SMALL_BYTES, MOST_RATIO = 2**29, 100
 """What a file may hold however small it is, and how many times its size."""
+MOST_DENSE_RATIO = 2**10
+"""The same of arrays with all the zeros that a sparse column leaves out."""
+MOST_BYTES, MOST_PART_BYTES = 2**40, 2**30
+"""Of a file, and of a part, of which all infants together have no more than `ROOM_BYTES` in memory."""
 LEVEL = -4
 """Of zstd: a third faster than 1, for files that are a tenth larger."""
 SPLIT = ("float", "double")
 """Types whose bytes are compressed apart: floats of one quantity share signs and exponents."""
-
-
-@dataclass(frozen=True)
-class Described:
-    """What the schema of a recording says of its columns."""
-
-    readings: tuple[Reading, ...]
-    """The arrays of an observation."""
-    actions: tuple[str, ...]
-    """Actuators, in the order of an action."""
-    step_ms: float
-    """Duration of a control step."""
-
-    @cached_property
-    def json(self) -> bytes:
-        """It as it stands in the metadata."""
-        found = {
-            OBSERVATION + each.name: {
-                "kind": each.kind,
-                "shape": list(each.shape),
-                "dtype": each.dtype,
-                "layout": shortened(each.layout),
-            }
-            for each in self.readings
-        }
-        columns = {"action": {"layout": shortened(self.actions)}, **found}
-        return json.dumps({"recording": 1, "step_ms": self.step_ms, "columns": columns}, ensure_ascii=False).encode()
-
-    @classmethod
-    def from_json(cls, text: bytes) -> "Described":
-        """Return what metadata says."""
-        told = json.loads(text)
-        columns: Mapping[str, Any] = told["columns"]
-        readings = tuple(
-            Reading(
-                name.removeprefix(OBSERVATION),
-                tuple(each["shape"]),
-                each["dtype"],
-                each["kind"],
-                written_out(each["layout"]),
-            )
-            for name, each in columns.items()
-            if name.startswith(OBSERVATION)
-        )
-        if not all(map(_is_reading, readings)) or not 0 < told["step_ms"] <= MOST_STEP_MS:
-            raise ValueError("the description of another program")
-        return cls(readings, written_out(columns["action"]["layout"]), told["step_ms"])
-
-
-def _is_reading(reading: Reading) -> bool:
-    """Return whether an array of an observation is one that an infant can have."""
-    sizes = reading.shape
-    if not all(type(size) is int and 0 <= size <= MOST_NUMBERS for size in sizes) or math.prod(sizes) > MOST_NUMBERS:
-        return False
-    if reading.kind == "picture" and not (reading.dtype == "uint8" and len(sizes) == 3 and sizes[2] == 3):
-        return False
-    is_named = reading.name.isprintable() and "/" not in reading.name and len(reading.name) < 200
-    return is_named and reading.kind in KINDS and reading.dtype in DTYPES and len(reading.layout) in (0, reading.size)
 
 
 def write_block(path: Path, block: Block, described: Described) -> None:
@@ -121,12 +51,14 @@ def join(path: Path, parts: Sequence[Path]) -> None:
         OutputError: If the file cannot be written.
         RecordingError: If a part is damaged.
     """
-    schema, temporary = _schema_of(parts), files.temporary_path(path)
+    described, schema, temporary = describe(parts), _joined_schema(parts), files.temporary_path(path)
+    first_step = 0
     try:
         with pq.ParquetWriter(temporary, schema, write_statistics=False, **_encoding(schema)) as writer:
             for part in parts:
-                table = _aligned(_read(part), schema)
+                table = _aligned(_read(part, described, first_step), schema)
                 writer.write_table(table, row_group_size=len(table))
+                first_step += len(table)
     except RecordingError:
         files.discard(temporary)
         raise
@@ -136,24 +68,34 @@ def join(path: Path, parts: Sequence[Path]) -> None:
     files.move_into_place(temporary, path)
 
 
-def describe(path: Path) -> Described:
-    """Return what the schema of a file says.
+def describe(paths: Sequence[Path]) -> Described:
+    """Return what the schemas of some files of one episode say, which all say the same.
 
     Raises:
-        RecordingError: If it is damaged, or not a recording's.
+        RecordingError: If one is damaged, not a recording's, or has other columns than it says.
     """
-    with damage_told(path), _opened(path) as reader:
-        return Described.from_json(_schema(reader).metadata[KEY])
+    described: Described | None = None
+    for path in paths:
+        with _opened(path) as reader:
+            current = _described(reader)
+            if described not in (None, current):
+                raise UnusableFileError("it describes other columns than the part before")
+            described = current
+    assert described is not None
+    return described
 
 
-def read_columns(paths: Sequence[Path]) -> Any:
-    """Return the rows of some files as one Arrow table.
+def read_columns(paths: Sequence[Path], described: Described) -> Any:
+    """Return the rows of some files of one episode as one Arrow table.
 
     Raises:
-        RecordingError: If a file is damaged.
+        RecordingError: If a file is damaged, or is not as described.
     """
-    schema = _schema_of(paths)
-    return pa.concat_tables([_aligned(_read(path), schema) for path in paths])
+    schema, tables = _joined_schema(paths), list[Any]()
+    for path in paths:
+        first_step = sum(map(len, tables))
+        tables.append(_aligned(_read(path, described, first_step), schema))
+    return pa.concat_tables(tables)
 
 
 def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
@@ -170,18 +112,10 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
     return dense.reshape(len(column), *reading.shape)
 
 
-def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
-    """Return row, index and value of all numbers of a sparse column that are not zero."""
-    column = table.column(name).combine_chunks()
-    rows = np.repeat(np.arange(len(column)), np.diff(column.offsets.to_numpy()))
-    found = column.flatten()
-    return rows, found.field("index").to_numpy(), found.field("value").to_numpy(zero_copy_only=False)
-
-
 def _table(block: Block, described: Described) -> Any:
     rows = block.rows
-    columns: dict[str, Any] = {"step": pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
-    columns["action"] = _fixed(block.action[:rows])
+    columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
+    columns[ACTION] = _fixed(block.action[:rows])
     columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
     for each in block.readings:
         if each.kind == "dense":
@@ -195,16 +129,15 @@ def _table(block: Block, described: Described) -> Any:
 def _listed(kept: Sparse, rows: int) -> Any:
     """Return rows of index and value of the numbers that are not zero."""
     end = kept.ends[rows]
-    parts = {"index": pa.array(kept.index[:end]), "value": pa.array(kept.value[:end])}
-    fields = [pa.field(name, part.type, nullable=False) for name, part in parts.items()]
-    pairs = pa.StructArray.from_arrays([*parts.values()], fields=fields)
-    kind = pa.list_(pa.field("element", pairs.type, nullable=False))
+    index, value = pa.array(kept.index[:end]), pa.array(kept.value[:end])
+    kind = pairs_of(value.type)
+    pairs = pa.StructArray.from_arrays([index, value], fields=list(kind.value_type))
     return pa.ListArray.from_arrays(pa.array(kept.ends[: rows + 1]), pairs, type=kind)
 
 
 def _fixed(array: Array) -> Any:
     """Return an array of rows as lists of one length."""
-    kind = pa.list_(pa.field("element", pa.from_numpy_dtype(array.dtype), nullable=False), flat_size(array))
+    kind = lists_of(pa.from_numpy_dtype(array.dtype), flat_size(array))
     if not flat_size(array):
         return pa.array([[]] * len(array), kind)
     return pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), type=kind)
@@ -215,6 +148,18 @@ def flat_size(array: Array) -> int:
     return int(np.prod(array.shape[1:]))
 
 
+def _joined_schema(paths: Sequence[Path]) -> Any:
+    """Return a schema with the columns of all files; what is a flag in some and a number in others is a number."""
+    metadata, kinds = None, dict[str, Any]()
+    for path in paths:
+        with _opened(path) as reader:
+            schema = _schema(reader)
+        metadata = metadata or {KEY: schema.metadata[KEY]}
+        for field in schema:
+            kinds[field.name] = field.type if kinds.get(field.name, field.type) == field.type else pa.float64()
+    return pa.schema([pa.field(name, kind, nullable=False) for name, kind in kinds.items()], metadata)
+
+
 def _aligned(table: Any, schema: Any) -> Any:
     """Return a table with all columns of a schema; what it has not is NaN or False."""
     missing = {
@@ -222,7 +167,9 @@ def _aligned(table: Any, schema: Any) -> Any:
         for field in schema
         if field.name not in table.column_names
     }
-    columns = [missing[name] if name in missing else table.column(name) for name in schema.names]
+    columns = [
+        missing[field.name] if field.name in missing else table.column(field.name).cast(field.type) for field in schema
+    ]
     return pa.table(columns, schema=schema)
 
 
@@ -244,49 +191,80 @@ def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
         yield path, kind
 
 
-def _schema_of(paths: Sequence[Path]) -> Any:
-    """Return a schema with the columns of all files."""
-    schemas = []
-    for path in paths:
-        with damage_told(path), _opened(path) as reader:
-            schemas.append(_schema(reader))
-    return pa.unify_schemas(schemas)
+@contextmanager
+def _opened(path: Path, *, for_rows: bool = False) -> Iterator[Any]:
+    """Open a file to read its schema, or its rows as well; whatever is wrong with it is one clear line."""
+    is_whole = path.suffix == WHOLE
+    try:
+        file = open_regular_file(path, MOST_BYTES if is_whole else MOST_PART_BYTES, below=path.parents[1])
+        if file is None:
+            raise UnusableFileError("the file is missing")
+        with file, pq.ParquetFile(file) if is_whole else _stream(file, for_rows) as reader:
+            yield reader
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except DAMAGED:
+        raise RecordingError(f"{path}: the file is damaged") from None
 
 
-def _opened(path: Path) -> Any:
-    return pq.ParquetFile(path) if path.suffix == WHOLE else pa.ipc.open_stream(str(path))
+def _stream(file: BinaryIO, for_rows: bool) -> Any:
+    if not for_rows:
+        return pa.ipc.open_stream(file)
+    content = pa.py_buffer(file.read())
+    _check_unpacked(content)
+    return pa.ipc.open_stream(content)
 
 
 def _schema(reader: Any) -> Any:
     return reader.schema_arrow if isinstance(reader, pq.ParquetFile) else reader.schema
 
 
-def _read(path: Path) -> Any:
-    with damage_told(path):
+def _described(reader: Any) -> Described:
+    """Return what the schema of an open file says, which it must be itself."""
+    schema = _schema(reader)
+    described = Described.from_json((schema.metadata or {}).get(KEY, b""))
+    check_schema(schema, described)
+    return described
+
+
+def _read(path: Path, described: Described, first_step: int) -> Any:
+    """Return the rows of a file, of which the first has a number."""
+    with _opened(path, for_rows=True) as reader:
+        size = path.stat().st_size
+        if _described(reader) != described:
+            raise UnusableFileError("it describes other columns than the recording")
         if path.suffix == WHOLE:
-            _check_size(path)
-            return pq.read_table(path)
-        _check_unpacked(path)
-        with pa.OSFile(str(path), "rb") as source, pa.ipc.open_stream(source) as reader:
-            return reader.read_all()
+            _check_packed(reader.metadata, size)
+        table = reader.read() if path.suffix == WHOLE else reader.read_all()
+        check_rows(table, described, first_step)
+        dense = max((reading.size for reading in described.readings if reading.kind == "sparse"), default=0)
+        if 8 * dense * len(table) > max(SMALL_BYTES, MOST_DENSE_RATIO * size):
+            raise UnusableFileError("it would unpack to more than it can hold")
+        return table
 
 
-def _check_size(path: Path) -> None:
-    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well."""
-    about = pq.read_metadata(path)
+def _check_packed(about: Any, size: int) -> None:
+    """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well.
+
+    Raises:
+        UnusableFileError: If it is.
+    """
     groups = [about.row_group(index) for index in range(about.num_row_groups)]
     numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
-    if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * path.stat().st_size):
-        raise ValueError("it would unpack to more than it can hold")
+    if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * size):
+        raise UnusableFileError("it would unpack to more than it can hold")
 
 
-def _check_unpacked(path: Path) -> None:
-    """Check that a part is as mimoc writes it: nothing in it is packed, so that it unpacks to no more than it has."""
-    with pa.OSFile(str(path), "rb") as source:
-        for message in pa.ipc.MessageReader.open_stream(source):
-            is_rows = message.type == "record batch"
-            if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
-                raise ValueError("it is packed")
+def _check_unpacked(content: Any) -> None:
+    """Check that a part is as mimoc writes it: nothing in it is packed, so that it unpacks to no more than it has.
+
+    Raises:
+        UnusableFileError: If it is not.
+    """
+    for message in pa.ipc.MessageReader.open_stream(pa.BufferReader(content)):
+        is_rows = message.type == "record batch"
+        if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
+            raise UnusableFileError("it is packed, or has more than rows")
 
 
 def _is_packed(message: bytes) -> bool:
@@ -310,16 +288,7 @@ def _is_packed(message: bytes) -> bool:
 
 
 DAMAGED = (
-    *(pa.ArrowException, OSError, RecursionError),
+    *(pa.ArrowException, OSError, RecursionError, MemoryError),
     *(ValueError, LookupError, TypeError, AttributeError, OverflowError),
 )
-"""What is raised of files that are damaged."""
-
-
-@contextmanager
-def damage_told(path: Path) -> Iterator[None]:
-    """Turn what PyArrow says of a damaged file into one clear line."""
-    try:
-        yield
-    except DAMAGED:
-        raise RecordingError(f"{path}: the file is damaged or missing") from None
+"""What PyArrow raises of files that are damaged."""

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.recording.episode_writer import rate_hz
-from mimoc.recording.frames import VIDEO, join_videos
+from mimoc.recording.frames import VIDEO, join_videos, read_video
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
@@ -24,6 +24,8 @@ from mimoc.viewer.surroundings import bodies_around, describe_surroundings
 
 FRAMES = 3000
 """Frames of a page, at most: half a minute of every control step, or more of every other one and so on."""
+MOST = 1e300
+"""Of what is shown: the difference of two numbers must be one, too."""
 LEVELS = 65535
 """Steps between the least and the largest value of a curve."""
 
@@ -188,7 +190,7 @@ def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[
 
 def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
     """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
-    known = np.nan_to_num(values.astype(float))
+    known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
     low, high = known.min(axis=0), known.max(axis=0)
     levels = np.rint((known - low) / np.where(high > low, high - low, 1) * LEVELS) - LEVELS // 2 - 1
     return {
@@ -210,7 +212,7 @@ def _videos(packed: Packed, episode: Episode) -> Iterator[tuple[str, Any]]:
 
 def _joined(parts: list[Path], rate: Fraction) -> bytes:
     if len(parts) == 1:
-        return parts[0].read_bytes()
+        return read_video(parts[0])
     with TemporaryDirectory() as folder:
         whole = Path(folder, "whole").with_suffix(VIDEO)
         join_videos(whole, parts, rate)

@@ -10,7 +10,7 @@ import pytest
 
 import mimoc
 from mimoc.errors import MissingExtraError, RecordingError, UnknownNameError
-from mimoc.recording.tables import KEY, Described
+from mimoc.recording.described import KEY, Described
 
 SPEC = {
     "mimoc": 1,

@@ -8,9 +8,9 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
-from mimoc.recording import tables
+from mimoc.recording.described import OBSERVATION
 from mimoc.recording.reading import Episode, ReadRecording
-from mimoc.recording.tables import OBSERVATION
+from mimoc.recording.table_check import sparse_of
 
 
 def export_csv(
@@ -30,7 +30,7 @@ def export_csv(
             if reading.kind == "picture":
                 notes[f"'{reading.name}' is left out: a table cannot hold pictures"] = None
             elif reading.kind == "sparse":
-                rows, index, value = tables.sparse_of(episode.table, OBSERVATION + reading.name)
+                rows, index, value = sparse_of(episode.table, OBSERVATION + reading.name)
                 layout = reading.layout or [str(number) for number in range(reading.size)]
                 columns = {"step": episode.step[rows], "name": np.array(layout)[index], "value": value}
                 _write(out / f"{name}.{reading.name}.csv", columns)

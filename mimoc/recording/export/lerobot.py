@@ -17,6 +17,7 @@ import pyarrow.parquet as pq
 from mimoc.recording import frames
 from mimoc.recording.blocks import Array, Reading
 from mimoc.recording.episode_writer import rate_hz
+from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
 
 VERSION = "v3.0"
@@ -37,6 +38,7 @@ def export_lerobot(
     Returns:
         What it cannot hold.
     """
+    check_alike(recording, episodes)
     ends = list(accumulate(episode.steps for episode in episodes))
     starts = [0, *ends[:-1]]
     task = recording.bundle().manifest.task.kind
@@ -82,7 +84,7 @@ def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
         "task_index": np.zeros(steps, np.int64),
         "next.reward": episode.rewards.astype(np.float32),
         "next.done": done,
-        "next.success": episode.infos.get("is_success", np.zeros(steps, bool)),
+        "next.success": episode.infos.get("is_success", np.zeros(steps)) == 1,
     }
 
 

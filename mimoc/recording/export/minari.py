@@ -13,6 +13,7 @@ from gymnasium import spaces
 from mimoc.actuation.commands import command_range
 from mimoc.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
+from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
 
 HOME = "MINARI_DATASETS_PATH"
@@ -32,6 +33,7 @@ def export_minari(
         from minari.data_collector import EpisodeBuffer
     except ImportError:
         raise MissingExtraError("minari", "minari") from None
+    check_alike(recording, episodes)
     bundle = recording.bundle()
     name = f"mimoc/{bundle.manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
@@ -52,7 +54,7 @@ def export_minari(
             action_space=spaces.Box(low, high, dtype=np.float32),
             data_format="parquet",
             jpeg_encoding=False,
-            description=f"Recorded with mimoc {versions['mimoc']} and MuJoCo {versions.get('mujoco', '')}",
+            description=f"Recorded with mimoc {versions.get('mimoc', '')} and MuJoCo {versions.get('mujoco', '')}",
         )
     return _notes(episodes, name)
 

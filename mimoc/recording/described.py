@@ -1,0 +1,134 @@
+"""What the schema of a recording's table says of its columns, in the metadata that every table carries."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from mimoc.bundle.json_files import parse_json
+from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.recording.blocks import Reading
+from mimoc.recording.layouts import shortened, written_out
+from mimoc.schema.base import Model
+from mimoc.schema.entries import ControlStep, Count
+
+KEY = b"mimoc"
+"""Key of the description in the schema's metadata."""
+OBSERVATION = "observation."
+"""What the names of the columns of observations begin with."""
+MOST_NUMBERS = 2**26
+"""Of one array of an observation; pictures have the most."""
+MOST_NAME = 200
+"""Characters of the name of an observation, which is part of the names of files."""
+ACTION = "action"
+
+
+Dtype = Literal[
+    "float16",
+    "float32",
+    "float64",
+    "int8",
+    "int16",
+    "int32",
+    "int64",
+    "uint8",
+    "uint16",
+    "uint32",
+    "uint64",
+    "bool",
+]
+"""NumPy's name of the type of an array of an observation."""
+
+
+class _Run(Model, alias_generator=lambda name: name.removesuffix("_")):
+    """Numbered names, as `shortened` writes them."""
+
+    name: str
+    from_: Count
+    to: Count
+    ends: list[str]
+
+
+class _Column(Model):
+    layout: tuple[str | _Run, ...]
+
+
+class _Observation(_Column):
+    kind: Literal["dense", "sparse", "picture"]
+    shape: tuple[Count, ...]
+    dtype: Dtype
+
+
+class _Table(Model):
+    recording: Literal[1]
+    step_ms: ControlStep
+    columns: dict[str, _Observation | _Column]
+
+
+@dataclass(frozen=True)
+class Described:
+    """What the schema of a recording says of its columns."""
+
+    readings: tuple[Reading, ...]
+    """The arrays of an observation."""
+    actions: tuple[str, ...]
+    """Actuators, in the order of an action."""
+    step_ms: float
+    """Duration of a control step."""
+
+    @cached_property
+    def json(self) -> bytes:
+        """It as it stands in the metadata."""
+        found = {
+            OBSERVATION + each.name: {
+                "kind": each.kind,
+                "shape": list(each.shape),
+                "dtype": each.dtype,
+                "layout": shortened(each.layout),
+            }
+            for each in self.readings
+        }
+        columns = {ACTION: {"layout": shortened(self.actions)}, **found}
+        return json.dumps({"recording": 1, "step_ms": self.step_ms, "columns": columns}, ensure_ascii=False).encode()
+
+    @classmethod
+    def from_json(cls, text: bytes) -> "Described":
+        """Return what metadata says.
+
+        Raises:
+            UnusableFileError: If it is not what `json` returns.
+        """
+        table = parse_json(text, _Table)
+        columns = dict(table.columns)
+        actions = columns.pop(ACTION, None)
+        if actions is None or isinstance(actions, _Observation):
+            raise UnusableFileError(f"columns.{ACTION}: it must be described by its layout")
+        readings = tuple(_reading(name, column) for name, column in columns.items())
+        return cls(readings, _layout(ACTION, actions.layout), table.step_ms)
+
+
+def _reading(column_name: str, column: _Column) -> Reading:
+    """Return an array of an observation, which must be one that an infant can have."""
+    place, name = f"columns.{column_name!r:.{MOST_NAME}}", column_name.removeprefix(OBSERVATION)
+    if not isinstance(column, _Observation) or name == column_name:
+        raise UnusableFileError(f"{place}: it is not a column that mimoc describes")
+    if not 0 < len(name) < MOST_NAME or not name.isprintable() or "/" in name:
+        raise UnusableFileError(f"{place}: it is not the name of an observation")
+    shape = column.shape
+    if math.prod(shape) > MOST_NUMBERS or max(shape, default=0) > MOST_NUMBERS:
+        raise UnusableFileError(f"{place}.shape: more numbers than any infant observes")
+    if column.kind == "picture" and not (column.dtype == "uint8" and len(shape) == 3 and shape[2] == 3 and all(shape)):
+        raise UnusableFileError(f"{place}.shape: it is not that of a picture")
+    reading = Reading(name, shape, column.dtype, column.kind, _layout(place, column.layout))
+    if len(reading.layout) not in (0, reading.size):
+        raise UnusableFileError(f"{place}.layout: {len(reading.layout)} names for {reading.size} numbers")
+    return reading
+
+
+def _layout(place: str, layout: Sequence[str | _Run]) -> tuple[str, ...]:
+    try:
+        return written_out([each if isinstance(each, str) else each.model_dump(by_alias=True) for each in layout])
+    except ValueError as error:
+        raise UnusableFileError(f"{place}.layout: {error}") from None

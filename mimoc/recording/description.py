@@ -1,0 +1,192 @@
+"""What a recording says of itself in JSON: its description, and the sidecar of each episode or part."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+from mimoc.bundle.json_files import read_json_file
+from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.errors import RecordingError
+from mimoc.schema.base import Model
+from mimoc.schema.entries import ControlStep, Count, Digest, Number, Size
+
+FORMAT: Literal[1] = 1
+MOST_BYTES = 2**29
+"""Of a description or a sidecar, which has all states of an episode; 512 MB."""
+UNFINISHED = "unfinished"
+"""How an episode ended that is still being recorded, or was when its process was killed."""
+
+Data = TypeVar("Data", bound=Model)
+
+
+class RecordedInfant(Model):
+    """One of the infants that were recorded side by side."""
+
+    name: str
+    """Name of its bundle."""
+    bundle: Digest
+    """Digest of its bundle."""
+
+
+class Mark(Model):
+    """A place in a run that the recording can come back to."""
+
+    run: str
+    """Name of the run."""
+    steps: Count
+    """Control steps of the run before this place."""
+    episodes: tuple[Count, ...]
+    """Number of each infant's next episode."""
+
+
+class Description(Model):
+    """Content of `recording.json`."""
+
+    recording: Literal[1]
+    """Version of the format."""
+    step_ms: ControlStep
+    """Duration of a control step."""
+    infants: tuple[RecordedInfant, ...]
+    """The infants, side by side."""
+    sessions: tuple[dict[str, str], ...]
+    """Versions of the software, each time that they had changed."""
+    marks: tuple[Mark, ...] = ()
+    """Places in runs, the latest last."""
+
+
+class Reset(Model):
+    """How an episode began."""
+
+    seed: Count | None
+    """Its seed; None if random numbers went on."""
+    options: dict[str, Any]
+    """Its options, as `to_plain` returns them."""
+    before: dict[str, Any]
+    """Parts of the state that it went on from, as `to_plain` returns them."""
+
+
+class Change(Model):
+    """Something that was done to an infant besides a control step: one of these, after a number of steps."""
+
+    step: Count
+    """Control steps before it."""
+    age_months: Number | None = None
+    """Age that it has grown to."""
+    state: dict[str, Any] | None = None
+    """Complete state that was restored."""
+    expression: str | None = None
+    """Facial expression that it has had since."""
+    physics: dict[str, Any] | None = None
+    """State of the simulation that a script has set."""
+    action_dtype: str | None = None
+    """Type of the actions since."""
+
+    @property
+    def kinds(self) -> list[str]:
+        """Which of them it is: one."""
+        return [name for name, value in self if name != "step" and value is not None]
+
+
+class KeptState(Model):
+    """A complete state."""
+
+    step: Count
+    """Control steps before it."""
+    state: dict[str, Any]
+    """The state, as `to_plain` returns it."""
+
+
+class Part(Model):
+    """Sidecar of a part of an episode after the first one."""
+
+    rows: Size
+    """Rows of its table."""
+    changes: tuple[Change, ...]
+    """What was done besides control steps, in order."""
+    states: tuple[KeptState, ...]
+    """Complete states, in order."""
+
+
+class Sidecar(Part):
+    """Sidecar of an episode or of its first part."""
+
+    infant: Count
+    """Which of the infants that were recorded side by side."""
+    bundle: Digest
+    """Digest of its bundle."""
+    versions: dict[str, str]
+    """Versions of the software that it was recorded with."""
+    objects: dict[str, str] | None = None
+    """Classes of the objects of a script's own, by what they are."""
+    reset: Reset | None
+    """Its reset; None if it began without one."""
+    start: dict[str, Any]
+    """Complete state before the first control step, as `to_plain` returns it."""
+    ended: str = UNFINISHED
+    """How it ended."""
+
+
+class _Version(Model, extra="ignore"):
+    recording: int
+
+
+def read_description(path: Path) -> Description:
+    """Return the content of a `recording.json`.
+
+    Raises:
+        RecordingError: If it is missing, damaged or of another version.
+    """
+    folder = path.parent
+    if read_data(path, _Version, below=folder).recording != FORMAT:
+        raise RecordingError(f"{path}: this version of mimoc reads recordings of version {FORMAT} only")
+    description = read_data(path, Description, below=folder)
+    infants = len(description.infants)
+    if not infants or any(len(mark.episodes) != infants for mark in description.marks):
+        raise RecordingError(
+            f"{path}: marks: each must have a number for each of the {infants} infants, of whom there is at least one"
+        )
+    return description
+
+
+def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
+    """Return what the sidecar of an episode says, or what those of its parts say together.
+
+    Args:
+        paths: The sidecars.
+        below: The folder of the recording.
+
+    Raises:
+        RecordingError: If one is missing or damaged.
+    """
+    first = read_data(paths[0], Sidecar, below=below)
+    parts = (first, *(read_data(path, Part, below=below) for path in paths[1:]))
+    for path, part in zip(paths, parts, strict=True):
+        for number, change in enumerate(part.changes):
+            if len(change.kinds) != 1:
+                raise RecordingError(f"{path}: changes.{number}: it must be one change, not {len(change.kinds)}")
+    together = {
+        "rows": sum(part.rows for part in parts),
+        "changes": tuple(change for part in parts for change in part.changes),
+        "states": tuple(state for part in parts for state in part.states),
+    }
+    return first.model_copy(update=together)
+
+
+def read_data(path: Path, kind: type[Data], *, below: Path) -> Data:
+    """Return the content of a JSON file of a recording.
+
+    Raises:
+        RecordingError: If it is missing, damaged, not a regular file, or too large.
+    """
+    try:
+        data = read_json_file(path, kind, MOST_BYTES, below=below)
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    if data is None:
+        raise RecordingError(f"{path}: the file is missing")
+    return data
+
+
+def as_json(data: Model) -> Mapping[str, Any]:
+    """Return data as it is written to a file: a change has only the keys that it was given."""
+    return data.model_dump(exclude_unset=True)
