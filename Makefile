@@ -25,7 +25,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin matrix fuzz soak bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -49,13 +49,13 @@ demo: $(DEMO) opengl ## Build, validate, check, run, render and show an infant o
 	@echo "what it sees $(OUT)/seen.png   (in one of the rooms, at 1 to 12 months)"
 	@echo "its growth   $(OUT)/growth.png"
 
-test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test; say how long each part took.
+test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run every test (or TESTS=tests/body); say how long each part took.
 	@$(BIN)/python .ci/parts.py \
 		"lint: $(BIN)/ruff check ." \
 		"format: $(BIN)/ruff format --check ." \
 		"types: $(BIN)/pyright --pythonpath $(BIN)/python" \
 		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
-		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15"
+		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 $(TESTS)"
 
 docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
@@ -91,6 +91,9 @@ soak: $(TEST) opengl ## See whether memory and file handles stay flat for hours 
 
 bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
+
+trainings: $(TEST) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
+	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest tests/test_trainings_in_docs.py
 
 viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
 	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }
@@ -138,7 +141,8 @@ $(DOCS): $(DEMO)
 	@touch $@
 
 # uv knows the index of CPU builds; it gives up after about ten seconds without an answer. On macOS there is no CUDA.
-torch_without_cuda = [ "$$(uname)" != Linux ] || { $(BIN)/pip install uv && \
+# Tests on a GPU need the default build, which knows CUDA.
+torch_without_cuda = [ "$$(uname)" != Linux ] || echo "$$MIMOC_TEST_DEVICE" | grep -q ^cuda || { $(BIN)/pip install uv && \
 	UV_HTTP_CONNECT_TIMEOUT=4 UV_HTTP_TIMEOUT=8 UV_HTTP_RETRIES=1 \
 	$(BIN)/uv pip install --python $(BIN)/python --torch-backend cpu --no-deps 'torch<3'; }
 

@@ -48,7 +48,7 @@ def measure(sources: list[mimoc.Bundle], infants: int, device: str, steps: int, 
     used_mb = wp.get_mempool_used_mem_current(env.device) / 1e6 if env.device.is_cuda else 0
     if profile:
         show_kernels(env)
-    room = env.worlds.capacity
+    room = env.room
     env.close()
     return (
         f"{rate:12,.0f} physics steps/s  {used_mb:8,.0f} MB  contacts {room.contacts}, constraints {room.constraints}"

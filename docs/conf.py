@@ -64,6 +64,7 @@ html_css_files = ["mimoc.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+html_show_search_summary = False  # Summaries are fetched, which browsers refuse for pages that are opened from disk.
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#2b6a78", "color-brand-content": "#2b6a78"},
     "dark_css_variables": {"color-brand-primary": "#7cc4d4", "color-brand-content": "#7cc4d4"},

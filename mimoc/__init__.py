@@ -8,7 +8,8 @@ from mimoc import interruption
 if interruption.is_command():
     interruption.quit_at_once()  # Before anything is imported that takes time.
 
-from mimoc.registration import register_envs
+from mimoc.errors import RenderingError, problem_of_loading_mujoco
+from mimoc.registration import register_envs, register_formatters
 from mimoc.version import __version__
 
 if TYPE_CHECKING:
@@ -122,13 +123,19 @@ __all__ = [
 ]
 
 register_envs()
+register_formatters()
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name from its home."""
     if name not in _HOMES:
         raise AttributeError(f"module 'mimoc' has no attribute '{name}'")
-    return getattr(import_module(_HOMES[name]), name)
+    try:
+        return getattr(import_module(_HOMES[name]), name)
+    except Exception as error:
+        if not (problem := problem_of_loading_mujoco(error)):
+            raise
+        raise RenderingError(problem) from None
 
 
 def __dir__() -> list[str]:

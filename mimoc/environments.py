@@ -1,5 +1,6 @@
 """The shortest ways to an environment: from a bundle, from a spec, or from the name of a task."""
 
+from collections.abc import Iterable
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -9,7 +10,7 @@ import gymnasium
 
 from mimoc.bundle.io import Bundle, read_bundle
 from mimoc.bundle.variants import Variant, Variants
-from mimoc.errors import MimocError
+from mimoc.errors import MimocError, check_name
 from mimoc.plugins import load_plugins
 from mimoc.render.environment import check_rendering
 from mimoc.runtime.env import InfantEnv
@@ -17,6 +18,10 @@ from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.yaml_scalars import dump
 from mimoc.tasks import TASKS
+
+OPTIONS = ("render_mode", "width", "height", "task", "senses")
+"""What can be said of an environment, besides which infant it is of."""
+NO_INFANT = "mimoc/Infant-v0 needs an infant: give it as bundle=, a bundle or a spec, or the path of one"
 
 
 def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.Env:
@@ -36,7 +41,8 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         BundleError: If a folder is not a whole bundle, or a plug-in it needs is missing.
         ModelError: If MuJoCo rejects the model.
         RenderingError: If the infant has vision, and there is no OpenGL here.
-        UnknownNameError: If there is no such render mode.
+        UnknownNameError: If there is no such render mode or option.
+        KindError: If `task` or `senses` are not objects of the kind described there.
         TypeError: If it is made from anything else.
         ValueError: If pictures cannot have this size.
     """
@@ -46,12 +52,29 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
     return gymnasium.make("mimoc/Infant-v0", bundle=source, **options)
 
 
-def open_infant(bundle: Bundle | InfantSpec | str | Path, **options: Any) -> InfantEnv:
-    """Return the environment of an infant, without Gymnasium's wrappers; see `make`."""
+def open_infant(bundle: Bundle | InfantSpec | str | Path | None = None, **options: Any) -> InfantEnv:
+    """Return the environment of an infant, without Gymnasium's wrappers; see `make`.
+
+    Raises:
+        MimocError: If no infant is given, or an option is unknown; and as `make` does.
+    """
+    if bundle is None:
+        raise MimocError(f"{NO_INFANT}; or take the average child of a task: mimoc/Reach-v0 with age_months=9")
+    check_options(options)
     return InfantEnv(**prepared(bundle), **options)
 
 
 open_infant.metadata = InfantEnv.metadata  # pyright: ignore[reportFunctionMemberAccess] - Where Gymnasium looks.
+
+
+def check_options(options: Iterable[str]) -> None:
+    """Check the names of an environment's options.
+
+    Raises:
+        UnknownNameError: If one is unknown, such as a key of the infant, which only its spec can say.
+    """
+    for name in options:
+        check_name("keyword of an environment (what the infant is like is said in its spec)", name, OPTIONS)
 
 
 def open_bundle(bundle: Bundle, other_scenes: bool = False, **options: Any) -> InfantEnv:
@@ -112,6 +135,7 @@ def make_task(
         MimocError: If a bundle is given, and an age, hands or an actuation model as well.
     """
     parts, rest = prepared_task(kind, bundle, age_months, hands, actuation, **options)
+    check_options(rest)
     return InfantEnv(**parts, **rest)
 
 

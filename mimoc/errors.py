@@ -1,5 +1,8 @@
 """The errors of mimoc: each says where the problem is, what is wrong and what to do."""
 
+import os
+import sys
+import traceback
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -149,6 +152,21 @@ def check_name(kind: str, name: object, known: Collection[str]) -> None:
     """
     if not isinstance(name, str) or name not in known:
         raise UnknownNameError(kind, name, known)
+
+
+def problem_of_loading_mujoco(error: Exception) -> str:
+    """Return what to do about an error that ended the first import of MuJoCo because of `MUJOCO_GL`; "" if it did not.
+
+    MuJoCo loads the OpenGL that this variable names, and fails with an error of PyOpenGL's where there is none.
+    """
+    backend = os.environ.get("MUJOCO_GL")
+    modules = [frame.f_globals.get("__name__") for frame, _ in traceback.walk_tb(error.__traceback__)]
+    if backend is None or "mujoco" not in modules or "mujoco" in sys.modules:
+        return ""
+    return (
+        f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it, choose egl or osmesa, or install what "
+        "is missing (Debian: apt-get install libegl1, or libosmesa6)"
+    )
 
 
 def counted(number: int, noun: str) -> str:

@@ -4,12 +4,14 @@ A record names the code of a kind by module, so that each command imports only w
 without the compiler, and a bundle is opened without it.
 """
 
+import os
 import re
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoints, entry_points
+from importlib.metadata import EntryPoints, distributions, entry_points
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from mimoc.errors import KindError, UnknownNameError
@@ -21,6 +23,8 @@ Code = str | Callable[..., Any]
 """A function, or the full name of the module that defines it."""
 
 NAME = re.compile("[a-z][a-z0-9_]*")
+PLUGINS_VARIABLE = "MIMOC_PLUGINS"
+"""Environment variable that names the distributions whose plug-ins are used, with commas; `none` is none of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +74,9 @@ class SenseKind:
     """Delay with `preset: physiological`; None is no delay."""
     noise: NoiseOption | None = None
     """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
+    many: Code | None = None
+    """`join(senses) -> Joined | None`: what reads many infants at once (`senses.joined.Joined`), or None if it cannot
+    join these senses; those, and senses of a kind without it, are read one after another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +234,18 @@ class Kinds(Mapping[str, K]):
         del self._added[name]
 
 
+def check_custom_object(what: str, custom: object, method: str, example: str) -> None:
+    """Check that what a script passes instead of a record is an object with a method, and not its class.
+
+    Raises:
+        KindError: If it is not.
+    """
+    if isinstance(custom, type):
+        raise KindError(f"{what} is the class {custom.__name__}; pass an object of it: {custom.__name__}()")
+    if not callable(getattr(custom, method, None)):
+        raise KindError(f"{what} is {custom!r:.60}, which has no method '{method}'; pass {example}")
+
+
 def announced(group: str) -> list[str]:
     """Return the names of the kinds that installed distributions announce in a group of entry points, not loaded."""
     return sorted(each.name for each in installed_entry_points().select(group=group))
@@ -234,9 +253,20 @@ def announced(group: str) -> list[str]:
 
 @cache
 def installed_entry_points() -> EntryPoints:
-    """Return the entry points of all installed distributions, which are looked up once."""
-    found: Any = entry_points()  # Python 3.11's has another type, with the same `select`.
-    return found
+    """Return the entry points of all installed distributions, or of those that `MIMOC_PLUGINS` names, looked up once.
+
+    A name there that no distribution with entry points of mimoc has is a warning.
+    """
+    wanted = os.environ.get(PLUGINS_VARIABLE)
+    if wanted is None:
+        installed: Any = entry_points()  # Python 3.11's has another type, with the same `select`.
+        return installed
+    names = {_normalized(name) for name in wanted.split(",") if name.strip()} - {"none"}
+    points = [point for package in distributions() for point in package.entry_points] if names else []
+    ours = {point: _normalized(point.dist.name) for point in points if point.dist and point.group.startswith("mimoc.")}
+    for name in sorted(names - set(ours.values())):
+        warnings.warn(f"{PLUGINS_VARIABLE}: no installed package '{name}' has plug-ins for mimoc", stacklevel=2)
+    return EntryPoints(point for point, name in ours.items() if name in names)
 
 
 def function_of(code: Code, name: str) -> Callable[..., Any]:
@@ -245,5 +275,20 @@ def function_of(code: Code, name: str) -> Callable[..., Any]:
     Args:
         code: The function itself, or the module that defines it.
         name: Its name in the module.
+
+    Raises:
+        KindError: If somebody else's module cannot be imported, or has no such function.
     """
-    return getattr(import_module(code), name) if isinstance(code, str) else code
+    if not isinstance(code, str):
+        return code
+    if code.startswith("mimoc."):
+        return getattr(import_module(code), name)
+    try:
+        return getattr(import_module(code), name)
+    except (Exception, SystemExit) as error:  # Whatever a plug-in's module does when it is imported.
+        raise KindError(f"the plug-in module '{code}' has no usable function '{name}': {error!r}") from error
+
+
+def _normalized(distribution: str) -> str:
+    """Return the name of a distribution in the form in which equal names are equal (PEP 503)."""
+    return re.sub(r"[-_.]+", "-", distribution.strip()).lower()

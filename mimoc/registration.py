@@ -1,9 +1,15 @@
-"""Gymnasium's names for mimoc's environments."""
+"""What other programs know of mimoc: Gymnasium the names of its environments, IPython how bundles are shown."""
+
+import sys
+from typing import TYPE_CHECKING
 
 from gymnasium.envs.registration import register, registry
 
 from mimoc.kinds import announced
 from mimoc.tasks import TASKS
+
+if TYPE_CHECKING:
+    from mimoc.bundle.io import Bundle
 
 INFANT = "mimoc/Infant-v0"
 
@@ -34,3 +40,16 @@ def register_task_env(task: str) -> None:
             vector_entry_point="mimoc.vector_environments:make_vec_task",
             kwargs={"kind": task},
         )
+
+
+def register_formatters() -> None:
+    """Let notebooks show a bundle as a picture with its measures; outside of IPython this does nothing."""
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    if shell is not None:
+        shell.display_formatter.formatters["text/html"].for_type_by_name("mimoc.bundle.io", "Bundle", _bundle_html)
+
+
+def _bundle_html(bundle: "Bundle") -> str:
+    from mimoc.notebook import bundle_html
+
+    return bundle_html(bundle)

@@ -1,6 +1,7 @@
 """The shortest ways to many environments in one: from specs and bundles, or from the name of a task."""
 
 import math
+import warnings
 from collections.abc import Sequence
 from copy import deepcopy
 from functools import partial
@@ -20,7 +21,7 @@ from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:  # They need Stable-Baselines3 and MuJoCo Warp, which not everyone has.
     from mimoc.runtime.warp.vector_env import WarpInfants
-    from mimoc.training.sb3_infants import InfantVecEnv
+    from mimoc.training.sb3_infants import VecMonitor
 
 Source = Bundle | InfantSpec | str | Path
 
@@ -89,8 +90,11 @@ def make_vec(
     return _joined(prepared, count, threads, device, render_mode, autoreset_mode, options)
 
 
-def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) -> "InfantVecEnv":
+def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) -> "VecMonitor":
     """Return many infants as an environment of Stable-Baselines3, to learn from with its `PPO` or any other.
+
+    Its `VecMonitor` adds the return and the length of each episode to the last `info`, which Stable-Baselines3 logs as
+    `ep_rew_mean` and `ep_len_mean`. Episodes that nothing ends are a warning: they would never be logged.
 
     Args:
         source: As for `make_vec`.
@@ -101,12 +105,18 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
         MissingExtraError: If Stable-Baselines3 is not installed.
         MimocError: As `make_vec` does.
     """
-    from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
+    from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, monitored
 
     if options.get("device", "cpu") != "cpu":
         raise MimocError("Stable-Baselines3 learns from infants on the CPU; leave out device")
     infants: Any = make_vec(source, num_envs, autoreset_mode=RESET_IN_THE_SAME_STEP, **options)
-    return InfantVecEnv(infants)
+    if "max_episode_steps" not in options and None in infants.get_attr("max_steps"):
+        warnings.warn(
+            "nothing ends the episodes of these infants, so that Stable-Baselines3 logs no returns; give "
+            "max_episode_steps, such as max_episode_steps=500",
+            stacklevel=2,
+        )
+    return monitored(infants)
 
 
 def make_vec_task(
@@ -143,7 +153,10 @@ def make_vec_infant(
     num_envs: int = 1, bundle: Any = None, source: Any = None, **options: Any
 ) -> "ManyInfants | WarpInfants":
     """Return what `make_vec` does, for Gymnasium, where the infants are called `bundle` as in `gymnasium.make`."""
-    return make_vec(bundle if source is None else source, num_envs, **options)
+    infants = bundle if source is None else source
+    if infants is None:
+        raise MimocError(f"{environments.NO_INFANT}, or a list of them")
+    return make_vec(infants, num_envs, **options)
 
 
 def _joined(
@@ -161,6 +174,7 @@ def _joined(
     if device != "cpu":
         return _on_device(prepared, count, device, render_mode, autoreset_mode, options)
     limit = options.pop("max_episode_steps", None)
+    environments.check_options(options)
 
     def open_infant(parts: dict[str, Any]) -> InfantEnv:
         """Open one, with copies of a script's objects of its own."""

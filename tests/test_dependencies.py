@@ -17,7 +17,7 @@ TOOLS = {"test", "pages", "docs", "dev"}
 EXTRAS = {name: needs for name, needs in PROJECT["optional-dependencies"].items() if name not in TOOLS}
 MODULES = {"pyyaml": "yaml", "pillow": "PIL", "stable-baselines3": "stable_baselines3", "warp-lang": "warp"}
 """What a distribution is imported as, where that is not its name."""
-BROUGHT_ALONG = {"torch": "stable-baselines3", "pydantic_core": "pydantic", "glfw": "mujoco"}
+BROUGHT_ALONG = {"torch": "stable-baselines3", "pydantic_core": "pydantic", "glfw": "mujoco", "websockets": "viser"}
 """What is imported without being asked for, and what needs it."""
 
 

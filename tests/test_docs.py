@@ -2,10 +2,13 @@
 
 import re
 import shlex
+import subprocess
+from collections import Counter
 from pathlib import Path
 
 import gymnasium
 import pytest
+import yaml
 
 import mimoc
 
@@ -99,6 +102,29 @@ def test_every_file_that_a_page_links_to_exists():
     assert [(page.name, link) for page, link in links if not (page.parent / link).exists()] == []
 
 
+def test_every_page_says_something_where_no_site_is_built():
+    """Also those whose text the site takes from elsewhere, as on a host of code."""
+    pages = {path: path.read_text(encoding="utf-8") for path in (CHECKOUT / "docs").rglob("*.md")}
+    prose = {path: re.sub(r"(?ms)^```.*?^```|^#.*?$", "", text) for path, text in pages.items()}
+    assert [path.name for path, text in prose.items() if len(text.strip()) < 80] == []
+
+
+def test_no_temporary_file_is_kept():
+    """Only in the folders of the repository: whatever runs elsewhere may be writing one."""
+    folders = [CHECKOUT / name for name in ("benchmarks", "configs", "data", "docs", "examples", "mimoc", "tests")]
+    assert [path for folder in folders for path in folder.rglob("*.tmp")] == []
+    assert [path for folder in folders for path in folder.rglob(".mimoc-*")] == []
+
+
+def test_pages_that_build_in_the_same_folder_can_be_read_in_any_order():
+    pages = [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").rglob("*.md"))]
+    lines = [line for page in pages for line in "".join(blocks(str(page), "sh")).splitlines()]
+    builds = [(match[1], line) for line in lines if (match := re.search(r"mimoc build .*-o (\S+)", line))]
+    often = {out for out, count in Counter(out for out, _ in builds).items() if count > 1}
+    assert "out/nine_months" in often
+    assert [line for out, line in builds if out in often and "--force" not in line] == []
+
+
 def test_every_module_that_contributing_names_exists():
     named = re.findall(r"`(mimoc/[a-z0-9_/]+(?:\.py|/))`", (CHECKOUT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
     assert len(named) > 20
@@ -109,3 +135,19 @@ def test_every_environment_that_a_page_names_is_registered():
     pages = [CHECKOUT / "README.md", *(CHECKOUT / "docs").rglob("*.md")]
     named = {name for page in pages for name in re.findall(r"\bmimoc/\w+-v\d+", page.read_text(encoding="utf-8"))}
     assert {"mimoc/Infant-v0", "mimoc/Reach-v0"} <= named <= set(gymnasium.registry)
+
+
+def test_a_host_of_code_runs_what_ci_runs():
+    """And what a release must be: the tag's version in the code, and a section of the changelog that has its name."""
+    workflow = yaml.safe_load((CHECKOUT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8"))
+    commands = {name: [step["run"] for step in job["steps"] if "run" in step] for name, job in workflow["jobs"].items()}
+    assert commands["test"] == ["bash .ci/run"]
+    check, look, *_ = (command.replace("${GITHUB_REF_NAME#v}", mimoc.__version__) for command in commands["release"])
+    assert subprocess.run(check, shell=True, cwd=CHECKOUT, check=False).returncode == 0
+    assert "CHANGELOG.md" in look
+
+
+def test_the_changelog_has_each_change_under_a_release():
+    headings = re.findall(r"(?m)^## (.*)$", (CHECKOUT / "CHANGELOG.md").read_text(encoding="utf-8"))
+    assert headings
+    assert [text for text in headings if not re.fullmatch(r"Unreleased|\d+\.\d+\.\d+", text)] == []

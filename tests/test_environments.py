@@ -2,13 +2,14 @@ import copy
 import pickle
 import subprocess
 import sys
+from functools import partial
 
 import gymnasium
 import numpy as np
 import pytest
 
 import mimoc
-from mimoc.errors import UnknownNameError
+from mimoc.errors import BundleError, MimocError, UnknownNameError
 
 SCENE = {"kind": "room", "toys": {"count": [3, 3]}, "seed": 4}
 YAML = """\
@@ -196,3 +197,60 @@ def test_a_bundle_refuses_the_state_of_another_scene():
     one, other = (mimoc.make(mimoc.build(spec(seed))) for seed in (1, 2))
     with pytest.raises(ValueError, match="state has scene_seed 1, but this environment has 2"):
         other.unwrapped.set_state(one.unwrapped.get_state())
+
+
+class Regard(mimoc.Task):
+    """Regard a hand."""
+
+    def judge(self, data, action, effort):
+        return 0.0
+
+
+def zeros(data):
+    return np.zeros(3)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"task": Regard}, "task is the class Regard; pass an object of it: Regard()"),
+        ({"task": zeros}, "which has no method 'judge'; pass an object such as a mimoc.Task"),
+        ({"task": "reach"}, "task is 'reach', which has no method 'judge'"),
+        ({"senses": {"hum": zeros}}, "sense 'hum' has no attribute 'space', the gymnasium.spaces.Box of"),
+        ({"senses": {"hum": Regard}}, "sense 'hum' is the class Regard; pass an object of it: Regard()"),
+        ({"senses": {"hum": 3}}, "sense 'hum' is 3, which has no method '__call__'"),
+        ({"senses": [zeros]}, "pass a dictionary of objects by the name of their observation"),
+        ({"age_months": 9}, "'age_months' is not a keyword of an environment (what the infant is like is said in"),
+        ({"render_size": 9}, "'render_size' is not a keyword of an environment"),
+    ],
+    ids=["class", "function", "string", "no space", "class as sense", "number", "list", "key of a spec", "no key"],
+)
+@pytest.mark.parametrize(
+    "make",
+    [
+        mimoc.make,
+        lambda bundle, **options: mimoc.make_vec(bundle, 2, **options),
+        lambda bundle, **options: gymnasium.make("mimoc/Infant-v0", bundle=bundle, **options),
+    ],
+    ids=["one", "many", "gymnasium"],
+)
+def test_what_is_no_object_or_keyword_is_one_clear_error(make, options, message, bundle_at):
+    with pytest.raises(MimocError) as caught:
+        make(bundle_at(9), **options)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("make", [gymnasium.make, partial(gymnasium.make_vec, num_envs=2)])
+@pytest.mark.parametrize("options", [{}, {"age_months": 9}])
+def test_an_environment_of_no_infant_is_one_clear_error(make, options):
+    with pytest.raises(MimocError, match="mimoc/Infant-v0 needs an infant: give it as bundle=, a bundle or a spec"):
+        make("mimoc/Infant-v0", **options)
+
+
+@pytest.mark.parametrize("function", [mimoc.make, mimoc.make_vec, mimoc.read_bundle])
+@pytest.mark.parametrize("file", ["scene.xml", "manifest.json"])
+def test_a_file_of_a_bundle_is_no_bundle(function, file, bundle_at, tmp_path):
+    folder = mimoc.write_bundle(bundle_at(9), tmp_path / "infant")
+    with pytest.raises(BundleError, match=f"{file}: there is no such folder, as this is a file; name the folder of a"):
+        function(folder / file)

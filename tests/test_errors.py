@@ -1,7 +1,9 @@
 import inspect
+import sys
 
 import pytest
 
+import mimoc
 from mimoc import errors
 from mimoc.errors import (
     MimocError,
@@ -66,3 +68,15 @@ def test_every_error_is_a_mimoc_error_and_says_why_it_exists():
         if issubclass(kind, Exception):
             assert issubclass(kind, MimocError)
             assert kind.__doc__
+
+
+def test_an_opengl_that_mujoco_cannot_load_is_explained_in_python_too(monkeypatch):
+    """Its import fails with whatever PyOpenGL raises where its library is missing."""
+    failing = "raise AttributeError(\"'NoneType' object has no attribute 'eglQueryString'\")"
+    monkeypatch.setattr(mimoc, "import_module", lambda name: exec(failing, {"__name__": "mujoco"}))
+    monkeypatch.setenv("MUJOCO_GL", "egl")
+    with pytest.raises(AttributeError, match="eglQueryString"):  # MuJoCo is there, so that something else is wrong.
+        mimoc.InfantSpec  # noqa: B018
+    monkeypatch.delitem(sys.modules, "mujoco")
+    with pytest.raises(MimocError, match=r"with MUJOCO_GL=egl \(.*\); unset it, choose egl or osmesa, or install"):
+        mimoc.InfantSpec  # noqa: B018

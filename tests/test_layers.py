@@ -4,7 +4,6 @@ import ast
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -24,7 +23,7 @@ class Layer:
     """Some modules that stand on one step of the way from a spec to an environment."""
 
     modules: tuple[str, ...]
-    """Patterns of names under `mimoc`."""
+    """Folders and modules under `mimoc`, without those in it that another layer names."""
     below: frozenset[str]
     """The other layers it may import."""
     libraries: frozenset[str]
@@ -47,57 +46,62 @@ LAYERS = {
     "errors": layer("errors"),
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
-    "geometry": layer("geometry geometry.* rounding mujoco_layout", "errors", "scipy"),
+    "geometry": layer("geometry rounding", "errors units", "scipy"),
     "files": layer("bundle.files bundle.leftovers bundle.atomic_swap bundle.json_text", "errors version geometry"),
     "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
-    "language": layer("schema.[!ijorsw]* schema.source*", "errors units parts", "pydantic yaml"),
+    "language": layer(
+        "schema.absent schema.base schema.body schema.control schema.entries schema.groups schema.key_paths "
+        "schema.names schema.plain schema.quantities schema.source schema.yaml_document schema.yaml_scalars",
+        "errors units parts",
+        "pydantic yaml",
+    ),
     "kinds": layer("kinds", "errors language"),
     "composition": layer("schema.composition", "errors language kinds", "pydantic"),
     "spec": layer("", "errors units language kinds composition", "pydantic"),
-    "schema": layer("schema schema.* schema.cohort_file schema.cohort_steps plugins", LANGUAGE, "pydantic"),
-    "bundle": layer("bundle bundle.*", f"{LANGUAGE} schema", "pydantic mujoco"),
-    "fits": layer("fits fits.*", "errors units geometry language"),
-    "body": layer("body body.*", f"{LANGUAGE} schema fits parts"),
-    "mjcf": layer("mjcf mjcf.*", f"{BASE} language body", "jinja2 lxml"),
-    "looks": layer("looks looks.*", f"{BASE} body mjcf", "PIL"),
+    "schema": layer("schema plugins", LANGUAGE, "pydantic"),
+    "bundle": layer("bundle", f"{LANGUAGE} schema", "pydantic mujoco"),
+    "fits": layer("fits", "errors units geometry language"),
+    "body": layer("body", f"{LANGUAGE} schema fits parts"),
+    "mjcf": layer("mjcf", f"{BASE} language body", "jinja2 lxml"),
+    "looks": layer("looks", f"{BASE} body mjcf", "PIL"),
     "build": layer(
         "", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh PIL coacd fast_simplification platformdirs scipy"
     ),
-    "compiler": layer("compiler compiler.*", BUILDING, "mujoco"),
-    "milestones": layer("milestones milestones.*", f"{BUILDING} compiler plots", "mujoco"),
-    "drawing": layer("render render.*", f"{BASE} bundle", "mujoco scipy glfw PIL"),
-    "plots": layer("render.plots render.plots.*", f"{BASE} schema fits body", "matplotlib"),
+    "compiler": layer("compiler", BUILDING, "mujoco"),
+    "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
+    "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
+    "plots": layer("render.plots", f"{BASE} schema fits body", "matplotlib"),
     "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
-    "runtime": layer("runtime runtime.*", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
+    "runtime": layer("runtime", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
     "device": layer(
-        "runtime.warp runtime.warp.*",
+        "runtime.warp",
         f"{LANGUAGE} bundle drawing run runtime",
         "gymnasium mujoco warp mujoco_warp",
     ),
-    "control": layer("control control.*", f"{LANGUAGE} bundle run", "mujoco scipy"),
-    "policies": layer("policies.*", RUNNING, ""),
+    "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
+    "policies": layer("policies", RUNNING, ""),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
-    "recording": layer("recording recording.*", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
+    "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
-        "training training.* experiments experiments.* importers importers.*",
+        "training experiments importers",
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording",
         "gymnasium mujoco stable_baselines3 torch tensorboard",
     ),
     "cohorts": layer(
-        "cohorts cohorts.*",
+        "cohorts",
         f"{BUILDING} compiler {RUNNING} rollout policies training",
         "mujoco pyarrow submitit ray",
     ),
     "reporting": layer(
-        "reporting reporting.*",
+        "reporting",
         f"{BUILDING} compiler {RUNNING} training cohorts",
         "jinja2 mujoco PIL",
     ),
     "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),
     "viewer": layer(
-        "viewer viewer.*",
+        "viewer",
         f"{BUILDING} compiler {RUNNING} rollout policies recording opening",
-        "gymnasium mujoco PIL trimesh viser",
+        "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
         "__init__ vector_environments registration notebook",
@@ -106,13 +110,15 @@ LAYERS = {
         "gymnasium",
     ),
     "cli": layer(
-        "cli cli.* __main__",
+        "cli __main__",
         f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting "
         "opening viewer mimoc signals",
         "typer rich",
     ),
 }
-"""What design.md says, and where the modules it does not name belong; of several patterns, the longest counts."""
+"""What design.md says, and where the modules it does not name belong: in the layer of their own name, or else of the
+closest folder above them."""
+LAYER_OF = {path: name for name, layer in LAYERS.items() for path in layer.modules}
 
 SHARED_LIBRARIES = {"numpy", *sys.stdlib_module_names}
 COMES_WITH = {"pydantic_core": "pydantic"}
@@ -138,6 +144,8 @@ class Import:
     line: int
     name: str
     """Full name of what is imported."""
+    by_string: bool = False
+    """Whether a string names it, instead of an import statement."""
 
     @property
     def where(self) -> str:
@@ -145,14 +153,19 @@ class Import:
 
 
 def imports(module: str, source: str, *, is_package: bool = False) -> list[Import]:
-    """Return every import of a module, wherever it stands, but for those that only a type checker sees in the cli."""
+    """Return every import of a module, wherever it stands, but for those that only a type checker sees in the cli.
+
+    A string that is the name of a module of mimoc, or that `import_module` gets, counts as an import. Only the record
+    of a kind names the code in its own folder without importing it, which is what a record is for.
+    """
     tree = ast.parse(source)
     for_types = set(_under_type_checking(tree)) if layer_of(module) == "cli" else set()
-    found = []
+    result = []
     for node in ast.walk(tree):
-        if isinstance(node, ast.stmt) and node not in for_types:
-            found += [Import(module, node.lineno, name) for name in _imported(node, module, is_package)]
-    return found
+        if node not in for_types:
+            result += [Import(module, node.lineno, name) for name in _imported(node, module, is_package)]
+            result += [Import(module, node.lineno, name, by_string=True) for name in _named(node)]
+    return [item for item in result if not _is_code_of_record(item)]
 
 
 def violations(found: list[Import]) -> list[str]:
@@ -166,12 +179,11 @@ def layer_of(module: str) -> str | None:
     folder, _, rest = name.partition(".")
     if folder in KIND_FOLDERS and folder != "policies":
         return _layer_of_kind(module, folder, rest)
-    found = [
-        (len(pattern), layer) for layer, it in LAYERS.items() for pattern in it.modules if fnmatchcase(name, pattern)
-    ]
     if folder == "policies" and not rest:
         return "spec"
-    return max(found)[1] if found else None
+    while name not in LAYER_OF and name:
+        name = name.rpartition(".")[0]
+    return LAYER_OF.get(name)
 
 
 def _layer_of_kind(module: str, folder: str, rest: str) -> str:
@@ -188,7 +200,7 @@ def module_of(name: str) -> str:
     return name if name in MODULES or name.count(".") == 0 else name.rpartition(".")[0]
 
 
-def _imported(node: ast.stmt, module: str, is_package: bool) -> Iterator[str]:
+def _imported(node: ast.AST, module: str, is_package: bool) -> Iterator[str]:
     """Yield full names; of `from mimoc import body` a module's, of `from mimoc.units import m_to_cm` a function's."""
     if isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names)
@@ -197,6 +209,24 @@ def _imported(node: ast.stmt, module: str, is_package: bool) -> Iterator[str]:
         above = package[: len(package) - node.level + 1] if node.level else []
         origin = [*above, node.module] if node.module else above
         yield from (".".join([*origin, alias.name]) for alias in node.names)
+
+
+def _named(node: ast.AST) -> Iterator[str]:
+    """Yield what a string imports: `"mimoc.senses.touch.run"`, `import_module("torch")`, `import_module(f"av.{x}")`."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        name = node.value.partition(":")[0]
+        if name in MODULES and name != "mimoc":
+            yield name
+    elif isinstance(node, ast.Call) and node.args and ast.unparse(node.func).split(".")[-1] == "import_module":
+        (first, *_) = getattr(node.args[0], "values", [node.args[0]])  # The first part of an f-string.
+        if isinstance(first, ast.Constant) and not first.value.startswith("mimoc"):
+            yield first.value.rstrip(".")
+
+
+def _is_code_of_record(item: Import) -> bool:
+    """Return whether a kind's record names the code of the kind, such as `mimoc.senses.touch.run`."""
+    folder = item.module.removeprefix("mimoc.").partition(".")[0]
+    return item.by_string and folder in KIND_FOLDERS and item.name.startswith(f"{item.module}.")
 
 
 def _under_type_checking(tree: ast.AST) -> Iterator[ast.AST]:
@@ -286,6 +316,11 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.render.portrait", "from mimoc.runtime.env import InfantEnv", "drawing may not import runtime"),
         ("mimoc.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
         ("mimoc.scenes.crib.build", "def f():\n    from mimoc import compiler", "build may not import compiler"),
+        ("mimoc.runtime.env", "CODE = 'mimoc.body.growth'", "runtime may not import body"),
+        ("mimoc.bundle.io", "import_module('mimoc.notebook')", "bundle may not import mimoc"),
+        ("mimoc.fits.tables", "import_module('yaml')", "yaml belongs to language"),
+        ("mimoc.fits.tables", "import_module(f'yaml.{name}')", "yaml belongs to language"),
+        ("mimoc.senses.touch", "KIND = SenseKind(build='mimoc.senses.vision.build')", "spec may not import build"),
         (
             "mimoc.body.child",
             "if TYPE_CHECKING:\n    from mimoc.mjcf.tree import SceneTree",

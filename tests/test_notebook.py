@@ -3,6 +3,8 @@
 import html
 import io
 import re
+import subprocess
+import sys
 from base64 import b64decode
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from PIL import Image
 
 import mimoc
 from mimoc.errors import RenderingError
+from mimoc.notebook import bundle_html
 
 CONFIG = Path(__file__).parents[1] / "configs" / "individual.yaml"
 
@@ -22,7 +25,7 @@ def bundle():
 
 
 def test_a_bundle_shows_a_picture_and_its_measures_with_percentiles(bundle):
-    shown = bundle._repr_html_()
+    shown = bundle_html(bundle)
     (picture,) = re.findall(r'src="data:image/png;base64,([^"]+)"', shown)
     cells = re.findall("<td>(.*?)</td>", shown)
     child = bundle.manifest.child
@@ -31,12 +34,29 @@ def test_a_bundle_shows_a_picture_and_its_measures_with_percentiles(bundle):
     assert 'src="http' not in shown
 
 
+NOTEBOOK = """
+from IPython.core.interactiveshell import InteractiveShell
+shell = InteractiveShell.instance()
+import mimoc
+print(shell.display_formatter.format(mimoc.build({config!r}))[0]["text/html"])
+"""
+
+
+def test_ipython_shows_it(bundle, tmp_path, monkeypatch):
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
+    program = NOTEBOOK.format(config=str(CONFIG))
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    without_picture = re.compile('src="[^"]+"')  # Another process may draw its last bits otherwise.
+    shown, expected = (without_picture.sub("", text.strip()) for text in (process.stdout, bundle_html(bundle)))
+    assert shown == expected
+
+
 def test_without_opengl_a_bundle_shows_its_measures(bundle, monkeypatch):
     def fail(*_):
         raise RenderingError("no OpenGL")
 
     monkeypatch.setattr("mimoc.notebook.portrait", fail)
-    shown = bundle._repr_html_()
+    shown = bundle_html(bundle)
     assert "<img" not in shown
     assert f"{bundle.manifest.child.weight_kg:.1f} kg" in shown
 

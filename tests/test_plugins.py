@@ -1,4 +1,6 @@
+import dataclasses
 import json
+import subprocess
 import sys
 from importlib.metadata import EntryPoint
 
@@ -59,7 +61,10 @@ class NoSpec:
         (record("legs"), "'legs' is already another key of DelaysEntry"),
         (record("motor"), "'motor' is already the name of commands among the delays"),
         (TaskKind("nap", VestibularSpec, VestibularEntry, "os", "os"), "the task 'nap' does not fit"),
-        (SenseKind("echo", NoSpec, VestibularEntry, "os", "os"), "the sense 'echo' does not fit"),
+        (
+            SenseKind("echo", NoSpec, VestibularEntry, "os", "os"),
+            "SenseKind.spec is <class .*NoSpec.>: input should be a sub",
+        ),
         (SceneKind("seed", "A field.", "os", spec=VestibularSpec), "'seed' is already another key of SceneSpec"),
     ],
     ids=lambda value: getattr(value, "name", ""),
@@ -70,6 +75,27 @@ def test_a_record_that_does_not_fit_is_refused_and_leaves_everything_as_it_was(w
         mimoc.register(wrong)
     assert (list(SENSES), list(TASKS), list(SCENES), mimoc.InfantSpec.model_json_schema()) == before
     assert mimoc.InfantSpec(mimoc=1, name="a", age_months=3, delays={"motor_ms": 5}).delays.motor_ms == 5
+
+
+def test_a_record_whose_module_does_not_exist_is_refused():
+    message = r"SenseKind.build names the module 'no_such.module', which does not exist"
+    with pytest.raises(KindError, match=message):
+        mimoc.register(SenseKind("echo", VestibularSpec, VestibularEntry, "no_such.module", "os"))
+
+
+def wrong_fields():
+    """Yield each field of each record with a value of the wrong type."""
+    for kind, table in plugins.KINDS.values():
+        whole = next(iter(table.values()))
+        for field in dataclasses.fields(kind):
+            yield pytest.param(whole, field.name, object(), id=f"{kind.__name__}.{field.name}")
+
+
+@pytest.mark.parametrize(("whole", "name", "wrong"), [*wrong_fields()])
+def test_a_field_of_the_wrong_type_is_refused_by_its_name(whole, name, wrong):
+    record = dataclasses.replace(whole, **({"name": "nap"} | {name: wrong}))
+    with pytest.raises(KindError, match=rf"^{type(whole).__name__}\.{name} is <object object at .*>: [^\n]*$"):
+        mimoc.register(record)
 
 
 def test_a_script_may_replace_what_it_registered_before(registered):
@@ -115,6 +141,85 @@ def test_a_plug_in_that_cannot_be_loaded_is_a_warning_and_left_out(value, reason
     with pytest.warns(UserWarning, match=f"the plug-in 'echo' of 'broken' cannot be loaded: .*{reason}"):
         plugins._load(entry_point(value))
     assert list(SENSES) == before
+
+
+@pytest.fixture
+def foreign(tmp_path, monkeypatch):
+    """Return what installs a distribution `mimoc-foreign` with the sense `echo`, whose module has some text."""
+
+    def install(text: str) -> None:
+        info = tmp_path / "mimoc_foreign-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: mimoc-foreign\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text("[mimoc.senses]\necho = mimoc_foreign:KIND\n")
+        (tmp_path / "mimoc_foreign.py").write_text(text)
+
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    return install
+
+
+RECORD = """
+from mimoc.kinds import SenseKind
+from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
+KIND = SenseKind("echo", VestibularSpec, VestibularEntry, {build!r}, "mimoc.senses.vestibular.run")
+"""
+USABLE = RECORD.format(build="mimoc.senses.vestibular.build")
+
+
+def senses(plugins: str | None, monkeypatch) -> tuple[list[str], str]:
+    """Return the senses that a new process knows, and what it prints besides them."""
+    monkeypatch.delenv("MIMOC_PLUGINS") if plugins is None else monkeypatch.setenv("MIMOC_PLUGINS", plugins)
+    program = "import mimoc, mimoc.senses; mimoc.InfantSpec; print(*mimoc.senses.SENSES)"
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return process.stdout.split(), process.stderr
+
+
+@pytest.mark.parametrize(
+    ("plugins", "is_known"),
+    [(None, True), ("none", False), ("", False), ("Mimoc_Foreign", True), ("numpy", False)],
+)
+def test_a_variable_names_the_plug_ins_that_are_used(plugins, is_known, foreign, monkeypatch):
+    foreign(USABLE)
+    known, printed = senses(plugins, monkeypatch)
+    assert ("echo" in known) == is_known
+    assert ("MIMOC_PLUGINS: no installed package 'numpy' has plug-ins" in printed) == (plugins == "numpy")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("import sys; sys.exit(3)", "SystemExit(3)"),
+        ("raise ValueError('no')", "ValueError('no')"),
+        (RECORD.format(build="mimoc_foreign.build"), "SenseKind.build names the module 'mimoc_foreign.build', which"),
+        (RECORD.format(build=None), "SenseKind.build is None: input should be a valid string"),
+    ],
+    ids=["exit", "error", "no module", "wrong type"],
+)
+def test_a_bad_plug_in_costs_the_command_line_one_line(text, reason, foreign, monkeypatch):
+    foreign(text)
+    monkeypatch.delenv("MIMOC_PLUGINS")
+    command = [sys.executable, "-m", "mimoc", "schema"]
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    (line,) = process.stderr.splitlines()
+    assert process.returncode == 0
+    assert line.startswith(f"warning: the plug-in 'echo' of 'mimoc-foreign' cannot be loaded: {reason}")
+    assert line.endswith("it is left out (MIMOC_PLUGINS=none leaves out all plug-ins)")
+
+
+def test_a_plug_in_whose_import_hangs_is_left_out(tmp_path, monkeypatch):
+    (tmp_path / "mimoc_hanging.py").write_text("while True:\n    try: pass\n    except Exception: pass")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(plugins, "IMPORT_LIMIT_S", 0.1)
+    with pytest.warns(UserWarning, match=r"the plug-in 'echo' of 'broken' .* importing it takes more than 0\.1 s"):
+        plugins._load(entry_point("mimoc_hanging:KIND"))
+
+
+def test_a_plug_in_whose_module_fails_when_it_is_first_needed_is_one_error(tmp_path, monkeypatch, registered):
+    (tmp_path / "mimoc_late.py").write_text("import sys; sys.exit()")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    late = SenseKind("echo", VestibularSpec, VestibularEntry, "mimoc_late", "mimoc_late")
+    with registered(late), pytest.raises(KindError, match="the plug-in module 'mimoc_late' has no usable function"):
+        mimoc.build(mimoc.InfantSpec(mimoc=1, name="a", age_months=3, senses={"echo": {}}))
 
 
 # Bundles of strangers.

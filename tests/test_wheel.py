@@ -98,6 +98,11 @@ def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tm
     assert mimoc.read_bundle(out).files == _build_here("nine_months").files
 
 
+def test_the_examples_of_the_help_can_be_written_and_built(run):
+    run("mimoc", "new", "nine_months.yaml", "--like", "nine_months")
+    assert "out/nine_months" in run("mimoc", "build", "nine_months.yaml", "-o", "out/nine_months")
+
+
 def test_commands_work_elsewhere(run):
     assert "within one SD of the mean of WHO's boys and girls" in run("mimoc", "validate", "--against", "who")
     assert "mimoc build" in run("python", "-m", "mimoc", "--help")

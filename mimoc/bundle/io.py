@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
-from importlib import import_module
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any
@@ -71,10 +70,6 @@ class Bundle:
         at = f", read from {str(self.path)!r}" if self.path else ""
         who = f"{self.manifest.name!r}, {self.manifest.child.age_months:g} months"
         return f"Bundle({who}, {len(self.files)} files, {size_kb:.0f} kB{at})"
-
-    def _repr_html_(self) -> str:
-        """Return what notebooks show: a picture, and the measures of the child."""
-        return import_module("mimoc.notebook").bundle_html(self)  # It draws and compares, which comes after bundles.
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Support copying and pickling, which the read-only mapping does not by itself."""
@@ -197,6 +192,8 @@ def _read_folder(folder: Path) -> Bundle:
             lock = _read_lock(folder, opened)
             files = _read_files(folder, opened, _locked_files(lock))
     except OSError:
+        if os.path.isfile(folder):  # Unlike a path's own method, also for paths that no file can have.
+            raise BundleError(f"{folder}: there is no such folder, as this is a file; {_ADVICE_FOR_FILES}") from None
         raise BundleError(f"{folder}: there is no such folder; {_ADVICE}") from None
     try:
         manifest = read_manifest(files[MANIFEST])
@@ -206,6 +203,7 @@ def _read_folder(folder: Path) -> Bundle:
 
 
 _ADVICE = "build one there with 'mimoc build SPEC -o OUT'"
+_ADVICE_FOR_FILES = "name the folder of a bundle, or a spec that ends in .yaml or .yml"
 
 
 def _read_lock(folder: Path, opened: RegularFiles) -> bytes:

@@ -9,7 +9,7 @@ from mimoc.cli.arguments import SpecPath
 from mimoc.cli.infants import load_spec
 from mimoc.cli.printable import printable
 
-EXAMPLE = "Example:  mimoc build configs/nine_months.yaml -o out/nine_months"
+EXAMPLE = "Example:  mimoc build nine_months.yaml -o out/nine_months"
 
 
 def build(

@@ -11,7 +11,7 @@ from mimoc.cli.printable import printable
 if TYPE_CHECKING:
     from mimoc.cohorts import Cohort, Status
 
-EXAMPLE = "Example:  mimoc cohort run examples/cohort/spring.yaml -o out/spring"
+EXAMPLE = "Example:  mimoc cohort run spring.yaml -o out/spring"
 
 app = typer.Typer(
     name="cohort",
@@ -48,7 +48,7 @@ Of = Annotated[int, typer.Option("--of", min=1, metavar="N", help="Number of sha
 CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which needs no `mimoc[record]`.")]
 
 
-@app.command(epilog="Example:  mimoc cohort plan examples/cohort/spring.yaml -o out/spring")
+@app.command(epilog="Example:  mimoc cohort plan spring.yaml -o out/spring")
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
     from mimoc.cli import cohort_tables, console
@@ -84,7 +84,7 @@ def run(
     _end(status, cohort, out)
 
 
-@app.command(epilog="Example:  mimoc cohort retry examples/cohort/spring.yaml -o out/spring")
+@app.command(epilog="Example:  mimoc cohort retry spring.yaml -o out/spring")
 def retry(
     cohort: CohortPath,
     out: Out,
@@ -107,7 +107,7 @@ def retry(
     _end(status, cohort, out)
 
 
-@app.command(epilog="Example:  mimoc cohort status examples/cohort/spring.yaml -o out/spring")
+@app.command(epilog="Example:  mimoc cohort status spring.yaml -o out/spring")
 def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
     from mimoc.cli import cohort_tables
@@ -115,7 +115,7 @@ def status(cohort: CohortPath, out: Out) -> None:
     cohort_tables.print_status(_read(cohort).status(out))
 
 
-@app.command(epilog="Example:  mimoc cohort table examples/cohort/spring.yaml -o out/spring")
+@app.command(epilog="Example:  mimoc cohort table spring.yaml -o out/spring")
 def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     from mimoc.cli import console

@@ -30,7 +30,7 @@ from mimoc.version import __version__
 app = typer.Typer(
     name="mimoc",
     help="Compile simulated infants: from a YAML spec to plain MuJoCo XML and a Gymnasium environment.",
-    epilog="Start with:  mimoc build configs/nine_months.yaml -o out/nine_months",
+    epilog="Start with:  mimoc new kim.yaml  and then:  mimoc build kim.yaml -o out/kim",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
     from mimoc.fits.who import Reference
     from mimoc.runtime.check import PoseCheck
     from mimoc.runtime.rollout import Summary
-    from mimoc.training import Training
 
 LABELS = {
     "length_cm": "length [cm]",
@@ -51,20 +48,20 @@ def open_console() -> Console:
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Callable[[int, int], None]]:
+def progress(what: str) -> Iterator[Callable[..., None]]:
     """Show a progress bar with the time left if errors go to a terminal; until it is told a total, it only moves.
 
     Yields:
-        The function to call with the steps done and their total.
+        The function to call with the steps done and their total, and with another text before the bar if it changes.
     """
     if not sys.stderr.isatty():
-        yield lambda done, total: None
+        yield lambda done, total, what=what: None
         return
     columns = (TextColumn("{task.description}"), BarColumn(), _Steps(), TimeRemainingColumn())
     above = sys.stdout.isatty()  # What is printed meanwhile goes above the bar, if it goes to the terminal as well.
     with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=above) as bar:
         task = bar.add_task(what, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+        yield lambda done, total, what=what: bar.update(task, completed=done, total=total, description=what)
 
 
 class _Steps(MofNCompleteColumn):
@@ -199,39 +196,6 @@ def _outcomes(summary: Summary) -> dict[str, str]:
     if summary.time_to_success_s is not None:
         found["mean time to success [s]"] = f"{summary.time_to_success_s:.3f}"
     return found
-
-
-def print_training(training: Training, out: Path) -> None:
-    """Print the first and the last row of a training's learning curve, and what to do with its folder."""
-    rows = training.curve.rows
-    table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
-    for heading in ("quantity", "start", "end"):
-        table.add_column(heading, justify="left" if heading == "quantity" else "right")
-    for what, name in CURVE_LABELS.items():
-        table.add_row(what, *(_number_text(getattr(row, name)) for row in (rows[0], rows[-1])))
-    console = open_console()
-    console.print(table)
-    resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
-    console.print(f"{rows[-1].wall_s:.0f} s of training{resumed}")
-    tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}"
-    print(printable(f"{out}: {tried}"))
-
-
-def _number_text(value: float) -> str:
-    if isinstance(value, int):
-        return f"{value}"
-    return f"{value:.4g}" if math.isfinite(value) else "-"
-
-
-CURVE_LABELS = {
-    "steps": "steps",
-    "completed episodes": "episodes",
-    "mean return per episode": "episode_return",
-    "success rate": "success_rate",
-    "mean steps per episode": "episode_steps",
-    "mean time to success [s]": "time_to_success_s",
-}
-"""Field of a learning curve's row by its label."""
 
 
 def print_check(check: PoseCheck) -> None:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import typer
 
 from mimoc.cli.exit_codes import FAILED_CHECK
+from mimoc.errors import problem_of_loading_mujoco
 
 EXAMPLE = "Example:  mimoc doctor"
 
@@ -84,7 +85,8 @@ def _tried(what: str, look: Callable[[], str]) -> Finding:
     except AbsentError as absence:
         return Finding(what, "none", str(absence))
     except Exception as error:  # Whatever is wrong is what is looked for.
-        return Finding(what, "broken", " ".join(str(error).split()) or type(error).__name__)
+        text = problem_of_loading_mujoco(error) or str(error)
+        return Finding(what, "broken", " ".join(text.split()) or type(error).__name__)
 
 
 def _machine() -> str:

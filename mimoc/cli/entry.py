@@ -4,12 +4,12 @@ import io
 import os
 import select
 import sys
-import traceback
+import warnings
 from typing import TextIO
 
 from mimoc.cli.exit_codes import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK
 from mimoc.cli.printable import printable
-from mimoc.errors import MimocError
+from mimoc.errors import MimocError, problem_of_loading_mujoco
 from mimoc.interruption import ending_orderly
 
 
@@ -29,6 +29,7 @@ def main() -> None:
 
 
 def _run() -> None:
+    warnings.formatwarning = _warning_line
     try:
         from mimoc.cli.commands import app
 
@@ -37,18 +38,16 @@ def _run() -> None:
         print(printable(error), file=sys.stderr)
         sys.exit(BAD_INPUT)
     except Exception as error:
-        backend = os.environ.get("MUJOCO_GL")
-        if backend is None or not _is_of_loading_mujoco(error):
+        problem = problem_of_loading_mujoco(error)
+        if not problem:
             raise
-        problem = f"MuJoCo cannot be loaded with MUJOCO_GL={backend} ({error}); unset it or choose another"
         print(printable(problem), file=sys.stderr)
         sys.exit(BAD_INPUT)
 
 
-def _is_of_loading_mujoco(error: Exception) -> bool:
-    """Return whether an error ended the first import of MuJoCo."""
-    names = [frame.f_globals.get("__name__") for frame, _ in traceback.walk_tb(error.__traceback__)]
-    return "mujoco" in names and "mujoco" not in sys.modules
+def _warning_line(message: Warning | str, *_place: object) -> str:
+    """Return a warning as one line, without the place in the code that it comes from."""
+    return f"warning: {printable(message)}\n"
 
 
 def _is_pipe_broken(out: TextIO, code: object) -> bool:

@@ -3,6 +3,9 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+
+from mimoc.cli.printable import printable
 
 BAD_INPUT, FAILED_CHECK = 2, 1
 BROKEN_PIPE = 128 + 13
@@ -10,10 +13,11 @@ BROKEN_PIPE = 128 + 13
 
 
 @contextmanager
-def resumable() -> Iterator[None]:
-    """On Ctrl-C, say that the same command resumes the work."""
+def resumable(result: Path | None = None) -> Iterator[None]:
+    """On Ctrl-C, say that the same command resumes the work, and which file has the result so far, if it exists."""
     try:
         yield
     except KeyboardInterrupt:
-        print("stopped; run the same command again to resume", file=sys.stderr)
+        so_far = f"{result} has the result so far; " if result and result.exists() else ""
+        print(printable(f"stopped; {so_far}run the same command again to resume"), file=sys.stderr)
         raise

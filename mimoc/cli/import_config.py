@@ -10,7 +10,7 @@ from mimoc.cli.printable import printable
 from mimoc.errors import OutputError
 
 STDOUT = Path("-")
-EXAMPLE = "Example:  mimoc import babybench configs/babybench.yml -o self_touch.yaml"
+EXAMPLE = "Example:  mimoc import babybench config.yml -o self_touch.yaml"
 
 
 def import_config(

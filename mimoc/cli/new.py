@@ -4,13 +4,14 @@ import re
 import shlex
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from mimoc.cli.printable import printable
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.errors import MimocError, SpecError, check_name
 
 if TYPE_CHECKING:
     from mimoc.schema.starter import Choices
@@ -78,7 +79,7 @@ def new(
         "age_months": age, "hands": hands, "actuation": actuation, "senses": senses, "scene": scene, "pose": pose,
         "task": task,
     }  # fmt: skip
-    given = {key: value for key, value in options.items() if value is not None}
+    given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     if like and given:
         raise MimocError("'--like' takes an example as it is; give either that or choices")
     if spec != STDOUT and spec.exists() and not force:
@@ -87,7 +88,7 @@ def new(
     if like:
         text = with_schema(_example(like, name), shipped_schema())
     else:
-        given = given or (_answers() if sys.stdin.isatty() and sys.stdout.isatty() else {})
+        given = given or (_answers(name) if sys.stdin.isatty() and sys.stdout.isatty() else {})
         text = new_spec(_choices(name, given), shipped_schema())
     read_spec(source.parse(text, str(spec)))
     if spec == STDOUT:
@@ -106,21 +107,40 @@ def _name(spec: Path) -> str:
 def _choices(name: str, given: dict[str, Any]) -> "Choices":
     from mimoc.schema.starter import Choices
 
-    if "senses" in given:
-        words = given["senses"].replace(",", " ").split()
-        given["senses"] = () if words == ["none"] else tuple(words)
-    return Choices(name=name, **given)
+    words = given.get("senses", ",".join(Choices.senses)).replace(",", " ").split()
+    return Choices(**{**given, "name": name, "senses": () if words == ["none"] else tuple(words)})
 
 
-def _answers() -> dict[str, Any]:
-    """Return what the user answers to each question."""
+def _answers(name: str) -> dict[str, Any]:
+    """Return what the user answers to each question; it is asked again if no spec can say that, with those before."""
     from mimoc.schema.starter import Choices, offered
 
-    usual, values, found = {**vars(Choices()), "senses": ",".join(Choices.senses)}, offered(), dict[str, Any]()
+    usual, values, answers = {**vars(Choices()), "senses": ",".join(Choices.senses)}, offered(), dict[str, Any]()
     for key, question in QUESTIONS.items():
-        asked = f"{question} ({', '.join(values[key])})" if key in values else question
-        found[key] = typer.prompt(asked, default=usual[key], type=type(usual[key]))
-    return found
+        text = f"{question} ({', '.join(values[key])})" if key in values else question
+        answers[key] = typer.prompt(text, default=usual[key], value_proc=partial(_checked, name, answers, key))
+    return answers
+
+
+def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
+    """Return an answer that a spec can say, with the answers before it.
+
+    Raises:
+        BadParameter: If none can; a prompt prints what is wrong, and asks again.
+    """
+    from mimoc.schema import read_spec, source
+    from mimoc.schema.starter import new_spec
+    from mimoc.schema.yaml_scalars import scalar
+
+    value = str(answer).strip()
+    try:
+        value = scalar(value) if key == "age_months" else value
+        read_spec(source.parse(new_spec(_choices(name, {**answers, key: value})), name))
+    except SpecError as error:
+        raise typer.BadParameter("; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)) from None
+    except ValueError as error:  # A number that YAML does not have.
+        raise typer.BadParameter(str(error)) from None
+    return value
 
 
 def _example(like: str, name: str) -> str:
@@ -129,8 +149,9 @@ def _example(like: str, name: str) -> str:
     Raises:
         UnknownNameError: If there is no such example.
     """
-    package = Path(__file__).resolve().parents[1]
-    found = {path.stem: path for folder in (package, package.parent) for path in (folder / "configs").glob("*.yaml")}
-    if like not in found:
-        raise UnknownNameError("name of an example", like, found)
-    return re.sub("^name: .*$", f"name: {name}", found[like].read_text(encoding="utf-8"), count=1, flags=re.MULTILINE)
+    from mimoc.compiler.loading import example_specs
+
+    examples = example_specs()
+    check_name("name of an example", like, examples)
+    text = examples[like].read_text(encoding="utf-8")
+    return re.sub("^name: .*$", f"name: {name}", text, count=1, flags=re.MULTILINE)

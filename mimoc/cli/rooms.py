@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MAX_ROOMS = 400
 """Largest number of scenes in one image."""
 
-EXAMPLE = "Example:  mimoc rooms configs/playroom.yaml --seeds 0:12 -o rooms.png"
+EXAMPLE = "Example:  mimoc rooms playroom.yaml --seeds 0:12 -o rooms.png"
 
 
 def rooms(

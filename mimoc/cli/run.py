@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mimoc.cli.arguments import Body, InfantPath, ShownBody
+from mimoc.cli.custom import import_object
 from mimoc.cli.infants import load_infant
 from mimoc.cli.printable import printable
 from mimoc.errors import MimocError
@@ -44,11 +45,18 @@ RecordFolder = Annotated[
 ]
 
 
+OwnTask = Annotated[
+    str | None,
+    typer.Option("--task", metavar="MODULE:CLASS", help="Take rewards from a class of your own, as in training."),
+]
+
+
 def run(
     infant: InfantPath,
     policy: PolicyName = "random",
     steps: Annotated[int, typer.Option("--steps", min=1, help="Number of control steps to run.")] = 1000,
     seed: Seed = 0,
+    task: OwnTask = None,
     window: Annotated[bool, typer.Option("--window", help="Show the infant in a window, in real time.")] = False,
     video: VideoFile = None,
     record: RecordFolder = None,
@@ -68,8 +76,9 @@ def run(
     if video:
         recording.check_video(video)
     chosen = _read_policy(policy)
-    bundle = load_infant(infant)
-    with closing(InfantEnv(bundle, render_mode="human" if window else None)) as env, ExitStack() as recorded:
+    own = import_object(task) if task else None
+    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=own)
+    with closing(env), ExitStack() as recorded:
         act = policy_of(env, chosen)  # Refuses bad names before anything is written.
         recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)

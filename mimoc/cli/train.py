@@ -10,10 +10,23 @@ from mimoc.cli.custom import import_object
 from mimoc.cli.exit_codes import resumable
 from mimoc.cli.infants import load_infant
 
-EXAMPLE = "Example:  mimoc train configs/reach.yaml -o runs/reach --algo ppo --steps 4096"
+EXAMPLE = "Example:  mimoc train reach.yaml -o runs/reach --algo ppo --steps 4096"
 
 CheckpointEvery = Annotated[
-    int, typer.Option("--checkpoint-every", min=1, help="Steps between checkpoints: the most that a kill can lose.")
+    int | None,
+    typer.Option(
+        "--checkpoint-every",
+        min=1,
+        help="Steps between checkpoints: the most that a kill can lose; default: 20480, or a whole episode if longer.",
+    ),
+]
+StepsPerEpisode = Annotated[
+    int | None,
+    typer.Option(
+        "--steps-per-episode",
+        min=1,
+        help="Control steps after which an episode is truncated; default: those of the task, or 500.",
+    ),
 ]
 Assignments = Annotated[
     list[str] | None,
@@ -71,7 +84,8 @@ def train(
     steps: Steps = 500_000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed; the same seed gives the same result.")] = 0,
     envs: Annotated[int, typer.Option("--envs", min=1, max=1024, help="Number of parallel environments.")] = 8,
-    every: CheckpointEvery = 20_480,
+    steps_per_episode: StepsPerEpisode = None,
+    every: CheckpointEvery = None,
     assignments: Assignments = None,
     threads: Threads = None,
     processes: Processes = None,
@@ -84,24 +98,15 @@ def train(
 ) -> None:
     """Train a policy for the infant; run the same command again to resume an interrupted training."""
     from mimoc import training
-    from mimoc.cli import console
+    from mimoc.cli import training_output
     from mimoc.training import hyperparameters
 
     others: dict[str, Any] = {"grow": grow, "schedule": schedule, "grow_steps": grow_steps, "record": record}
     others |= {"threads": threads, "processes": processes, "force": force}
+    others |= {"steps_per_episode": steps_per_episode, "checkpoint_every": every}
     bundle = load_infant(infant)
-    with console.progress("training") as show, resumable():
-        done = training.train(
-            bundle,
-            out,
-            algo=algo,
-            steps=steps,
-            seed=seed,
-            envs=envs,
-            checkpoint_every=every,
-            hyper=hyperparameters.parse(algo, assignments or []),
-            progress=show,
-            task=import_object(task) if task else None,
-            **others,
-        )
-    console.print_training(done, out)
+    others |= {"hyper": hyperparameters.parse(algo, assignments or []), "task": import_object(task) if task else None}
+    with training_output.shown() as show, resumable(out / "policy.zip"):
+        others |= {"progress": show.report, "on_row": show.on_row}
+        done = training.train(bundle, out, algo=algo, steps=steps, seed=seed, envs=envs, **others)
+    training_output.print_training(done, out, task)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.viewer.viewing import View
 
-EXAMPLE = "Example:  mimoc view configs/nine_months.yaml -o infant.html"
+EXAMPLE = "Example:  mimoc view nine_months.yaml -o infant.html"
 
 Shown = Annotated[
     Path,

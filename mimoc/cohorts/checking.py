@@ -44,4 +44,5 @@ def _check(step: StepSpec) -> None:
         from mimoc.training.settings import Settings
 
         growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
-        Settings.choose(step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper)
+        settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
+        Settings.choose(*settings, steps_per_episode=step.steps_per_episode)

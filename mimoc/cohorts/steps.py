@@ -82,7 +82,7 @@ def train(work: Work) -> Measures:
     folder = check_unlinked(work.store.runs(work.job) / "training", below=work.store.folder)
     origin = {"cohort": work.job.cohort, "job": work.job.key, "factors": dict(work.job.factors)}
     training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
-    last = asdict(training.curve.rows[-1]) if training.curve.rows else {}
+    last = asdict(training.curve.ends[1]) if training.curve.rows else {}
     return {
         **measure_child(work.bundle),
         "return": last.get("episode_return"),

@@ -1,5 +1,6 @@
 """What a policy is."""
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -10,7 +11,8 @@ from mimoc.senses.sense import Observation
 Policy = Callable[[np.random.Generator, Observation], np.ndarray]
 """Returns the action for an observation, shape (n,); all random numbers come from the generator.
 
-It can have a method `metrics()`, which returns numbers for the summary of a run, by name with the unit: `hand_error_m`.
+It can have a method `metrics()`, which returns numbers for the summary of a run, by name with the unit: `hand_error_m`;
+and `steps_per_episode`, the control steps after which its episodes end, as in its training.
 """
 PolicyMaker = Callable[[InfantEnv], Policy]
 """Returns the policy for an environment."""
@@ -20,3 +22,8 @@ def metrics_of(policy: Policy) -> Mapping[str, float]:
     """Return the numbers that a policy tells of a run; none for a policy that has no `metrics`."""
     metrics = getattr(policy, "metrics", None)
     return metrics() if metrics else {}
+
+
+def episode_limit_of(policy: Policy) -> float:
+    """Return the control steps after which a policy's episodes end: infinity for one that does not say so."""
+    return getattr(policy, "steps_per_episode", None) or math.inf

@@ -27,16 +27,20 @@ PLOTS = {
     "episode_steps": "Length of an episode [control steps]",
 }
 """What is drawn of a learning curve, by column."""
+UNFINISHED = {"episode_return": "unfinished_return", "episode_steps": "unfinished_steps"}
+"""Column with what there is so far of episodes that have not ended, by that of those that have."""
 NAMES = {
     "algo": "learning algorithm",
     "steps": "control steps",
     "seed": "random seed",
     "envs": "parallel environments",
+    "steps_per_episode": "most control steps of an episode",
     "checkpoint_every": "control steps between checkpoints",
 }
 SHOWN_DOTS = 60
 """Rows up to which each is a dot."""
-CAPTION = "Means of the episodes that ended between two checkpoints; steps are summed over all parallel environments."
+CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
+SO_FAR = " Hollow and dotted: so far, of episodes that had not ended then, which cannot be compared with whole ones."
 NO_CURVE = "The training has not reached its first checkpoint: there is no learning curve yet."
 
 
@@ -72,19 +76,28 @@ def _summary(run: TrainingRun) -> str:
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
         return Section("curves", "Learning", (Text(NO_CURVE, "note"),))
-    drawn = tuple(_plot(curve, column, title) for column, title in PLOTS.items())
-    headings = ("", "first checkpoint", "last checkpoint")
-    first, last = curve.rows[0], curve.rows[-1]
+    drawn = [_plot(curve, column, title) for column, title in PLOTS.items() if _known(curve, column)]
+    caption = CAPTION + (SO_FAR if _points(curve, "unfinished_return") else "")
     rows = [
-        (Cell(title), *(number(words.figure(float(getattr(row, column)))) for row in (first, last)))
-        for column, title in {"steps": "Steps trained", "episodes": "Episodes since the one before", **PLOTS}.items()
+        (Cell(title), *(number(_figure(getattr(row, column))) for row in curve.ends)) for column, title in ROWS.items()
     ]
-    tiles = Tiles(tuple(_tiles(curve)))
-    return Section("curves", "Learning", (tiles, Drawings(drawn, CAPTION, "pair"), table(headings, rows)))
+    blocks = Tiles(tuple(_tiles(curve))), Drawings(tuple(drawn), caption, "pair"), table(("", "start", "end"), rows)
+    return Section("curves", "Learning", blocks)
+
+
+ROWS = {
+    "steps": "Steps trained",
+    "episodes": "Episodes that ended",
+    **PLOTS,
+    "unfinished": "Episodes that had not ended",
+    "unfinished_return": "Their return so far",
+    "unfinished_steps": "Their length so far [control steps]",
+}
+"""What the table says of the first and the last point with episodes that ended, by column."""
 
 
 def _tiles(curve: Curve) -> Iterator[Tile]:
-    first, last = curve.rows[0], curve.rows[-1]
+    first, last = curve.ends
     for column, name, unit in (
         ("success_rate", "Success", "%"),
         ("time_to_success_s", "Time to success", "s"),
@@ -92,24 +105,48 @@ def _tiles(curve: Curve) -> Iterator[Tile]:
     ):
         scale = 100 if unit == "%" else 1
         before, after = (scale * float(getattr(row, column)) for row in (first, last))
-        told = f"{words.figure(before)} {unit}".rstrip()
-        since = f"; {told} at the first" if isfinite(before) else ""
+        then = f"{words.figure(before)} {unit}".rstrip()
+        since = f"; {then} at the start" if isfinite(before) else ""
         value = f"{words.figure(after)} {unit}".rstrip() if isfinite(after) else "none"
-        yield Tile(name, value, f"at the last checkpoint{since}.")
+        yield Tile(name, value, f"at the end{since}.")
+    if not last.episodes:
+        so_far = f"{words.figure(last.unfinished_return)} so far"
+        yield Tile("Unfinished episodes", so_far, f"return of {last.unfinished}; no episode has ended.")
 
 
 def _plot(curve: Curve, column: str, title: str) -> Drawing:
-    points = [(float(row.steps), float(getattr(row, column))) for row in curve.rows]
-    known = [point for point in points if isfinite(point[1])]
-    y = (0.0, 1.0) if column == "success_rate" else around((value for _, value in known), _floor(column))
-    frame = Frame((0.0, float(max(curve.steps, 1))), y)
-    paths = [frame.line(known, "line")] if len(known) > 1 else []
-    shown = known if len(known) <= SHOWN_DOTS else []
-    dots = [dot(frame.at(*each), "mean", 2.6, f"{each[0]:,.0f} steps: {words.figure(each[1])}") for each in shown]
+    known, so_far = _points(curve, column), _points(curve, UNFINISHED.get(column))
+    values = (value for _, value in (*known, *so_far))
+    frame = Frame(
+        (0.0, float(max(curve.steps, 1))),
+        (0.0, 1.0) if column == "success_rate" else around(values, _floor(column)),
+    )
+    series = (so_far, "leader", "survey", " so far"), (known, "line", "mean", "")
+    paths = [frame.line(points, line) for points, line, _, _ in series if len(points) > 1]
+    dots = [
+        dot(frame.at(steps, value), mark, 2.6, f"{steps:,.0f} steps: {words.figure(value)}{ending}")
+        for points, _, mark, ending in series
+        if len(points) <= SHOWN_DOTS
+        for steps, value in points
+    ]
     about = f"{title} by control steps of training"
     if known:
         about += f", from {words.figure(known[0][1])} to {words.figure(known[-1][1])}"
     return frame.draw(title, "control steps of training", paths, dots, x_ticks=_few(frame.x[1]), description=about)
+
+
+def _figure(value: float) -> str:
+    return f"{value:,}" if isinstance(value, int) else words.figure(value)
+
+
+def _known(curve: Curve, column: str) -> bool:
+    return bool(_points(curve, column) or _points(curve, UNFINISHED.get(column)))
+
+
+def _points(curve: Curve, column: str | None) -> list[tuple[float, float]]:
+    """Return steps and value of each row where a column has a value; none without a column."""
+    points = [(float(row.steps), float(getattr(row, column))) for row in curve.rows] if column else []
+    return [point for point in points if isfinite(point[1])]
 
 
 def _few(steps: float) -> Sequence[tuple[float, str]]:
@@ -122,7 +159,8 @@ def _floor(column: str) -> float | None:
 
 def _settings(run: TrainingRun) -> Section:
     settings = run.settings
-    rows = [(Cell(words.sentence(about)), Cell(_text(getattr(settings, name)))) for name, about in NAMES.items()]
+    known = {name: value for name, value in settings.data().items() if value is not None}
+    rows = [(Cell(words.sentence(about)), Cell(_text(known[name]))) for name, about in NAMES.items() if name in known]
     rows += [(Cell(f"Own {name}"), Cell(path, "code")) for name, path in sorted(settings.custom.items())]
     rows += [(Cell(f"Growth: {words.name(name)}"), Cell(_text(value))) for name, value in settings.growth.items()]
     rows += [(Cell(f"Belongs to {words.name(name)}"), Cell(_text(value))) for name, value in run.origin.items()]

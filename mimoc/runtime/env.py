@@ -33,6 +33,7 @@ from mimoc.runtime.living import Living
 from mimoc.runtime.spaces import action_space, check_same_space, observation_space
 from mimoc.runtime.timing import timing_of
 from mimoc.senses.binding import bind_senses
+from mimoc.senses.custom import by_name
 from mimoc.senses.sense import Observation, Sense
 from mimoc.tasks.binding import bind_task
 from mimoc.tasks.custom import CustomTask
@@ -83,7 +84,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             RenderingError: If vision or the render mode needs OpenGL or a display that is not available.
             UnknownNameError: If there is no such render mode.
             ValueError: If the images have no size that images can have.
-            KindError: If an added sense has the name of an existing one.
+            KindError: If the task or a sense is no such object, or has the name of an existing sense.
         """
         check_rendering(render_mode, width, height)
         self.render_mode, self._infant = render_mode, opened(bundle)
@@ -91,7 +92,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         self.metadata = {"render_modes": available_modes(), "render_fps": round(1 / ms_to_s(self.manifest.step_ms))}
         self._picture_size, self.journal = (width, height), UNTOLD
         self._draws = bool(render_mode or senses) or task is not None or growing.sees_skin(self.manifest)
-        self._variants, self._custom_task, self._custom_senses = variants, task, dict(senses)
+        self._variants, self._custom_task, self._custom_senses = variants, task, by_name(senses)
         self._noise = NoiseStreams(self.np_random_seed)
         self._bind()
         self._start(self.manifest.pose)

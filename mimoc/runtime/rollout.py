@@ -9,7 +9,7 @@ import numpy as np
 
 from mimoc.kinds import function_of
 from mimoc.policies import POLICIES
-from mimoc.policies.policy import Policy, PolicyMaker, metrics_of
+from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, metrics_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
@@ -75,7 +75,7 @@ class Run:
         """
         self.observation, _ = env.reset(seed=seed)  # Policies take their aims from how it starts.
         self.env, self._act = env, policy_of(env, policy)
-        self._generator = np.random.default_rng(seed)
+        self._generator, self._limit = np.random.default_rng(seed), episode_limit_of(self._act)
         self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
         model = env.model
         self._head = env.manifest.anatomy.head or env.manifest.root_body
@@ -100,7 +100,7 @@ class Run:
         self._hip_m.append(data.body(root).xpos.copy())
         self._head_m.append(float(data.body(self._head).xipos[2]))
         self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
-        if terminated or truncated:
+        if terminated or truncated or self._taken >= self._limit:
             self._end_episode(info["is_success"])
             self.observation, _ = self.env.reset()
 

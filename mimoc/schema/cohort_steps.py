@@ -119,8 +119,10 @@ class TrainStep(Model):
     """Seeds of the training; each is a job."""
     envs: Annotated[Whole, Field(ge=1, le=1024)] = 8
     """Number of parallel environments."""
-    checkpoint_every: Steps = 20_480
-    """Control steps between checkpoints."""
+    steps_per_episode: Steps | None = None
+    """Control steps after which an episode is truncated; by default those of the task, or 500."""
+    checkpoint_every: Steps | None = None
+    """Control steps between checkpoints; by default 20,480, or one whole episode of each environment."""
     hyper: Mapping[str, Number] = Field(default_factory=dict)
     """Hyperparameters that differ from the defaults."""
     grow: Words | None = None

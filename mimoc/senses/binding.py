@@ -29,7 +29,8 @@ def bind_senses(
         custom: Objects to sense with besides, by name; see `CustomSense`.
 
     Raises:
-        KindError: If two senses have the same name, or give the observation arrays of the same name.
+        KindError: If two senses have the same name, or give the observation arrays of the same name; or if an object
+            cannot be a sense.
         RenderingError: If it sees, and there is no OpenGL here.
     """
     entries = dict(bundle.manifest.senses)

@@ -1,13 +1,16 @@
 """Senses that a script passes as objects, without a record or a bundle that knows of them."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import mujoco
 import numpy as np
+from gymnasium.spaces import Box
 
 from mimoc.bundle.io import Bundle
 from mimoc.delays.spec import DelayEntry
 from mimoc.errors import KindError
+from mimoc.kinds import check_custom_object
 from mimoc.senses.sense import Observation, Sample, Sense
 from mimoc.units import to_steps
 
@@ -21,9 +24,16 @@ class CustomSense(Sense):
     """
 
     def __init__(self, name: str, custom: Any, model: mujoco.MjModel, bundle: Bundle):
-        """Bind the object to a model; *name* is that of its observation."""
+        """Bind the object to a model; *name* is that of its observation.
+
+        Raises:
+            KindError: If it is a class, cannot be called, has no `space`, or a delay of no whole physics steps.
+        """
+        check_custom_object(f"sense '{name}'", custom, "__call__", "an object that is called with MuJoCo's data")
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
+        if not isinstance(getattr(custom, "space", None), Box):
+            raise KindError(f"sense '{name}' has no attribute 'space', the gymnasium.spaces.Box of what it returns")
         self._name, self._custom, self._space = name, custom, custom.space
         self.spaces = {name: self._space}
         self.delay = _delay_of(name, custom, bundle)
@@ -51,6 +61,17 @@ class CustomSense(Sense):
         """Close the object, if it can be."""
         if hasattr(self._custom, "close"):
             self._custom.close()
+
+
+def by_name(senses: Any) -> dict[str, Any]:
+    """Return the objects that a script passes to sense with, by name.
+
+    Raises:
+        KindError: If they are not in a dictionary.
+    """
+    if not isinstance(senses, Mapping):
+        raise KindError(f"senses is {senses!r:.60}; pass a dictionary of objects by the name of their observation")
+    return dict(senses)
 
 
 def _delay_of(name: str, custom: Any, bundle: Bundle) -> DelayEntry:

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.kinds import function_of
+from mimoc.senses import SENSES
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense, Vector
 
 
@@ -93,11 +94,11 @@ class JoinedVector:
         return {self._first.name: observed.astype(np.float32)}
 
 
-def join(senses: Sequence[Sense]) -> Joined:
+def join(name: str, senses: Sequence[Sense]) -> Joined:
     """Return the sense of many infants, which has the same name for all."""
-    first = senses[0]
-    if first.together and all(type(each) is type(first) for each in senses):
-        return function_of(first.together, "join")(senses) or OneByOne(senses)
+    first, many = senses[0], SENSES[name].many if name in SENSES else None
+    if many is not None:
+        return function_of(many, "join")(senses) or OneByOne(senses)
     if isinstance(first, Vector) and first.expression is not None:
         same = all(
             type(each) is type(first) and getattr(each, "expression", None) == first.expression for each in senses
@@ -108,4 +109,4 @@ def join(senses: Sequence[Sense]) -> Joined:
 
 def join_all(senses: Sequence[Mapping[str, Sense]]) -> dict[str, Joined]:
     """Return the senses of many infants by name."""
-    return {name: join([each[name] for each in senses]) for name in senses[0]}
+    return {name: join(name, [each[name] for each in senses]) for name in senses[0]}

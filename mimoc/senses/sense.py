@@ -45,9 +45,6 @@ class Sense(ABC):
     bodies: IntArray | None = None
     """The body of the model in which each number of a sample is measured, shape (n,): the legs can have a longer delay.
     None where all are in the head or trunk."""
-    together: str | None = None
-    """The module whose function `join` returns what reads this sense of many infants at once, or None for those that it
-    cannot join (`senses.joined.Joined`); without a module, they are read one after another."""
 
     @property
     @abstractmethod

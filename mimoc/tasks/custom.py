@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.io import Bundle
+from mimoc.kinds import check_custom_object
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
 from mimoc.tasks.task import Task, Verdict
@@ -18,13 +19,19 @@ class CustomTask(Task):
 
     The object has `judge(data, action, effort)`, which returns a `Verdict` or the reward alone. It can also have
     `bind(model, bundle)`, called whenever a model was loaded; `start(data, generator)`, called at each reset;
-    `observe()` and `spaces`, its part of the observation; `steps`, after which an episode is truncated; and `state`,
-    a dictionary that can be read and set, with everything that it stores within an episode.
+    `observe()` and `spaces`, its part of the observation; `steps`, after which an episode is truncated, without which
+    those of the bundle's task hold; and `state`, a dictionary that can be read and set, with everything that it stores
+    within an episode.
     """
 
     def __init__(self, custom: Any, model: mujoco.MjModel, bundle: Bundle):
-        """Bind the object to a model."""
-        super().__init__(getattr(custom, "steps", None))
+        """Bind the object to a model.
+
+        Raises:
+            KindError: If it is a class, or has no `judge`.
+        """
+        check_custom_object("task", custom, "judge", "an object such as a mimoc.Task")
+        super().__init__(getattr(custom, "steps", None) or bundle.manifest.task.steps)
         if hasattr(custom, "bind"):
             custom.bind(model, bundle)
         self._custom = custom

@@ -59,7 +59,10 @@ class Task:
     """
 
     def __init__(self, steps: int | None = None):
-        """Make a task whose episodes are truncated after *steps* control steps; None is never."""
+        """Make a task whose episodes are truncated after *steps* control steps.
+
+        None is never; or, for one that is passed as an object, after those that the spec's task has, if any.
+        """
         self.steps = steps
 
     def bind(self, model: mujoco.MjModel, bundle: Any) -> None:

@@ -68,6 +68,11 @@ def start_interval(agent: BaseAlgorithm, seed: int) -> None:
     agent._last_obs = None  # Makes `learn` reset the environments.
 
 
+def has_learnt(agent: BaseAlgorithm) -> bool:
+    """Return whether an agent has been updated since it was made or restored."""
+    return agent._n_updates > 0  # pyright: ignore[reportAttributeAccessIssue] - Of on- and off-policy algorithms.
+
+
 def set_weights(agent: BaseAlgorithm, weights: Mapping[str, Any]) -> None:
     """Restore the agent's weights and optimiser states.
 

@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import MISSING, astuple, dataclass, fields
 from typing import Any, Self
 
 import numpy as np
@@ -25,11 +25,20 @@ class FinishedEpisode:
 
 
 @dataclass(frozen=True, slots=True)
+class UnfinishedEpisode:
+    """An episode that is under way."""
+
+    reward_so_far: float
+    steps: int
+    """Control steps so far."""
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
     """Statistics of the episodes that ended since the previous row; the mean of no episodes is NaN.
 
-    Episodes that a checkpoint interrupts are not counted, so that long episodes are slightly underrepresented;
-    `evaluate` does not have this bias.
+    Episodes that a checkpoint interrupts are not counted among them, so that long episodes are slightly
+    underrepresented; `evaluate` does not have this bias. They are unfinished episodes of the row at the checkpoint.
     """
 
     steps: int
@@ -46,6 +55,12 @@ class Row:
     """Mean simulated time to success, over the successful episodes."""
     wall_s: float
     """Wall time of the training so far; the only value here that is not reproducible."""
+    unfinished: int = 0
+    """Number of episodes under way at the end of the row."""
+    unfinished_return: float = math.nan
+    """Their mean return so far: not comparable with that of whole episodes."""
+    unfinished_steps: float = math.nan
+    """Their mean number of control steps so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +73,12 @@ class Curve:
     def steps(self) -> int:
         """Control steps trained for."""
         return self.rows[-1].steps if self.rows else 0
+
+    @property
+    def ends(self) -> tuple[Row, Row]:
+        """The first and the last row with episodes that ended; of all rows, if none did. There must be a row."""
+        rows = [row for row in self.rows if row.episodes] or self.rows
+        return rows[0], rows[-1]
 
     def column(self, name: str) -> npt.NDArray[np.float64]:
         """Return one field of `Row`, by name, for all rows, shape (n,)."""
@@ -88,7 +109,13 @@ class Curve:
             raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
 
-def summarize(episodes: Sequence[FinishedEpisode], steps: int, step_s: float, wall_s: float) -> Row:
+def summarize(
+    episodes: Sequence[FinishedEpisode],
+    steps: int,
+    step_s: float,
+    wall_s: float,
+    unfinished: Sequence[UnfinishedEpisode] = (),
+) -> Row:
     """Return the row of a learning curve for the given episodes.
 
     Args:
@@ -96,6 +123,7 @@ def summarize(episodes: Sequence[FinishedEpisode], steps: int, step_s: float, wa
         steps: Control steps trained for so far.
         step_s: Duration of a control step.
         wall_s: Wall time of the training so far.
+        unfinished: Episodes under way.
     """
     return Row(
         steps=steps,
@@ -105,6 +133,9 @@ def summarize(episodes: Sequence[FinishedEpisode], steps: int, step_s: float, wa
         episode_steps=_mean(each.steps for each in episodes),
         time_to_success_s=_mean(each.steps * step_s for each in episodes if each.success),
         wall_s=wall_s,
+        unfinished=len(unfinished),
+        unfinished_return=_mean(each.reward_so_far for each in unfinished),
+        unfinished_steps=_mean(each.steps for each in unfinished),
     )
 
 
@@ -122,7 +153,12 @@ def _possible(row: Row) -> Row:
 
 
 def _row(cells: dict[str, str]) -> Row:
-    numbers = {each.name: float(cells[each.name] or "nan") for each in fields(Row)}
-    counts = {name: int(cells[name]) for name in ("steps", "episodes")}
+    columns = [each for each in fields(Row) if each.name in cells or each.default is MISSING]
+    numbers = {each.name: float(cells[each.name] or "nan") for each in columns}
+    counts = {name: int(cells[name]) for name in COUNTS if name in numbers}
     found: dict[str, Any] = {**numbers, **counts}
     return Row(**found)
+
+
+COUNTS = ("steps", "episodes", "unfinished")
+"""Columns of whole numbers; the last is missing in curves of earlier versions."""

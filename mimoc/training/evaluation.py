@@ -1,11 +1,13 @@
 """Evaluation of a policy, episode by episode."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mimoc.errors import TrainingError, UnknownNameError
+from mimoc.policies.policy import episode_limit_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker, policy_of
 from mimoc.senses.sense import FloatArray
@@ -31,7 +33,12 @@ class Episode:
 
 
 def evaluate(
-    env: Any, policy: str | PolicyMaker, episodes: int, seed: int = 0, follow: str | None = None
+    env: Any,
+    policy: str | PolicyMaker,
+    episodes: int,
+    seed: int = 0,
+    follow: str | None = None,
+    steps_per_episode: int | None = None,
 ) -> list[Episode]:
     """Run a policy for a number of episodes and return their outcomes.
 
@@ -43,23 +50,30 @@ def evaluate(
         episodes: Number of episodes.
         seed: Seed of the first episode.
         follow: Name of a body, such as `right_fingers`, whose path is recorded.
+        steps_per_episode: Control steps after which an episode ends, unless the task ends it earlier; by default as in
+            the training of the policy, or as `max_episode_steps` of the environment says.
 
     Raises:
         UnknownNameError: If there is no such policy or body.
         PolicyError: If the policy does not fit this infant.
-        TrainingError: If the episodes of this infant do not end.
+        TrainingError: If nothing ends the episodes of this infant.
     """
     infant: InfantEnv = env.unwrapped
-    if infant.max_steps is None:
-        raise TrainingError(f"the episodes of '{infant.manifest.name}' do not end; set task.steps in its spec")
     bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]
     if follow is not None and follow not in bodies:
         raise UnknownNameError("body of this infant", follow, bodies)
     acting = policy_of(infant, policy)
-    return [_run_episode(infant, acting, seed + number, follow) for number in range(episodes)]
+    around = getattr(env.spec, "max_episode_steps", None) or math.inf
+    limit = steps_per_episode or min(around, episode_limit_of(acting))
+    if infant.max_steps is None and limit == math.inf:
+        name = infant.manifest.name
+        raise TrainingError(
+            f"the episodes of '{name}' do not end; give steps_per_episode, or set task.steps in its spec"
+        )
+    return [_run_episode(infant, acting, seed + number, follow, limit) for number in range(episodes)]
 
 
-def _run_episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None) -> Episode:
+def _run_episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None, limit: float) -> Episode:
     generator = np.random.default_rng(seed)
     observation, _ = env.reset(seed=seed)
     path_m, total, steps, ended, success = [_position(env, follow)], 0.0, 0, False, False
@@ -67,7 +81,7 @@ def _run_episode(env: InfantEnv, policy: Policy, seed: int, follow: str | None) 
         observation, reward, terminated, truncated, info = env.step(policy(generator, observation))
         path_m.append(_position(env, follow))
         total, steps = total + reward, steps + 1
-        ended, success = terminated or truncated, info["is_success"]
+        ended, success = terminated or truncated or steps >= limit, info["is_success"]
     duration_s = ms_to_s(steps * env.manifest.step_ms)
     return Episode(seed, steps, duration_s, total, success, np.array(path_m) if follow else None)
 

@@ -49,6 +49,8 @@ class TrainedPolicy:
     """Absolute value at which normalised observations are clipped."""
     normalized: Sequence[str]
     """Names of the observations to normalise."""
+    steps_per_episode: int | None = None
+    """Control steps after which an episode of its training was truncated; None if that is not known."""
 
     def __call__(self, generator: np.random.Generator, observation: Observation) -> np.ndarray:
         """Return the action for an observation, shape (n,); *generator* is not used."""
@@ -137,6 +139,9 @@ def _is_description(about: Any) -> bool:
         names += [name, *each["layout"]]
         if not all(type(size) is int for size in each["shape"]):
             return False
+    limit = about["settings"].get("steps_per_episode")
+    if limit is not None and (type(limit) is not int or limit < 1):
+        return False
     return all(isinstance(name, str) and name.isprintable() for name in names)
 
 
@@ -168,7 +173,8 @@ def _bind(
         raise PolicyError(f"{path}: {_DAMAGED}") from None
     deviations = {f"{name}.deviation": np.sqrt(variance + floor**2) for name, variance in variances.items()}
     network.set_training_mode(False)
-    return TrainedPolicy(network, {**means, **deviations}, float(hyper["observation_clip"]), names)
+    scale, limit = {**means, **deviations}, about["settings"].get("steps_per_episode")
+    return TrainedPolicy(network, scale, float(hyper["observation_clip"]), names, limit)
 
 
 _DAMAGED = "not a policy trained by mimoc, or it is damaged"

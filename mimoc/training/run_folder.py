@@ -50,8 +50,16 @@ class RunFolder:
             OutputError: If a file cannot be written.
         """
         write_file(self.path / CHECKPOINTS / f"{steps:010d}.zip", policy)
-        write_file(self.path / POLICY, policy)
+        self.write_policy(policy)
         write_file(self.path / STATE, state)
+
+    def write_policy(self, policy: bytes) -> None:
+        """Write the latest policy, which may be later than the checkpoint.
+
+        Raises:
+            OutputError: If the file cannot be written.
+        """
+        write_file(self.path / POLICY, policy)
 
     def write_curve(self, csv: str) -> None:
         """Write the learning curve.

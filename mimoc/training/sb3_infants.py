@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from mimoc.runtime.env import InfantEnv
@@ -92,6 +92,11 @@ class InfantVecEnv(VecEnv):
 
     def _chosen(self, indices: VecEnvIndices) -> list[InfantEnv]:
         return [self.infants.infants[index] for index in self._get_indices(indices)]
+
+
+def monitored(infants: ManyInfants) -> VecMonitor:
+    """Return infants that are reset in the same step as Stable-Baselines3 wants them, with returns of episodes."""
+    return VecMonitor(InfantVecEnv(infants))
 
 
 def _taken_apart(info: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:

@@ -8,6 +8,8 @@ from typing import Any, Self
 from mimoc.errors import TrainingError
 from mimoc.training.hyperparameters import HYPERPARAMETERS, Number, complete
 
+CHECKPOINT_EVERY = 20_480
+
 
 @dataclass(frozen=True, slots=True)
 class Settings:
@@ -27,6 +29,8 @@ class Settings:
     growth: Mapping[str, Any] = field(default_factory=dict)
     """If the infant grows: its `schedule`, its youngest and oldest age as `grow`, and `grow_steps`, the control steps
     that growth takes, summed over all environments."""
+    steps_per_episode: int | None = None
+    """Control steps after which an episode is truncated; None in runs of earlier versions, which do not say it."""
 
     @classmethod
     def choose(
@@ -35,23 +39,30 @@ class Settings:
         steps: int,
         seed: int,
         envs: int,
-        checkpoint_every: int,
+        checkpoint_every: int | None,
         hyper: Mapping[str, Number],
         custom: Mapping[str, str] = MappingProxyType({}),
         growth: Mapping[str, Any] = MappingProxyType({}),
+        steps_per_episode: int | None = None,
     ) -> Self:
         """Return settings with defaults for the hyperparameters that are not given.
+
+        Without `checkpoint_every`, it is CHECKPOINT_EVERY, or as many control steps as one whole episode of each
+        environment if these are more: environments are reset at each checkpoint, and no episode would ever end.
 
         Raises:
             UnknownNameError: If there is no such algorithm or hyperparameter.
             TrainingError: If a value is out of range, or two values are incompatible.
         """
-        for name, value in {"steps": steps, "envs": envs, "checkpoint_every": checkpoint_every}.items():
-            if value < 1:
+        counts = {"steps": steps, "envs": envs, "checkpoint_every": checkpoint_every}
+        for name, value in {**counts, "steps_per_episode": steps_per_episode}.items():
+            if value is not None and value < 1:
                 raise TrainingError(f"{name}: expected at least 1, got {value}")
         if seed < 0:
             raise TrainingError(f"seed: expected a non-negative integer, got {seed}")
-        chosen = cls(algo, steps, seed, envs, checkpoint_every, complete(algo, hyper), dict(custom), dict(growth))
+        every = max(CHECKPOINT_EVERY, envs * (steps_per_episode or 0)) if checkpoint_every is None else checkpoint_every
+        known = complete(algo, hyper), dict(custom), dict(growth), steps_per_episode
+        chosen = cls(algo, steps, seed, envs, every, *known)
         if algo == "ppo" and chosen.rollout_steps % chosen.hyper["batch_size"]:
             raise TrainingError(
                 f"a rollout of {chosen.rollout_steps} steps (n_steps x envs) is not a multiple of batch_size "
@@ -76,6 +87,8 @@ class Settings:
     def differences(self, other: Self) -> list[str]:
         """Return the settings that differ from *other*, each as a phrase; `steps` may differ."""
         mine, theirs = _flat(self), _flat(other)
+        if other.steps_per_episode is None:
+            del mine["steps_per_episode"], theirs["steps_per_episode"]
         names = [name for name in mine.keys() | theirs.keys() if mine.get(name) != theirs.get(name)]
         return [f"{name} {theirs.get(name, 'unset')}, not {mine.get(name, 'unset')}" for name in sorted(names)]
 
@@ -83,6 +96,7 @@ class Settings:
         """Return the options of `mimoc train` that give these settings."""
         options = ["--algo", self.algo, "--steps", str(self.steps), "--seed", str(self.seed), "--envs", str(self.envs)]
         options += ["--checkpoint-every", str(self.checkpoint_every)]
+        options += ["--steps-per-episode", str(self.steps_per_episode)] if self.steps_per_episode else []
         options += ["--task", self.custom["task"]] if "task" in self.custom else []
         options += [part for name, value in self.growth.items() for part in (f"--{name.replace('_', '-')}", str(value))]
         defaults = HYPERPARAMETERS[self.algo]

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,28 +21,30 @@ from mimoc.render.plots.figure import require_matplotlib
 from mimoc.render.plots.learning import curves_png
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.training.agents import make_agent, start_interval
+from mimoc.training.agents import has_learnt, make_agent, start_interval
 from mimoc.training.checkpoint import Progress, pack, read_progress, restore
-from mimoc.training.curve import Curve
-from mimoc.training.growth import Growth, growth_of, growth_settings, seek
+from mimoc.training.curve import Curve, Row
+from mimoc.training.growth import growth_of, growth_settings, seek
 from mimoc.training.hyperparameters import Number
+from mimoc.training.learnable import check_learnable, episode_limit
 from mimoc.training.policies import pack_policy
 from mimoc.training.recorded import check_recordable, recorded
-from mimoc.training.recorder import Recorder
+from mimoc.training.recorder import Recorder, RewardWatch
 from mimoc.training.run_folder import POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import Settings
 from mimoc.training.tracking import tracked
-from mimoc.training.vector_env import check_learnable, make_vector_env
+from mimoc.training.vector_env import make_vector_env
 from mimoc.units import ms_to_s
 
 Source = Bundle | InfantSpec | str | Path
 ProgressCallback = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
+RowCallback = Callable[[Row], None]
+"""Called with a new row of the learning curve."""
 
 STEPS = 500_000
 """Training steps in the paper."""
 ENVS = 8
-CHECKPOINT_EVERY = 20_480
 PLOT_EVERY_S = 60.0
 """Minimum time between plots of the curve: plotting takes longer than saving a checkpoint."""
 
@@ -66,12 +68,14 @@ def train(
     steps: int = STEPS,
     seed: int = 0,
     envs: int = ENVS,
-    checkpoint_every: int = CHECKPOINT_EVERY,
+    steps_per_episode: int | None = None,
+    checkpoint_every: int | None = None,
     hyper: Mapping[str, Number] | None = None,
     threads: int | None = None,
     processes: bool | None = None,
     force: bool = False,
     progress: ProgressCallback | None = None,
+    on_row: RowCallback | None = None,
     task: Any = None,
     senses: Mapping[str, Any] | None = None,
     grow: str | None = None,
@@ -85,6 +89,7 @@ def train(
     Bundle and settings determine the result, to the bit on the same type of machine with the same software, even if
     the run is killed and resumed: each interval between two checkpoints starts with all environments reset and with a
     seed of its own. A finished run that is given more steps continues where it ended.
+    If it is interrupted (Ctrl-C), `policy.zip` and the curve have what was learnt until then.
     Training sets torch's random state and limits torch to one thread, and sets numpy's global random state.
 
     Args:
@@ -94,7 +99,10 @@ def train(
         steps: Control steps, summed over all environments; the last rollout is completed.
         seed: Random seed.
         envs: Number of parallel environments.
-        checkpoint_every: Control steps between checkpoints: the most that a kill can lose.
+        steps_per_episode: Control steps after which an episode is truncated; by default those of the task, or, with a
+            warning, 500 if it has none.
+        checkpoint_every: Control steps between checkpoints: the most that a kill can lose. By default 20,480, or one
+            whole episode of each environment if that takes more.
         hyper: Hyperparameters that differ from the defaults in `mimoc.training.hyperparameters`.
         threads: Threads that share the work of all environments, unless *processes* is given; by default, as many as
             this process may use. The result is the same.
@@ -103,6 +111,7 @@ def train(
             is the same. A script that passes True needs `if __name__ == "__main__":`.
         force: Discard the training run in the folder and start over.
         progress: Called with the number of steps done and their total.
+        on_row: Called with each new row of the learning curve.
         task: An object whose rewards replace those of the task in the bundle, as for `mimoc.make`.
         senses: Objects to sense with, by name, as for `mimoc.make`. The folder keeps only the names of the classes of
             these objects: pass them again to resume the run.
@@ -117,30 +126,47 @@ def train(
         SpecError: If the spec cannot be built.
         BundleError: If the folder is not an intact bundle.
         UnknownNameError: If there is no such algorithm or hyperparameter.
-        TrainingError: If a setting is out of range, or the folder holds another training run or anything else.
+        TrainingError: If a setting is out of range, the infant observes nothing, or the folder holds another training
+            run or anything else.
         OutputError: If a file cannot be written.
         MissingExtraError: If matplotlib is not installed, or what a recording needs.
         RecordingError: If the folder of the recording holds anything else.
         MimocError: If the infant cannot grow between these ages.
     """
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
-    settings = Settings.choose(algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
+    choose = partial(Settings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)
+    choose(steps_per_episode)  # Fails now if a setting is out of range.
     bundle = pipeline.compiled(source)
     open_one = partial(_open_one, opened(bundle), task, senses or {})
-    check_learnable(bundle)
     require_matplotlib()  # Fails now, not after hours of training, if matplotlib is missing.
-    check_recordable(record, bundle, settings, processes)
-    report, growing = progress or (lambda done, total: None), growth_of(bundle, settings)
-    with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
-        before = _read_progress(folder)
-        reached = before
-        if before.steps < steps:
-            together = _open(open_one, settings, growing, threads, processes)
-            with _one_thread(), together as (agent, env), recorded(record, env, settings) as mark:
-                reached = _train_to_end(folder, agent, env, settings, open_one, report, mark)
-        folder.write_curve(reached.curve.to_csv())
-        folder.write_plot(_plot(reached))
-    return Training(reached.curve, folder.path / POLICY, before.steps)
+    with closing(open_one()) as infant:
+        check_learnable(infant)
+        settings = choose(episode_limit(infant, steps_per_episode))
+        check_recordable(record, bundle, settings, processes)
+        open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
+        session = _Session(settings, infant, open_envs, record, progress or _ignore, on_row or _ignore)
+        with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
+            return _trained(folder, session)
+
+
+@dataclass(frozen=True, slots=True)
+class _Session:
+    """What a training has from its first interval to its last, besides its folder."""
+
+    settings: Settings
+    infant: InfantEnv
+    """One like those that are trained."""
+    open_envs: Callable[[], VecNormalize]
+    """Opens the parallel environments."""
+    record: str | Path | None
+    """Folder to record the episodes in."""
+    report: ProgressCallback
+    on_row: RowCallback
+    watch: RewardWatch = field(default_factory=RewardWatch)
+
+
+def _ignore(*_: Any) -> None:
+    pass
 
 
 def _open_one(
@@ -163,26 +189,32 @@ def _read_progress(folder: RunFolder) -> Progress:
         return Progress() if checkpoint is None else read_progress(checkpoint)
 
 
+def _trained(folder: RunFolder, session: _Session) -> Training:
+    """Train until the run in a folder has all its steps."""
+    before = reached = _read_progress(folder)
+    if before.steps < session.settings.steps:
+        together = _opened(session)
+        with _one_thread(), together as (agent, env), recorded(session.record, env, session.settings) as mark:
+            reached = _train_to_end(folder, session, agent, env, mark)
+    _write_curve(folder, reached)
+    return Training(reached.curve, folder.path / POLICY, before.steps)
+
+
 def _train_to_end(
-    folder: RunFolder,
-    agent: BaseAlgorithm,
-    env: VecNormalize,
-    settings: Settings,
-    open_env: Callable[[], InfantEnv],
-    report: ProgressCallback,
-    mark: Callable[[int], None],
+    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, mark: Callable[[int], None]
 ) -> Progress:
     """Train from the checkpoint in a folder, if there is one, to the end; write a checkpoint after each interval."""
     checkpoint, reached, plotted_s = folder.read_checkpoint(), Progress(), 0.0
+    settings = session.settings
     if checkpoint is not None:
         with _naming_checkpoint_of(folder):
             reached = restore(checkpoint, agent, env)
-    with closing(open_env()) as infant, tracked(agent, folder.path, settings.data()):
+    with tracked(agent, folder.path, settings.data()):
         while reached.steps < settings.steps:
             seek(env, settings, reached.steps)
             mark(reached.steps)
-            reached = _train_interval(agent, settings, reached, ms_to_s(infant.manifest.step_ms), report)
-            policy = pack_policy(agent, env, settings, infant)
+            reached = _train_interval(folder, session, agent, env, reached)
+            policy = pack_policy(agent, env, settings, session.infant)
             folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
             folder.write_curve(reached.curve.to_csv())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
@@ -192,13 +224,32 @@ def _train_to_end(
 
 
 def _train_interval(
-    agent: BaseAlgorithm, settings: Settings, before: Progress, step_s: float, report: ProgressCallback
+    folder: RunFolder, session: _Session, agent: BaseAlgorithm, env: VecNormalize, before: Progress
 ) -> Progress:
-    """Train from one checkpoint to the next."""
-    recorder = Recorder(before, step_s, lambda done: report(min(done, settings.steps), settings.steps))
+    """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
+    settings = session.settings
+    step_s, total = ms_to_s(session.infant.manifest.step_ms), settings.steps
+    report = partial(_report, session.report, total)
+    recorder = Recorder(before, step_s, report, session.on_row, session.watch)
     start_interval(agent, settings.seed)
-    agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
+    try:
+        agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
+    except BaseException:  # Ctrl-C, or an error in a task of the user's own.
+        with suppress(Exception):  # That one is what matters.
+            if has_learnt(agent):
+                folder.write_policy(pack_policy(agent, env, settings, session.infant))
+            _write_curve(folder, recorder.progress())
+        raise
     return recorder.progress()
+
+
+def _report(report: ProgressCallback, total: int, done: int) -> None:
+    report(min(done, total), total)
+
+
+def _write_curve(folder: RunFolder, progress: Progress) -> None:
+    folder.write_curve(progress.curve.to_csv())
+    folder.write_plot(_plot(progress))
 
 
 def _plot(progress: Progress) -> bytes:
@@ -206,17 +257,11 @@ def _plot(progress: Progress) -> bytes:
 
 
 @contextmanager
-def _open(
-    open_env: Callable[..., InfantEnv],
-    settings: Settings,
-    growth: Growth | None,
-    threads: int | None,
-    processes: bool | None,
-) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
+def _opened(session: _Session) -> Iterator[tuple[BaseAlgorithm, VecNormalize]]:
     """Open the parallel environments and make the agent."""
-    env = make_vector_env(open_env, settings, growth, threads, processes)
+    env = session.open_envs()
     try:
-        yield make_agent(env, settings), env
+        yield make_agent(env, session.settings), env
     finally:
         with suppress(EOFError, OSError):  # After Ctrl-C, which also ends their processes.
             env.close()

@@ -4,7 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+import gymnasium
 import numpy as np
+from gymnasium.wrappers import TimeLimit
 from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import (
     DummyVecEnv,
@@ -17,8 +19,6 @@ from stable_baselines3.common.vec_env import (
 )
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
-from mimoc.bundle.io import Bundle
-from mimoc.errors import TrainingError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing_env import Growing
 from mimoc.runtime.many.growing import GrowingInfants
@@ -26,9 +26,6 @@ from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.training.growth import Growth
 from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
 from mimoc.training.settings import Settings
-
-MIN_IMAGE_PX = 36
-"""Smallest image that Stable-Baselines3's convolutional network accepts."""
 
 
 class SinglePrecisionRewards(VecEnvWrapper):
@@ -42,20 +39,6 @@ class SinglePrecisionRewards(VecEnvWrapper):
         """Return the result of a step."""
         observations, rewards, dones, infos = self.venv.step_wait()
         return observations, rewards.astype(np.float32), dones, infos
-
-
-def check_learnable(bundle: Bundle) -> None:
-    """Check that an infant can be trained.
-
-    Raises:
-        TrainingError: If its images are too small, or its action is empty.
-    """
-    if not any(actuator.commanded for actuator in bundle.manifest.actuation.actuators):
-        raise TrainingError("this infant has no commanded actuators to train; name some in actuation.regions")
-    vision = bundle.manifest.senses.vision
-    if vision and min(vision.width_px, vision.height_px) < MIN_IMAGE_PX:
-        size = f"{vision.width_px} x {vision.height_px}"
-        raise TrainingError(f"images of {size} px are too small to learn from; give at least {MIN_IMAGE_PX} px")
 
 
 def make_vector_env(
@@ -76,7 +59,10 @@ def make_vector_env(
             The result is the same.
     """
     openers = [partial(open_env, variants=growth.variants) if growth else open_env] * settings.envs
-    envs = VecMonitor(_together(openers, growth, threads) if processes is None else _apart(openers, growth, processes))
+    limit = settings.steps_per_episode
+    together = processes is None
+    envs = _together(openers, growth, threads, limit) if together else _apart(openers, growth, processes, limit)
+    envs = VecMonitor(envs)
     return VecNormalize(
         _channels_first(envs),
         gamma=settings.hyper["gamma"],
@@ -125,16 +111,22 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
     return {**env.obs_rms, "return": env.ret_rms}
 
 
-def _together(openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None) -> VecEnv:
+def _together(
+    openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None, limit: int | None
+) -> VecEnv:
     if growth is None:
-        return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP))
-    return InfantVecEnv(GrowingInfants(openers, growth.schedule, threads, RESET_IN_THE_SAME_STEP))
+        return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit))
+    return InfantVecEnv(GrowingInfants(openers, growth.schedule, threads, RESET_IN_THE_SAME_STEP, limit))
 
 
-def _apart(openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, processes: bool) -> VecEnv:
-    alone: list[Callable[[], Any]] = [partial(_open_alone, open_env, growth) for open_env in openers]
+def _apart(
+    openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, processes: bool, limit: int | None
+) -> VecEnv:
+    alone: list[Callable[[], Any]] = [partial(_open_alone, open_env, growth, limit) for open_env in openers]
     return SinglePrecisionRewards(SubprocVecEnv(alone) if processes else DummyVecEnv(alone))
 
 
-def _open_alone(open_env: Callable[[], InfantEnv], growth: Growth | None) -> InfantEnv | Growing:
-    return Growing(open_env(), growth.schedule) if growth else open_env()
+def _open_alone(open_env: Callable[[], InfantEnv], growth: Growth | None, limit: int | None) -> gymnasium.Env:
+    infant = open_env()
+    limited = infant if limit is None else TimeLimit(infant, limit)
+    return Growing(limited, growth.schedule) if growth else limited

@@ -1,6 +1,8 @@
 """A page that shows an environment while it runs, served by viser to browsers on this machine."""
 
+import io
 import time
+from contextlib import AbstractContextManager, redirect_stdout
 from types import TracebackType
 from typing import Any, Self
 
@@ -11,11 +13,10 @@ import numpy.typing as npt
 from mimoc.errors import MimocError, MissingExtraError
 from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.env import InfantEnv
+from mimoc.viewer.access import HOST, Access
 from mimoc.viewer.skins import coloured_faces, skin_of, texture_of
 from mimoc.viewer.solids import mesh_of
 
-HOST = "localhost"
-"""Others on the network see nothing."""
 PORT = 8080
 CAMERA_M = (0.9, 0.6, 0.5)
 """From where browsers look at first, relative to the infant."""
@@ -28,7 +29,7 @@ COLOURS = 6
 
 
 class LiveView:
-    """Serves what an environment does, in real time.
+    """Serves what an environment does, in real time, to the browser that opens its address first.
 
     with LiveView(env) as live:
         print(live.address)
@@ -48,8 +49,8 @@ class LiveView:
             MissingExtraError: If viser is not installed.
             MimocError: If no port is free.
         """
-        self._env = env
-        self._server: Any = _serve(port, env.manifest.name)
+        self._env, self._access = env, Access()
+        self._server: Any = _serve(port, env.manifest.name, self._access)
         self._server.gui.configure_theme(show_share_button=False)  # It would ask a server elsewhere.
         self._bodies = self._add_bodies(env.model)
         self._skins = self._add_skins(env.model)
@@ -63,8 +64,8 @@ class LiveView:
 
     @property
     def address(self) -> str:
-        """Address to open in a browser."""
-        return f"http://{HOST}:{self._server.get_port()}"
+        """Address to open in a browser, which works once: that browser can then load the page again, others cannot."""
+        return self._access.address(self._server.get_port())
 
     def show(self) -> None:
         """Show the environment as it is now, when its time has come; wait while the page is paused."""
@@ -92,7 +93,8 @@ class LiveView:
 
     def close(self) -> None:
         """Stop serving; closing twice is fine."""
-        self._server.stop()
+        with _without_messages():
+            self._server.stop()
 
     def __enter__(self) -> Self:
         """Return this."""
@@ -152,17 +154,23 @@ class LiveView:
         return self._env.data.time - time.monotonic()
 
 
-def _serve(port: int, name: str) -> Any:
+def _serve(port: int, name: str, access: Access) -> Any:
     try:
         import viser
     except ImportError:
         raise MissingExtraError("viser", "live") from None
     try:
-        return viser.ViserServer(host=HOST, port=port, label=name, verbose=False)
+        with _without_messages():
+            return access.serve(lambda: viser.ViserServer(host=HOST, port=port, label=name, verbose=False))
     except OSError as error:
         raise MimocError(
             f"port {port} cannot be used ({error.strerror or error}); choose another with --port"
         ) from None
+
+
+def _without_messages() -> AbstractContextManager[Any]:
+    """Keep viser from printing its own address, which opens nothing, and that it has stopped."""
+    return redirect_stdout(io.StringIO())
 
 
 def _colour(model: mujoco.MjModel, geom: int) -> tuple[int, int, int]:

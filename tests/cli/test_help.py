@@ -36,8 +36,9 @@ def test_the_help_of_each_command_has_an_example(invoke, command, option):
     assert f"Example: mimoc {command} " in " ".join(done.out.split()) + " "
 
 
-def without_notes(told: str) -> list[str]:
-    return [line for line in told.splitlines() if not line.startswith("note: ")]
+def without_notes(printed: str) -> list[str]:
+    """Return lines that are neither notes nor how far a training is."""
+    return [line for line in printed.splitlines() if not (line.startswith("note: ") or line.endswith(" left"))]
 
 
 @pytest.mark.slow
@@ -48,20 +49,25 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     monkeypatch.setattr(hyperparameters, "HYPERPARAMETERS", {"ppo": ppo | brief})
     monkeypatch.setattr(who, "MONTHS", (0, 12))
     monkeypatch.setattr(growth, "QUICK_MONTHS", (6,))
-    (here / "configs").symlink_to(CONFIGS)
+    (here / "config.yml").symlink_to(CONFIGS / "babybench.yml")
+    for name in ("nine_months", "playroom", "reach"):
+        assert invoke("new", f"{name}.yaml", "--like", name).code == 0
     for command in COMMANDS.values():
         program, *arguments = shlex.split(command.epilog.removeprefix("Example:"))
         done = invoke(*arguments)
         assert (program, done.code, without_notes(done.err)) == ("mimoc", 0, [])
     assert sorted(os.listdir()) == [
-        "configs",
+        "config.yml",
         "growth.png",
         "infant.html",
         "infant.schema.json",
         "kim.yaml",
         "nine_months.html",
         "nine_months.png",
+        "nine_months.yaml",
         "out",
+        "playroom.yaml",
+        "reach.yaml",
         "recordings",
         "rooms.png",
         "runs",
@@ -74,7 +80,16 @@ def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
 def test_the_help_of_each_command_of_cohorts_has_an_example(invoke, command):
     done = invoke("cohort", command, "--help")
     assert (done.code, done.err) == (0, "")
-    assert f"Example: mimoc cohort {command} examples/cohort/spring.yaml " in " ".join(done.out.split())
+    assert f"Example: mimoc cohort {command} spring.yaml " in " ".join(done.out.split())
+
+
+def test_a_missing_example_says_how_to_write_it(invoke, here):
+    """As the examples of the help name some, which no wheel puts where the user is."""
+    done = invoke("build", "configs/nine_months.yaml", "-o", "out")
+    advice = "the file does not exist; write this example with: mimoc new nine_months.yaml --like nine_months"
+    assert (done.code, done.out, done.err) == (2, "", f"configs/nine_months.yaml:1:1: {advice}\n")
+    assert invoke("new", "nine_months.yaml", "--like", "nine_months").code == 0
+    assert invoke("build", "nine_months.yaml", "-o", "out").code == 0
 
 
 def test_the_command_alone_is_help(invoke):

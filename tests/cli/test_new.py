@@ -2,11 +2,13 @@
 
 import json
 import os
+import pty
 import re
 from itertools import product
 from pathlib import Path
 
 import pytest
+from support.commands import drained, process
 from typer.main import get_command
 
 import mimoc
@@ -65,6 +67,44 @@ def test_a_wrong_choice_is_told_and_nothing_is_written(invoke, here, arguments, 
     code, out, err = invoke("new", "x.yaml", *arguments.split())
     assert (code, out, err[: len(problem)]) == (2, "", problem)
     assert os.listdir() == []
+
+
+def answered(spec: str, *answers: str) -> tuple[int, str]:
+    """Answer `mimoc new` in a terminal, accept whatever else is offered, and return the exit code and what is shown."""
+    ours, theirs = pty.openpty()
+    os.write(ours, "".join(f"{answer}\n" for answer in (*answers, *[""] * 6)).encode())
+    with process("new", spec, stdin=theirs, stdout=theirs, stderr=theirs) as running:
+        os.close(theirs)
+        shown = drained(ours)
+    os.close(ours)
+    return running.returncode, shown.decode().replace("\r\n", "\n")
+
+
+def test_a_terminal_is_asked_again_where_an_answer_is_wrong_and_keeps_the_others(here):
+    wrong = ("99", "1e999", "old", "7.5", "paws", "five_finger", "", "sight", "touch, vision", "crib", "lying", "prone")
+    code, shown = answered("kim.yaml", *wrong)
+    spec = mimoc.load_spec("kim.yaml")
+    assert code == 0
+    assert (spec.age_months, spec.body.hands, spec.scene.kind, spec.scene.pose) == (7.5, "five_finger", "crib", "prone")
+    assert {name for name, sense in spec.senses if sense} == {"touch", "vision"}
+    errors = re.findall("Error: (.*)", shown)
+    starts = [
+        "age_months: 99 is too large; give 0 to 24 months",
+        "1e999 is too large; write a smaller number",
+        "age_months: 'old' is not a number",
+        "body.hands: 'paws' is not a choice; choose from five_finger, mitten",
+        "senses.sight: unknown key; choose from",
+        "scene.pose: 'lying' is not a choice",
+    ]
+    assert [error[: len(start)] for error, start in zip(errors, starts, strict=True)] == starts, errors
+
+
+def test_a_terminal_that_accepts_everything_gets_what_no_terminal_gets(invoke, here):
+    assert answered("asked.yaml")[0] == 0
+    assert invoke("new", "unasked.yaml").code == 0
+    assert Path("asked.yaml").read_text().replace("asked", "") == Path("unasked.yaml").read_text().replace(
+        "unasked", ""
+    )
 
 
 def test_an_existing_file_is_replaced_only_if_asked(invoke, here):

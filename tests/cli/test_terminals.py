@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.commands import finished, finished_together, process
+from support.commands import drained, finished, finished_together, process
 
 import mimoc
 
@@ -65,17 +65,6 @@ def test_bash_completes_commands():
     script = f". <(_MIMOC_COMPLETE=source_bash mimoc); {typed}"
     done = subprocess.run(["bash", "-c", script], env=os.environ | {"PATH": path}, capture_output=True, check=True)
     assert (done.stdout, done.stderr) == (b"validate\n", b"")
-
-
-def drained(terminal: int) -> bytes:
-    """Return what is left to read of a terminal that nobody writes to any more."""
-    left = b""
-    try:
-        while some := os.read(terminal, 1024):
-            left += some
-    except OSError:
-        pass  # Linux's way of saying that it is at its end.
-    return left
 
 
 @pytest.mark.parametrize(
@@ -144,4 +133,5 @@ def test_an_opengl_that_mujoco_cannot_load_is_one_clear_line(library, built, tmp
     done = finished("check", built, MUJOCO_GL=library, LD_LIBRARY_PATH=str(tmp_path))
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith(f"MuJoCo cannot be loaded with MUJOCO_GL={library} (")
+    assert "apt-get install libegl1, or libosmesa6" in done.err
     assert len(done.err.splitlines()) == 1

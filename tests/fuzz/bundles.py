@@ -15,6 +15,7 @@ from support.pages import few_ages
 
 import mimoc
 from mimoc.compiler.explain import explain
+from mimoc.notebook import bundle_html
 from mimoc.viewer.page import page_of
 
 STEPS = 3
@@ -59,7 +60,7 @@ OTHER_USES: tuple[Callable[[Path, Path], Any], ...] = (
     lambda bundle, folder: explain(mimoc.read_bundle(bundle), "child.length_cm"),
     lambda bundle, folder: mimoc.torque_limits(bundle),
     lambda bundle, folder: repr(mimoc.read_bundle(bundle).arrays),
-    lambda bundle, folder: mimoc.read_bundle(bundle)._repr_html_(),
+    lambda bundle, folder: bundle_html(mimoc.read_bundle(bundle)),
     lambda bundle, folder: _report(bundle, folder / "report.html"),
     lambda bundle, folder: _page(mimoc.read_bundle(bundle)),
 )

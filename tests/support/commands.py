@@ -51,6 +51,17 @@ def process(*arguments: object, **options: Any) -> subprocess.Popen[str]:
     return subprocess.Popen(command, **pipes | {"preexec_fn": heeding} | options)
 
 
+def drained(terminal: int) -> bytes:
+    """Return what is left to read of a terminal that nobody writes to any more."""
+    left = b""
+    try:
+        while some := os.read(terminal, 1024):
+            left += some
+    except OSError:
+        pass  # Linux's way of saying that it is at its end.
+    return left
+
+
 def finished(*arguments: object, **environment: str) -> Outcome:
     """Return what a command in a process of its own did, under some environment variables."""
     running = process(*arguments, env=os.environ | environment)

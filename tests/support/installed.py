@@ -39,7 +39,7 @@ def install(home: Path, *wheels: Path) -> Program:
     (packages / "dependencies.pth").write_text("\n".join(dependencies) + "\n")
     elsewhere = home / "elsewhere"
     elsewhere.mkdir()
-    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    clean = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "MIMOC_"))}
 
     def run(program: str, *arguments: object) -> subprocess.CompletedProcess[str]:
         command = [str(python.with_name(program)), *map(str, arguments)]

@@ -6,7 +6,7 @@ import pytest
 
 from mimoc.errors import TrainingError
 from mimoc.training import Curve, Row
-from mimoc.training.curve import FinishedEpisode, summarize
+from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize
 
 EPISODES = [FinishedEpisode(90.5, 100, True), FinishedEpisode(-30.25, 1000, False), FinishedEpisode(95.0, 50, True)]
 
@@ -28,8 +28,27 @@ def test_a_curve_is_the_same_after_a_round_trip_through_csv():
     assert again.to_csv() == curve.to_csv()
     for name, column in curve.columns().items():
         np.testing.assert_array_equal(column, again.column(name))
-    assert curve.to_csv().splitlines()[1] == "0,0,,,,,3.141592653589793"
+    assert curve.to_csv().splitlines()[1] == "0,0,,,,,3.141592653589793,0,,"
     assert again.steps == 30
+
+
+def test_a_row_says_what_unfinished_episodes_have_earned_so_far():
+    row = summarize([], 10, 0.01, 0.0, [UnfinishedEpisode(2.0, 3), UnfinishedEpisode(-1.0, 7)])
+    assert (row.episodes, row.unfinished, row.unfinished_return, row.unfinished_steps) == (0, 2, 0.5, 5.0)
+    assert Curve.from_csv(Curve((row,)).to_csv()).rows[0].unfinished_return == 0.5
+
+
+def test_the_ends_of_a_curve_are_rows_with_episodes_that_ended_if_there_are_any():
+    empty, full = (summarize(episodes, 10, 0.01, 0.0) for episodes in ([], EPISODES))
+    assert Curve((empty, full, empty)).ends == (full, full)
+    assert Curve((empty,)).ends == (empty, empty)
+
+
+def test_the_curve_of_an_earlier_version_knows_of_no_unfinished_episodes():
+    text = "steps,episodes,episode_return,success_rate,episode_steps,time_to_success_s,wall_s\n8,1,2.0,0.0,4.0,,1.5\n"
+    (row,) = Curve.from_csv(text).rows
+    assert (row.steps, row.episode_return, row.unfinished) == (8, 2.0, 0)
+    assert math.isnan(row.unfinished_return)
 
 
 @pytest.mark.parametrize("text", ["a,b\n1,2\n", "steps,episodes\nmany,3\n"])

@@ -61,7 +61,9 @@ def test_a_policy_learns_from_a_sense_that_is_passed(learn, bundle):
 
 def test_a_run_is_only_resumed_with_the_same_task(learn):
     learn(task=Count())
-    with pytest.raises(TrainingError, match=r"started with task .*test_custom:Count, not unset"):
+    with pytest.raises(
+        TrainingError, match=r"started with steps_per_episode 8, not 30; task .*test_custom:Count, not unset"
+    ):
         learn(steps=512)
     assert learn(steps=384, task=Count()).resumed_at == 256
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from stable_baselines3 import PPO
+from stable_baselines3.common.logger import KVWriter, Logger
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
 from support.same import assert_same
 
@@ -19,17 +20,19 @@ def two(bundle):
 
 def test_it_gives_what_stable_baselines_gives_itself(two, bundle):
     """Through the ends of episodes, after 30 steps."""
-    theirs = DummyVecEnv([lambda: InfantEnv(bundle)] * 2)
+    theirs = VecMonitor(DummyVecEnv([lambda: InfantEnv(bundle)] * 2))
     for env in (two, theirs):
         env.seed(3)
     assert_same(dict(two.reset()), dict(theirs.reset()))
-    assert_same(two.reset_infos, theirs.reset_infos)
+    assert_same(two.unwrapped.reset_infos, theirs.unwrapped.reset_infos)
     actions = np.random.default_rng(0).uniform(-1, 1, (65, 2, *two.action_space.shape)).astype(np.float32)
     ended = 0
     for step, each in enumerate(actions):
         ours, other = two.step(each), theirs.step(each)
+        for info in (*ours[3], *other[3]):
+            info.get("episode", {}).pop("t", None)  # The wall time.
         assert_same((dict(ours[0]), *ours[1:]), (dict(other[0]), *other[1:]), f"step {step}")
-        assert_same(two.reset_infos, theirs.reset_infos)
+        assert_same(two.unwrapped.reset_infos, theirs.unwrapped.reset_infos)
         ended += int(ours[2].sum())
     assert ended >= 4
 
@@ -57,7 +60,7 @@ def test_seeds_and_options_hold_for_one_reset(two):
     two.seed(5)
     two.set_options({})
     assert_same(two.reset(), first)
-    assert two._seeds == [None, None]
+    assert two.unwrapped._seeds == [None, None]
 
 
 def test_methods_and_attributes_of_some_infants_can_be_had(two):
@@ -79,9 +82,35 @@ def test_pictures_are_those_of_all_infants(bundle):
 def test_ppo_learns_on_infants_of_several_ages():
     spec = {"mimoc": 1, "name": "reaching", "senses": {"proprioception": {}}, "task": {"kind": "reach", "steps": 10}}
     ages = [mimoc.InfantSpec.model_validate({**spec, "age_months": age}) for age in (9, 18)]
-    env = VecMonitor(mimoc.sb3_vec_env(ages, 4))
+    env = mimoc.sb3_vec_env(ages, 4)
     agent = PPO("MultiInputPolicy", env, n_steps=16, batch_size=32, n_epochs=1, device="cpu")
+    heard = Heard()
+    agent.set_logger(Logger(None, [heard]))
     agent.learn(64)
     assert agent.num_timesteps == 64
-    assert len(agent.ep_info_buffer) >= 4
+    assert {"rollout/ep_rew_mean", "rollout/ep_len_mean"} <= heard.names
+    env.close()
+
+
+class Heard(KVWriter):
+    """Keeps the names of what is logged."""
+
+    def __init__(self):
+        self.names = set()
+
+    def write(self, key_values, key_excluded, step=0):
+        self.names |= key_values.keys()
+
+    def close(self):
+        pass
+
+
+def test_episodes_that_nothing_ends_are_a_warning(built):
+    free = built(task={"kind": "free"})
+    with pytest.warns(UserWarning, match=r"logs no returns; give max_episode_steps, such as max_episode_steps=500"):
+        mimoc.sb3_vec_env(free, 2).close()
+    env = mimoc.sb3_vec_env(free, 2, max_episode_steps=3)
+    env.reset()
+    infos = [env.step(np.zeros((2, *env.action_space.shape), np.float32))[3] for _ in range(3)]
+    assert [info["episode"]["l"] for info in infos[-1]] == [3, 3]
     env.close()

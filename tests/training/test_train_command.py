@@ -1,10 +1,17 @@
 import inspect
+import io
 import json
 import os
 import pty
+import re
+import shlex
 import signal
 import subprocess
+import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -12,7 +19,11 @@ from support.commands import process
 
 import mimoc
 from mimoc import cli
+from mimoc.cli import console
+from mimoc.cli.exit_codes import resumable
+from mimoc.cli.training_output import Lines, shown
 from mimoc.training.checkpoint import read_progress
+from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize
 
 EVERY = 128
 """Steps between checkpoints."""
@@ -20,6 +31,24 @@ TOLD = ["--envs", "2", "--checkpoint-every", str(EVERY), "--threads", "2"]
 for knob in ("n_steps=32", "batch_size=64", "n_epochs=1", "width=8", "layers=1"):
     TOLD += ["--set", knob]
 DEADLINE_S = 240
+LINE = re.compile(r"[\d,]+ of 256 steps(, mean return -?[\d.]+)?(, [\d.]+ (s|min) left)?")
+"""What is printed now and then where there is no terminal."""
+TASKS = """
+import gymnasium, numpy
+
+class Height:
+    spaces = {"goal": gymnasium.spaces.Box(0.0, 1.0, (1,), numpy.float32)}
+
+    def observe(self):
+        return {"goal": numpy.ones(1, numpy.float32)}
+
+    def judge(self, data, action, effort):
+        return float(data.qpos[2])
+
+class Dull(Height):
+    def judge(self, data, action, effort):
+        return 0.0
+"""
 
 
 @pytest.fixture
@@ -47,12 +76,14 @@ def wait_for(path: Path, running: subprocess.Popen) -> None:
 
 def test_train_and_run_print_a_summary(invoke, here):
     code, out, err = invoke("train", "out", "-o", "run", "--steps", 2 * EVERY, *TOLD)
-    assert (code, err) == (0, "")
+    assert code == 0
+    assert all(LINE.fullmatch(line) for line in err.splitlines())
     for said in (
         "trained for 256 control steps",
         "start",
         "end",
         "success rate",
+        "their mean return so far",
         "mimoc run run/bundle --policy run/policy.zip",
     ):
         assert said in out
@@ -60,6 +91,77 @@ def test_train_and_run_print_a_summary(invoke, here):
     assert (code, err) == (0, "")
     for said in ("mean return per episode", "successes", "completed episodes ("):
         assert said in out
+
+
+def test_what_is_taken_for_granted_and_what_is_wrong_with_a_reward_is_a_line_each(invoke, here, built):
+    """And the learning goes on."""
+    (here / "dull.py").write_text(TASKS)
+    mimoc.write_bundle(built(task={"kind": "free"}), "free")
+    code, _, err = invoke("train", "free", "-o", "run", "--task", "dull:Dull", "--steps", 1024, *TOLD)
+    said = err.splitlines()
+    assert code == 0
+    assert said[0].startswith("note: the task of 'reaching' does not limit its episodes: this training ends them after")
+    (warning,) = (line for line in said[1:] if line.startswith("warning: "))
+    assert "the reward of all 1,000 control steps so far is 0" in warning
+
+
+def test_the_command_that_is_proposed_runs_a_policy_with_the_task_that_it_observes(invoke, here):
+    (here / "height.py").write_text(TASKS)
+    code, out, _ = invoke("train", "out", "-o", "run", "--task", "height:Height", "--steps", EVERY, *TOLD)
+    assert code == 0
+    proposed = shlex.split(out.splitlines()[-1].partition("or try: mimoc ")[2])
+    assert proposed[-2:] == ["--task", "height:Height"]
+    code, out, _ = invoke(*proposed, "--steps", 60)
+    assert code == 0
+    assert "mean return per episode" in out
+
+
+def test_lines_come_with_the_first_row_and_then_now_and_then():
+    """Less and less often, as time goes on."""
+    written, now_s = [], 0.0
+    lines = Lines(written.append, lambda: now_s)
+    for step in range(1, 100_001):
+        now_s = step / 10
+        lines.report(100 + step, 100_100)
+        if step == 50:
+            lines.on_row(summarize([], 150, 0.01, 5.0, [UnfinishedEpisode(1.5, 8)]))
+        if step == 1000:
+            lines.on_row(summarize([FinishedEpisode(-2.0, 9, False)], 1100, 0.01, 100.0))
+    assert written[0] == "150 of 100,100 steps, mean return so far 1.5 in unfinished episodes, 2.8 h left"
+    assert written[-1].startswith("9")
+    assert ", mean return -2, " in written[-1]
+    done = [int(line.split(" ")[0].replace(",", "")) for line in written]
+    pauses = [after - before for before, after in pairwise(done)]
+    assert pauses == sorted(pauses)
+    assert (min(pauses), len(written) < 120) == (100, True)
+
+
+def test_in_a_terminal_a_bar_has_the_return_before_it(monkeypatch):
+    """Though while there is a bar, what is printed goes through something that is no terminal."""
+    drawn = []
+
+    @contextmanager
+    def progress(what):
+        monkeypatch.setattr(sys, "stderr", io.StringIO())
+        yield lambda done, total, what=what: drawn.append((done, total, what))
+
+    monkeypatch.setattr(console, "progress", progress)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    with shown() as training:
+        training.report(1, 9)
+        training.on_row(summarize([FinishedEpisode(-2.0, 9, False)], 2, 0.01, 1.0))
+        training.report(2, 9)
+    assert drawn == [(1, 9, "training"), (2, 9, "training, mean return -2")]
+
+
+def test_ctrl_c_says_which_file_has_what_was_learnt_so_far(capsys, tmp_path):
+    for file, said in (
+        (tmp_path / "none", "stopped; run"),
+        (tmp_path, f"stopped; {tmp_path} has the result so far; run"),
+    ):
+        with pytest.raises(KeyboardInterrupt), resumable(file):
+            raise KeyboardInterrupt
+        assert capsys.readouterr().err == f"{said} the same command again to resume\n"
 
 
 def test_the_command_and_the_function_have_the_same_defaults():
@@ -106,9 +208,11 @@ def test_control_c_ends_a_run_quietly_and_it_can_be_resumed(invoke, here):
     (ours, theirs), growth = pty.openpty(), ("--grow", "17:18", "--grow-steps", 4 * EVERY)
     with started("--processes", *growth, stdout=theirs, stderr=theirs, start_new_session=True) as running:
         os.close(theirs)
-        wait_for(here / "run" / "checkpoints" / f"{EVERY:010d}.zip", running)
-        os.killpg(running.pid, signal.SIGINT)
-        shown = drained(ours)
+        with ThreadPoolExecutor() as pool:  # A terminal that nobody reads is soon full.
+            reading = pool.submit(drained, ours)
+            wait_for(here / "run" / "checkpoints" / f"{EVERY:010d}.zip", running)
+            os.killpg(running.pid, signal.SIGINT)
+            shown = reading.result()
     assert running.returncode == 130
     assert b"Traceback" not in shown
     kept = read_progress(Path("run/state.zip").read_bytes()).steps if Path("run/state.zip").exists() else 0
@@ -129,6 +233,12 @@ def drained(terminal: int) -> bytes:
     return shown
 
 
+@pytest.fixture(scope="module")
+def blind(built) -> mimoc.Bundle:
+    """Return an infant without senses."""
+    return built(senses={})
+
+
 BAD_INPUT = {
     "an unknown algorithm": ("train out -o run --algo ppp", "'ppp' is not a learning algorithm; did you mean 'ppo'?"),
     "an unknown hyper-parameter": ("train out -o run --set gama=1", "did you mean 'gamma'?"),
@@ -139,6 +249,8 @@ BAD_INPUT = {
     "an unknown schedule": ("train out -o run --grow 6:12 --schedule grwn", "did you mean 'grown'?"),
     "a schedule of nothing": ("train out -o run --schedule shuffled", "schedule needs a range of ages as well: grow"),
     "steps of nothing": ("train out -o run --grow-steps 9", "grow_steps needs a range of ages as well: grow"),
+    "nothing to observe": ("train blind -o run", "'reaching' observes nothing to learn from; give its spec a sense"),
+    "longer episodes": ("train out -o run --steps-per-episode 31", "the task ends episodes after 30 control steps"),
     "no bundle": ("train nowhere -o run", "nowhere: there is no such folder"),
     "no spec": ("train nowhere.yaml -o run", "nowhere.yaml:1:1: the file does not exist"),
     "a folder of something else": ("train out -o folder", "folder: not the folder of a training run"),
@@ -150,7 +262,8 @@ BAD_INPUT = {
 
 
 @pytest.mark.parametrize("case", BAD_INPUT)
-def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here):
+def test_bad_input_ends_in_exit_code_2_with_one_clear_line_and_nothing_written(case, invoke, here, blind):
+    mimoc.write_bundle(blind, "blind")
     (here / "folder").mkdir()
     (here / "folder" / "thesis.tex").touch()
     (here / "junk.zip").write_bytes(b"junk")

@@ -31,7 +31,7 @@ def note_unmatched(settings: Settings) -> None:
     """Add a note for each key that has not been converted."""
     behavior = settings.find("behavior", "behaviour")
     if behavior and (word := plain(settings.value(behavior))) not in NO_BEHAVIOR:
-        message = f"mimoc has no reward for '{shown(word)}'; add your own with a Gymnasium wrapper"
+        message = f"mimoc has no reward for '{shown(word)}'; write yours as a task (docs/own_reward.md)"
         settings.note(behavior, f"no counterpart; {message}")
     for key in settings.unread_keys():
         settings.note(key, f"no counterpart; {_advice(key)}")

@@ -23,6 +23,8 @@ PANELS = {
     "episode_steps": "Length of an episode [control steps]",
 }
 """Label of the vertical axis by column."""
+UNFINISHED = {"episode_return": "unfinished_return", "episode_steps": "unfinished_steps"}
+"""Column with what there is so far of episodes that have not ended, by that of those that have."""
 
 Columns = Mapping[str, Sequence[float] | np.ndarray]
 """Columns of a learning curve by name, all of the same length, including `steps`."""
@@ -34,7 +36,8 @@ def curves_png(
     """Return a plot of learning curves as a PNG.
 
     Args:
-        curves: Curves of one or more seeds by label in the legend; the line is their mean, the band their range.
+        curves: Curves of one or more seeds by label in the legend; the line is their mean, the band their range. A
+            single one is drawn with what there is so far of episodes that have not ended.
         levels: Values to compare with, by column, drawn as dashed lines.
         level: Label of these lines.
 
@@ -53,13 +56,16 @@ def draw_curves(
         MissingExtraError: If matplotlib is not installed.
     """
     figure = new_figure(*SIZE_PX)
-    panels = figure.subplots(2, 2, sharex=True)
+    panels, drawn = figure.subplots(2, 2, sharex=True), [columns for seeds in curves.values() for columns in seeds]
     for axes, (column, title) in zip(panels.flat, PANELS.items(), strict=True):
         for number, (label, seeds) in enumerate(curves.items()):
             _draw_seeds(axes, seeds, column, COLOURS[number % len(COLOURS)], STYLES[number % len(STYLES)], label)
+        if len(drawn) == 1:
+            _draw_unfinished(axes, drawn[0], UNFINISHED.get(column, ""))
         if levels and column in levels:
             axes.axhline(levels[column], color="0.35", linestyle=(0, (4, 3)), linewidth=1.2, label=level)
         _style_axes(axes, column, title)
+    panels.flat[0].set_xlim(0, 1.02 * max((max(columns["steps"], default=1) for columns in drawn), default=1))
     for axes in panels[-1]:
         axes.set_xlabel("Control steps of training")
     handles, labels = panels.flat[0].get_legend_handles_labels()
@@ -89,13 +95,24 @@ def _draw_seeds(axes: "Axes", seeds: Sequence[Columns], column: str, colour: str
     axes.plot(steps, np.nanmean(values, axis=0), style, color=colour, linewidth=1.6, marker=marker, label=label)
 
 
+def _draw_unfinished(axes: "Axes", columns: Columns, column: str) -> None:
+    """Draw what there is so far of episodes that have not ended, and say that it is that."""
+    values = np.asarray(columns.get(column, ()), float)
+    if np.isfinite(values).any():
+        (drawn,) = axes.plot(
+            columns["steps"], values, "o:", color="0.55", linewidth=1, markersize=3.5, fillstyle="none"
+        )
+        axes.legend([drawn], ["so far, of unfinished episodes"], loc="best", frameon=False)
+
+
 def _style_axes(axes: "Axes", column: str, title: str) -> None:
     axes.set_ylabel(title)
     if column == "success_rate":
         axes.set_ylim(-0.03, 1.03)
     elif column != "episode_return":
         axes.set_ylim(bottom=0)
-    axes.set_xlim(left=0)
+    if not any(np.isfinite(np.asarray(line.get_ydata(), float)).any() for line in axes.lines):
+        axes.text(0.5, 0.5, "no value so far", transform=axes.transAxes, ha="center", color="0.45")
     axes.ticklabel_format(axis="x", style="plain")
     axes.locator_params(axis="x", nbins=5)
     tidy(axes)

@@ -54,7 +54,7 @@ def batched_model(
         values = np.concatenate([getattr(each, name).numpy() for each in put])
         getattr(batched, name).assign(values[body_of_world])
     batched.opt.tolerance.fill_(TOLERANCE)
-    batched.opt.warn_overflow = 0  # What overflows becomes an error instead of a printed line.
+    batched.opt.warn_overflow = 0  # What overflows is reported by `overflow.report` instead of a printed line.
     return batched
 
 
@@ -78,6 +78,26 @@ def batched_data(
     batched.geom_xpos.assign(np.stack([state.geom_xpos for state in states])[body_of_world])
     batched.geom_xmat.assign(np.stack([state.geom_xmat.reshape(-1, 3, 3) for state in states])[body_of_world])
     return batched
+
+
+def enlarged(data: mjw.Data, model: mujoco.MjModel, contacts: int, constraints: int) -> mjw.Data:
+    """Return the same states with other room; contacts and constraints are those of the next physics step.
+
+    Args:
+        data: The states of many worlds.
+        model: One of their bodies.
+        contacts: Room for contacts in a world.
+        constraints: Room for rows of constraints in a world.
+
+    Raises:
+        RuntimeError: If the device does not have the memory.
+    """
+    larger = mjw.make_data(model, nworld=data.nworld, nconmax=contacts, njmax=constraints)
+    for name in _names(mjw.Data):
+        former, latter = getattr(data, name), getattr(larger, name)
+        if isinstance(former, wp.array) and former.shape == latter.shape:
+            wp.copy(latter, former)
+    return larger
 
 
 def own_fields(models: Sequence[mjw.Model]) -> set[str]:

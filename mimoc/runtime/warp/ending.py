@@ -7,13 +7,12 @@ import warp as wp
 from gymnasium.vector import AutoresetMode
 
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.warp import overflow
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.starts import Starts
 
 TOO_MUCH = 1e10
 """Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""
-OVERFLOW, NOT_FINITE = range(2)
-"""Places in `Ending.status`."""
 NEXT_STEP, SAME_STEP, DISABLED = range(3)
 MODES = {AutoresetMode.NEXT_STEP: NEXT_STEP, AutoresetMode.SAME_STEP: SAME_STEP, AutoresetMode.DISABLED: DISABLED}
 NEVER = 2**31 - 1
@@ -42,17 +41,19 @@ class Ending:
         self.success, self.terminated, self.truncated, self.unstable, self.ended, self.steps, self.episode = (
             wp.zeros(worlds, dtype=int) for _ in range(7)
         )
+        self.overflowed = wp.zeros(worlds, dtype=int)
+        """Whether contacts or constraints of the infant did not fit, and were lost."""
         self.chosen = wp.full(worlds, -1, dtype=int)
         """The start of the next episode of worlds that begin one now, -1 for others."""
         self.finished = wp.zeros(worlds, dtype=int)
         """Whether an episode has ended in this very step."""
         self.seeds = seeds
-        self.status = wp.zeros(2, dtype=int)
-        """First world plus one whose contacts or constraints overflow, and first with commands that are not finite."""
+        self.report = wp.zeros(overflow.LENGTH, dtype=int)
+        """What the CPU must know of the last step; see `overflow.report`."""
 
     def clear(self) -> None:
         """Forget what the last step earned."""
-        for array in (self.terms, self.success, self.terminated):
+        for array in (self.terms, self.success, self.terminated, self.report):
             array.zero_()
 
     def forget(self, worlds: Iterable[int]) -> None:
@@ -64,12 +65,13 @@ class Ending:
     def judge(self, data: mjw.Data, actions: wp.array, mode: AutoresetMode, starts: Starts) -> None:
         """Add up rewards, find what ends, and choose where to begin again."""
         worlds = self._body.shape[0]
-        wp.launch(_check, worlds, [actions, data.overflow], [self.status])
-        state = [data.qpos, data.qvel, data.qacc]
-        inputs = [MODES[mode], self._body, self._limits, self.seeds, starts.first, starts.count, *state]
+        state = [data.qpos, data.qvel, data.qacc, data.overflow]
+        wp.launch(_check, worlds, state, [self.unstable, self.overflowed])
+        inputs = [MODES[mode], self._body, self._limits, self.seeds, starts.first, starts.count]
         counts = [self.steps, self.episode, self.terms, self.reward, self.success, self.terminated, self.truncated]
-        ends = [self.unstable, self.ended, self.finished, self.chosen]
+        ends = [self.unstable, self.overflowed, self.ended, self.finished, self.chosen]
         wp.launch(_judge, worlds, inputs, [*counts, *ends])
+        overflow.report(data, actions, self.unstable, self.overflowed, self.report)
 
     def begin(self, chosen: wp.array) -> None:
         """Count from the start again in worlds that begin an episode."""
@@ -77,13 +79,18 @@ class Ending:
 
 
 @wp.kernel(enable_backward=False)
-def _check(actions: wp.array2d[float], overflow: wp.array[int], status: wp.array[int]):
+def _check(
+    qpos: wp.array2d[float],
+    qvel: wp.array2d[float],
+    qacc: wp.array2d[float],
+    flags: wp.array[int],
+    unstable: wp.array[int],
+    overflowed: wp.array[int],
+):
     world = wp.tid()
-    if overflow[world] != 0:
-        wp.atomic_max(status, wp.static(OVERFLOW), world + 1)
-    for number in range(actions.shape[1]):
-        if not wp.isfinite(actions[world, number]):
-            wp.atomic_max(status, wp.static(NOT_FINITE), world + 1)
+    broken = _broken(qpos, world) or _broken(qvel, world) or _broken(qacc, world)
+    unstable[world] = wp.where(broken, 1, 0)
+    overflowed[world] = wp.where(overflow.is_losing(flags[world]) and not broken, 1, 0)
 
 
 @wp.func
@@ -114,9 +121,6 @@ def _judge(
     seeds: wp.array[int],
     first: wp.array[int],
     count: wp.array[int],
-    qpos: wp.array2d[float],
-    qvel: wp.array2d[float],
-    qacc: wp.array2d[float],
     steps: wp.array[int],
     episode: wp.array[int],
     terms: wp.array2d[float],
@@ -125,20 +129,23 @@ def _judge(
     terminated: wp.array[int],
     truncated: wp.array[int],
     unstable: wp.array[int],
+    overflowed: wp.array[int],
     ended: wp.array[int],
     finished: wp.array[int],
     chosen: wp.array[int],
 ):
     world = wp.tid()
     waiting = ended[world] == 1 and mode == wp.static(NEXT_STEP)
-    broken = (_broken(qpos, world) or _broken(qvel, world) or _broken(qacc, world)) and not waiting
+    if waiting:
+        unstable[world] = 0
+        overflowed[world] = 0
+    broken = unstable[world] == 1
     steps[world] = steps[world] + 1
     if broken or waiting:
         success[world] = 0
         terminated[world] = wp.where(broken, 1, 0)
     reward[world] = _total(terms, world, broken or waiting)
-    unstable[world] = wp.where(broken, 1, 0)
-    truncated[world] = wp.where(steps[world] >= limits[body[world]] and not waiting, 1, 0)
+    truncated[world] = wp.where((steps[world] >= limits[body[world]] or overflowed[world] == 1) and not waiting, 1, 0)
     ends = truncated[world] == 1 or terminated[world] == 1
     finished[world] = wp.where(ends, 1, 0)
     chosen[world] = -1

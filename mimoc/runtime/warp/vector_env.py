@@ -11,25 +11,20 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from mimoc.bundle.poses import pose_of
-from mimoc.errors import MimocError, UnknownNameError
+from mimoc.errors import UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
 from mimoc.runtime.many.matching import check_mixture
 from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
 from mimoc.runtime.many.spaces import batch_of, covering
 from mimoc.runtime.warp.arrays import giver, put, taken
-from mimoc.runtime.warp.ending import NOT_FINITE, OVERFLOW
+from mimoc.runtime.warp.capacity import Capacity
+from mimoc.runtime.warp.needs import DeviceError, check_infant, find_device
 from mimoc.runtime.warp.starts import Starts
 from mimoc.runtime.warp.worlds import Worlds
 
-SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
-"""Senses that are there on a device."""
 STARTS = 256
 """Starts that are drawn of each infant whose episodes begin with chance."""
-
-
-class DeviceError(MimocError):
-    """Infants cannot live on a device, or what they do there went wrong."""
 
 
 class WarpInfants(VectorEnv[Any, Any, Any]):
@@ -42,6 +37,9 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
 
     Observations, rewards and ends are copies for NumPy, or, for `torch` and `warp`, the environment's own memory, which
     the next step writes to: copy what is to be kept.
+
+    An infant whose contacts or constraints do not fit into the room for them has lost some: its episode is truncated
+    and it is reported in the info `overflowed`. Before the next step, the room grows; all infants go on as they were.
     """
 
     def __init__(
@@ -69,8 +67,9 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             arrays: What observations and rewards are: `numpy`, `torch` or `warp`.
             touch: `bodies` for the sum of the forces on each body, `points` for those at all points of the skin.
             starts: Number of starts of each infant, if there is chance in them.
-            contacts: Room for contacts in a world; by default, twice what infants need that move at random.
-            constraints: Likewise for rows of constraints.
+            contacts: Room for contacts in a world at first; by default, 1.5 times what the infant needs that needs most
+                when some of them move at random. All worlds share it, and it grows to 8 times that need.
+            constraints: Likewise for rows of constraints in each world; by default, twice the need.
 
         Raises:
             DeviceError: If there is no such device, or an infant needs what is not there on one.
@@ -78,10 +77,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             WorldsError: If their bodies cannot live in worlds of one model.
             UnknownNameError: If there is no such kind of arrays or touch.
         """
-        self.device = _device(device)
+        self.device = find_device(device)
         check_mixture(infants)
         for infant in infants:
-            _check(infant)
+            check_infant(infant)
         self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
         self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
         self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
@@ -91,6 +90,9 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             self.worlds = Worlds(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
         self._starts: dict[str | None, Starts] = {None: self.worlds.default_starts}
         self._graph: wp.Graph | None = None
+        self._is_settled = True
+        """Whether what the device reports of the last step has been dealt with."""
+        self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
         spaces: list[Any] = [self.worlds.spaces[index] for index in which]
         self.single_action_space = infants[0].action_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -110,9 +112,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             TypeError: If the options are no dictionary.
             ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
             UnknownNameError: If there is no such pose or option.
+            ClosedEnvironmentError: If the environment is closed.
             DeviceError: If something went wrong in the step before.
         """
-        self._check_status()
+        self._settle()
         options = options_given(options)
         for name in options.keys() - {"pose", RESET_MASK}:
             raise UnknownNameError("reset option on a device", str(name), ["pose", RESET_MASK])
@@ -138,10 +141,12 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
 
         Raises:
             ValueError: If the actions have the wrong shape, or NumPy's are not finite.
-            DeviceError: If contacts or constraints did not fit in the step before, or actions were not finite.
+            ClosedEnvironmentError: If the environment is closed.
+            DeviceError: If contacts or constraints of more than 1 % of the infants did not fit in the step before and
+                the room for them cannot grow, or if actions were not finite.
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
-        self._check_status()
+        self._settle()
         if self.autoreset_mode == AutoresetMode.DISABLED and self.worlds.ended.ended.numpy().any():
             infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
@@ -149,9 +154,24 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         with wp.ScopedDevice(self.device):
             wp.copy(commands, taken(actions, commands.shape))
             self._step()
+            self._is_settled = False
             ended = self.worlds.ended
             given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
             return self._observed(), *given, self._info()
+
+    @property
+    def room(self) -> Capacity:
+        """The room for contacts and constraints that there is now, in each world."""
+        return self.worlds.room.present
+
+    @property
+    def overflows(self) -> dict[str, int]:
+        """In how many control steps, of all infants together, MuJoCo Warp has set each of its flags (`OverflowType`).
+
+        `epa_horizon`, `iterations` and `ls_iterations` lose nothing: the depth of a contact, or a solution, was less
+        exact. The step that was made last is counted when the next one begins.
+        """
+        return dict(self.worlds.overflows)
 
     def grow(self, to: Any) -> NoReturn:
         """Infants do not grow on a device; each keeps the age that it was given.
@@ -224,64 +244,36 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         return given if isinstance(given, wp.array) else given != 0
 
     def _info(self) -> dict[str, Any]:
-        """Return success, stability and the terms of the reward; with resets in the same step, also the last views."""
+        """Return success, stability and the terms of the reward; with resets in the same step, also the last views.
+
+        As in all of Gymnasium's vector environments, a mask beside each value says which infants have it.
+        """
         ended = self.worlds.ended
         terms = self._give(ended.terms)
         info = {
             "is_success": self._flag(ended.success),
             "unstable": self._flag(ended.unstable),
+            "overflowed": self._flag(ended.overflowed),
             "reward_terms": {name: terms[:, index] for index, name in enumerate(self.worlds.task.terms)},
         }
+        info |= {f"_{name}": self._everyone for name in info}
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             info["final_obs"] = {name: self._give(array) for name, array in self.worlds.final.items()}
             info["_final_obs"] = self._flag(ended.finished)
         return info
 
-    def _check_status(self) -> None:
-        """Say what went wrong on the device in the step before.
+    def _settle(self) -> None:
+        """Deal with what the device reports of the step before, once.
 
         Raises:
-            DeviceError: If something did.
+            ClosedEnvironmentError: If the environment is closed.
+            DeviceError: If something went wrong.
         """
-        status = self.worlds.ended.status.numpy()
-        if status[OVERFLOW]:
-            room = self.worlds.capacity
-            raise DeviceError(
-                f"contacts or constraints of infant {status[OVERFLOW] - 1} did not fit in the last step, in which some "
-                f"were lost: there is room for contacts={room.contacts} and constraints={room.constraints}; make the "
-                "environment with more"
-            )
-        if status[NOT_FINITE]:
-            raise DeviceError(f"the last actions of infant {status[NOT_FINITE] - 1} were not finite")
-
-
-def _device(name: str) -> Any:
-    """Return one of Warp's devices.
-
-    Raises:
-        DeviceError: If it is not there.
-    """
-    try:
-        return wp.get_device(name)
-    except (ValueError, RuntimeError):
-        there = ", ".join(each.alias for each in wp.get_devices())
-        none = "" if wp.is_cuda_available() else " and no NVIDIA GPU with its driver"
-        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {there}{none} on this machine") from None
-
-
-def _check(infant: InfantEnv) -> None:
-    """Check that all that an infant needs is there on a device.
-
-    Raises:
-        DeviceError: If it is not.
-    """
-    if missing := sorted(infant.senses.keys() - SENSES):
-        raise DeviceError(
-            f"infant '{infant.manifest.name}' has the sense '{missing[0]}', which is not there on a device; leave it "
-            "out, or leave out device"
-        )
-    if infant.manifest.noise.delay_jitter_ms:
-        raise DeviceError(
-            f"infant '{infant.manifest.name}' has delays with jitter, which is not there on a device; leave out "
-            "delay_jitter_ms, or leave out device"
-        )
+        if self.closed:
+            raise gymnasium.error.ClosedEnvironmentError("this environment has been closed; make a new one")
+        if self._is_settled:
+            return
+        self._is_settled = True
+        with wp.ScopedDevice(self.device):
+            if self.worlds.settle():
+                self._graph = None  # It has the places of the former arrays in memory.

@@ -13,11 +13,14 @@ from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
-from mimoc.runtime.warp.bodies import batched_data, batched_model
-from mimoc.runtime.warp.capacity import Capacity, measured
+from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
+from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
 from mimoc.runtime.warp.chance import Chance
 from mimoc.runtime.warp.lines import Line
+from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
+from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
+from mimoc.runtime.warp.room import RARE, Room
 from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
 from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
 from mimoc.runtime.warp.tasks import device_task
@@ -29,10 +32,12 @@ from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
 GOAL = "goal"
+NO_MEMORY = "Failed to allocate"
+"""What Warp says when the memory of a device does not do."""
 
 
 class Worlds:
-    """Everything on the device, and what happens there; all arrays keep their place in memory."""
+    """Everything on the device, and what happens there; all arrays keep their place in memory until the room grows."""
 
     def __init__(
         self,
@@ -50,9 +55,11 @@ class Worlds:
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
         fields = {field.name for infant in infants for field in model_fields(infant)}
         self.model = batched_model([each.model for each in infants], body_of_world, fields)
-        self.capacity = self._capacity(room)
-        capacity, models = self.capacity, [each.model for each in infants]
-        self.data = batched_data(models, body_of_world, capacity.contacts, capacity.constraints)
+        self.room = self._first_room(room, count)
+        self.overflows = dict.fromkeys(FLAGS, 0)
+        """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
+        present, models = self.room.present, [each.model for each in infants]
+        self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
         self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
         self.chance = Chance(put(np.arange(count), wp.int32))
@@ -148,6 +155,46 @@ class Worlds:
             self.begin(self.default_starts, self.ended.chosen)
         self.observe()
 
+    def settle(self) -> bool:
+        """Count what did not fit in the last step, make more room where it was short, and return whether it grew.
+
+        Raises:
+            DeviceError: If commands were not finite, or the room is as large as it gets and many infants lost contacts.
+        """
+        report = self.ended.report.numpy()
+        for name, bit in FLAGS.items():
+            self.overflows[name] += int(report[COUNTS + bit])
+        if report[NOT_FINITE]:
+            raise DeviceError(f"the last actions of infant {report[NOT_FINITE] - 1} were not finite")
+        if self._make_room(self.room.after(report)):
+            return True
+        if report[OVERFLOWED] > RARE * self.room.worlds:
+            raise DeviceError(self._lack(int(report[OVERFLOWED])))
+        return False
+
+    def _make_room(self, wanted: Capacity) -> bool:
+        """Grow, and return whether there is more room; what the device has no memory for is more than it gets."""
+        if wanted == self.room.present:
+            return False
+        try:
+            self.data = enlarged(self.data, self._infants[0].model, wanted.contacts, wanted.constraints)
+        except RuntimeError as error:
+            if NO_MEMORY not in str(error):
+                raise
+            self.room.largest = self.room.present
+            return False
+        self.room.present = wanted
+        return True
+
+    def _lack(self, count: int) -> str:
+        """Return what is wrong if many infants lose contacts and the room cannot grow."""
+        first, limit = int(np.flatnonzero(self.ended.overflowed.numpy())[0]), self.room.present
+        return (
+            f"contacts or constraints of {count} infants, such as {first}, did not fit in the last step, and there is "
+            f"no more room than contacts={limit.contacts} and constraints={limit.constraints}: look at what holds "
+            "these infants, or make the environment with more, or with fewer infants"
+        )
+
     def observe(self) -> None:
         """Write what has arrived of all senses, and what the task adds."""
         for channel in self.channels.values():
@@ -165,14 +212,13 @@ class Worlds:
         else:
             self.commands.apply(self.clock, index, self._columns, self.data.ctrl)
 
-    def _capacity(self, room: tuple[int | None, int | None]) -> Capacity:
+    def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
         """Return the room for contacts and constraints, measured where nothing was said."""
-        contacts, constraints = room
-        if contacts and constraints:
-            return Capacity(contacts, constraints)
         poses, pairs = [each.manifest.pose for each in self._infants], self.model.nxn_geom_pair_filtered.numpy()
-        found = measured([each.model for each in self._infants], poses, pairs)
-        return Capacity(contacts or found.contacts, constraints or found.constraints)
+        needed = measured([each.model for each in self._infants], poses, pairs)
+        usual, largest = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS), needed.times(LARGEST, LARGEST)
+        present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
+        return Room(present, largest, worlds)
 
 
 @wp.kernel(enable_backward=False)

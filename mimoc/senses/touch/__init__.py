@@ -10,6 +10,7 @@ KIND = SenseKind(
     entry=TouchEntry,
     build="mimoc.senses.touch.build",
     run="mimoc.senses.touch.run",
+    many="mimoc.senses.touch.many",
     physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
     noise=NoiseOption(
         unit="n",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimoc.senses.joined import Simulations
-from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample
+from mimoc.senses.sense import FloatArray, IntArray, Observation, Sample, Sense
 from mimoc.senses.touch.contacts import Contacts, forces_of, rotated
 from mimoc.senses.touch.run import Touch
 
@@ -77,10 +77,11 @@ class JoinedTouch:
         return felt.reshape(count, row)[:, : self._size]
 
 
-def join(senses: Sequence[Touch]) -> JoinedTouch | None:
-    """Return the touch of many infants, or None if their worlds differ in more than numbers."""
-    sizes = {(len(each.receptors.scale_per_m), len(each.body_of_geom)) for each in senses}
-    return JoinedTouch(senses) if len(sizes) == 1 else None
+def join(senses: Sequence[Sense]) -> JoinedTouch | None:
+    """Return the touch of many infants, or None if one has noise, or their worlds differ in more than numbers."""
+    touches = [sense for sense in senses if isinstance(sense, Touch)]
+    sizes = {(len(touch.receptors.scale_per_m), len(touch.body_of_geom)) for touch in touches}
+    return JoinedTouch(touches) if len(touches) == len(senses) and len(sizes) == 1 else None
 
 
 def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], Contacts, FloatArray]:

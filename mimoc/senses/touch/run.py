@@ -58,8 +58,6 @@ class Quantity:
 class Touch(Sense):
     """What the receptors of the skin measure: one after another, all numbers of each, [N]."""
 
-    together = "mimoc.senses.touch.many"
-
     def __init__(self, receptors: Receptors, model: mujoco.MjModel, quantity: Quantity, response: Response):
         """Measure a quantity of the contacts with the bodies that have receptors."""
         self.receptors, self.quantity, self.response = receptors, quantity, response

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from mimoc.senses.joined import OneByOne, Simulations
-from mimoc.senses.sense import Sample
+from mimoc.senses.sense import Sample, Sense
 from mimoc.senses.vision.run import Vision
 
 
@@ -24,6 +24,7 @@ class JoinedVision(OneByOne):
         return simulations.each(see, infants)
 
 
-def join(senses: Sequence[Vision]) -> JoinedVision | None:
+def join(senses: Sequence[Sense]) -> JoinedVision | None:
     """Return the vision of many infants, or None if some draw with OpenGL contexts of their own."""
-    return JoinedVision(senses) if all(each.eyes.shares for each in senses) else None
+    visions = [sense for sense in senses if isinstance(sense, Vision) and sense.eyes.shares]
+    return JoinedVision(visions) if len(visions) == len(senses) else None

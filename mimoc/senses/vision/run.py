@@ -22,8 +22,6 @@ Filter = Callable[[Pictures], Pictures]
 class Vision(Sense):
     """Pictures of both eyes, or of the one there is, shape (eyes, height, width, 3)."""
 
-    together = "mimoc.senses.vision.many"
-
     def __init__(self, eyes: Eyes, filters: Sequence[Filter], entry: VisionEntry, bodies: IntArray):
         """See with some eyes.
 

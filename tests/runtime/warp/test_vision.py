@@ -1,8 +1,9 @@
-"""Infants on MuJoCo Warp, here on its CPU device, see what they do on the CPU, without OpenGL."""
+"""Infants on MuJoCo Warp, by default on its CPU device, see what they do on the CPU, without OpenGL."""
 
 import numpy as np
 import pytest
 import warp as wp
+from support.devices import DEVICE
 
 import mimoc
 from mimoc.runtime.many.matching import MixtureError
@@ -38,7 +39,7 @@ def build(age_months: float, **vision: object) -> mimoc.Bundle:
 def pair():
     """Return infants of two ages on MuJoCo Warp and on the CPU."""
     bundles = [build(12, foveation=3, acuity={"cpd": 0.5}), build(18, acuity="off")]
-    ours = mimoc.make_vec(bundles, device="warp:cpu", starts=2, autoreset_mode="SameStep", max_episode_steps=8)
+    ours = mimoc.make_vec(bundles, device=DEVICE, starts=2, autoreset_mode="SameStep", max_episode_steps=8)
     theirs = mimoc.make_vec(bundles, threads=1)
     yield ours, theirs
     ours.close(), theirs.close()
@@ -133,10 +134,9 @@ def test_acuity_and_foveation_of_each_age_are_those_of_the_cpu_on_the_same_pictu
     fovy_deg, drawn = (60.0, 40.0, 60.0, 90.0), (HEIGHT * supersample, WIDTH * supersample)
     pictures = np.random.default_rng(0).integers(0, 256, (len(kinds), len(EYES), *drawn, 3), dtype=np.uint8)
     packed = (pictures.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=-1, dtype=np.uint32)
-    with wp.ScopedDevice("cpu"):
-        perceived = wp.zeros((len(kinds), len(EYES) * SEEN), dtype=wp.uint8)
-        which = wp.array(np.arange(len(kinds)), dtype=int)
-        Filters(entries, fovy_deg, which)(wp.array(packed.reshape(len(kinds), -1), dtype=wp.uint32), perceived)
+    perceived = wp.zeros((len(kinds), len(EYES) * SEEN), dtype=wp.uint8)
+    which = wp.array(np.arange(len(kinds)), dtype=int)
+    Filters(entries, fovy_deg, which)(wp.array(packed.reshape(len(kinds), -1), dtype=wp.uint32), perceived)
     found = perceived.numpy().reshape(len(kinds), len(EYES), HEIGHT, WIDTH, 3)
     for ours, entry, fovy, picture in zip(found, entries, fovy_deg, pictures, strict=True):
         assert np.ptp(perceive(picture, filters(entry, fovy))) > 0
@@ -175,4 +175,4 @@ def test_a_cubes_texture_becomes_a_picture_by_longitude_and_latitude():
 
 def test_eyes_of_different_sizes_cannot_share_a_batch():
     with pytest.raises(MixtureError, match=r"vision.supersample \(1, 2\)"):
-        mimoc.make_vec([build(12), build(12, supersample=2)], device="warp:cpu")
+        mimoc.make_vec([build(12), build(12, supersample=2)], device=DEVICE)

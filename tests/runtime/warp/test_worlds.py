@@ -1,18 +1,24 @@
-"""Infants on MuJoCo Warp, here on its CPU device, sense and earn what they do on the CPU.
+"""Infants on MuJoCo Warp, by default on its CPU device, sense and earn what they do on the CPU.
 
 Warp compiles its kernels once for each kind of model, so these tests share few of them.
 """
 
+from dataclasses import dataclass
 from functools import cache
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
+from support.devices import DEVICE, WARP_DEVICE
 
 import mimoc
+from mimoc.actuation.torque.run import Torque, bind
 from mimoc.errors import MimocError, UnknownNameError
+from mimoc.kinds import ActuationKind
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.matching import MixtureError
+from mimoc.runtime.warp import noise
 from mimoc.runtime.warp.bodies import WorldsError
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants
 
@@ -39,7 +45,7 @@ def pair():
 
     def make(bundles, count=None, **options):
         both = (
-            mimoc.make_vec(bundles, count, device="warp:cpu", **options),
+            mimoc.make_vec(bundles, count, device=DEVICE, **options),
             mimoc.make_vec(bundles, count, threads=1),
         )
         made.extend(both)
@@ -146,7 +152,7 @@ def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
     infants = [build(age_months=age, task={"kind": "reach"}) for age in (12, 18)]
     views = {}
     for mode in ("NextStep", "SameStep", "Disabled"):
-        env = mimoc.make_vec(infants, device="warp:cpu", autoreset_mode=mode, max_episode_steps=2, starts=2)
+        env = mimoc.make_vec(infants, device=DEVICE, autoreset_mode=mode, max_episode_steps=2, starts=2)
         first = env.reset(seed=0)[0]["proprioception"]
         command = np.ones(env.action_space.shape, np.float32)
         assert not env.step(command)[3].any()
@@ -172,7 +178,7 @@ def test_an_infant_whose_episode_ends_begins_anew_as_agreed():
 
 
 def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
-    env = mimoc.make_vec(bundle(9), 2, device="warp:cpu")
+    env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
     env.reset(seed=0)
     speeds = env.worlds.data.qvel.numpy()
     speeds[0] = 1e12
@@ -190,7 +196,7 @@ def test_a_simulation_that_breaks_down_ends_its_own_episode_only():
 
 
 def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
-    env = mimoc.make_vec(bundle(9), 2, device="warp:cpu", arrays="torch")
+    env = mimoc.make_vec(bundle(9), 2, device=DEVICE, arrays="torch")
     first, _ = env.reset(seed=0)
     assert isinstance(first["vestibular"], torch.Tensor)
     before = first["vestibular"].clone()
@@ -198,28 +204,17 @@ def test_torch_sees_the_memory_of_the_environment_and_commands_from_it():
     assert seen["vestibular"].data_ptr() == first["vestibular"].data_ptr()
     assert not torch.equal(before, first["vestibular"])
     assert rewards.shape == terminated.shape == (2,)
-    arrays = mimoc.make_vec(bundle(9), 2, device="warp:cpu", arrays="warp")
+    arrays = mimoc.make_vec(bundle(9), 2, device=DEVICE, arrays="warp")
     begun, _ = arrays.reset(seed=0)
     assert torch.from_dlpack(begun["vestibular"]).data_ptr() == begun["vestibular"].ptr
     env.close(), arrays.close()
 
 
-@pytest.mark.parametrize("room", [{"contacts": 2}, {"constraints": 45}])
-def test_contacts_that_do_not_fit_are_an_error(room):
-    env = mimoc.make_vec(bundle(9), 2, device="warp:cpu", **room)
-    env.reset(seed=0)
-    command = np.zeros(env.action_space.shape, np.float32)
-    env.step(command)
-    with pytest.raises(DeviceError, match=r"did not fit in the last step.*contacts=\d+ and constraints=\d+"):
-        env.step(command)
-    env.close()
-
-
 def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
-    env = mimoc.make_vec(bundle(9), 2, device="warp:cpu")
+    env = mimoc.make_vec(bundle(9), 2, device=DEVICE)
     env.reset(seed=0)
     for absent in (lambda: env.grow(to=10), env.get_state, lambda: env.set_state([])):
-        with pytest.raises(DeviceError, match=r"on device 'cpu' .* leave out device"):
+        with pytest.raises(DeviceError, match=rf"on device '{WARP_DEVICE}' .* leave out device"):
             absent()
     command = np.zeros(env.action_space.shape, np.float32)
     command[1, 3] = np.nan
@@ -230,29 +225,70 @@ def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
     env.step(torch.from_numpy(command))
     with pytest.raises(DeviceError, match="last actions of infant 1 were not finite"):
         env.step(0 * command)
-    env.close()
+    for _ in range(2):
+        env.close()
+    for used in (env.reset, lambda: env.step(0 * command)):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="this environment has been closed"):
+            used()
 
 
 def test_a_task_that_is_passed_as_an_object_stays_on_the_cpu():
     infant = InfantEnv(bundle(9), task=mimoc.Task())
     with pytest.raises(MimocError, match="the task 'free', or the object passed as one, runs on the CPU only"):
-        WarpInfants([infant], device="cpu")
+        WarpInfants([infant], device=WARP_DEVICE)
     infant.close()
 
 
 def test_what_cannot_live_on_a_device_is_told():
     jitter = {"noise": {"delay_jitter_ms": 5}, "delays": {"sensory_ms": 10}}
     for error, text, sources, options in (
-        (DeviceError, "device 'cuda:7' is not there; MuJoCo Warp finds cpu", bundle(9), {"device": "cuda:7"}),
+        (DeviceError, "device 'cuda:99' is not there; MuJoCo Warp finds .*", bundle(9), {"device": "cuda:99"}),
         (DeviceError, "device 'gpu' is not there", bundle(9), {"device": "gpu"}),
         (MixtureError, "commands", [bundle(9), build(age_months=9, body={"hands": "five_finger"})], {}),
         (WorldsError, "models differ in", [build(age_months=9, scene={"kind": "crib"}), build(age_months=9)], {}),
         (DeviceError, "'infant' has delays with jitter", build(age_months=9, **jitter), {}),
         (UnknownNameError, "'numbers' is not a kind of arrays", bundle(9), {"arrays": "numbers"}),
         (UnknownNameError, "'skin' is not a way to tell of touch", bundle(9), {"touch": "skin"}),
-        (UnknownNameError, "option of infants on device 'warp:cpu'", bundle(9), {"width": 3}),
+        (UnknownNameError, f"option of infants on device '{DEVICE}'", bundle(9), {"width": 3}),
         (MimocError, "cannot be rendered", bundle(9), {"render_mode": "rgb_array"}),
     ):
         with pytest.raises(error, match=text) as raised:
-            mimoc.make_vec(sources, 2, **{"device": "warp:cpu", **options})
+            mimoc.make_vec(sources, 2, **{"device": DEVICE, **options})
         assert "\n" not in str(raised.value)
+
+
+@dataclass(frozen=True)
+class Halved(Torque):
+    """Half of what is commanded."""
+
+    def __call__(self, action):
+        return 0.5 * super().__call__(action)
+
+
+def bind_halved(entry, model):
+    whole = bind(entry, model)
+    return Halved(whole.actuators, whole.low, whole.high, whole.limits_nm)
+
+
+HALVED = ActuationKind("halved", "Half of what is commanded.", build="mimoc.actuation.torque.build", run=bind_halved)
+
+
+def test_actuation_that_a_plugin_brings_is_refused_instead_of_ignored(registered):
+    with registered(HALVED):
+        infant = build(age_months=9, development="published", actuation={"model": "halved"})
+        alone = mimoc.make(infant)
+        alone.reset(seed=0)
+        alone.step(np.full(alone.action_space.shape, 0.4, np.float32))
+        assert alone.unwrapped.data.ctrl.max() == pytest.approx(0.2)
+        with pytest.raises(
+            DeviceError, match=r"has the actuation model 'halved', .* choose from muscle, position, torque"
+        ):
+            mimoc.make_vec(infant, 2, device=DEVICE)
+        alone.close()
+
+
+def test_noise_that_is_not_there_on_a_device_is_refused_instead_of_ignored(monkeypatch):
+    monkeypatch.delitem(noise.SENSES, "touch")
+    noisy = build(age_months=9, senses=SENSES, noise={"touch_n": 0.1})
+    with pytest.raises(DeviceError, match=r"has noise of 'touch', which is not there on a device; leave out touch_n"):
+        mimoc.make_vec(noisy, 2, device=DEVICE)

@@ -1,0 +1,166 @@
+"""What `mimoc train` prints: how far it is, how well it learns, and what came out."""
+
+import math
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Protocol
+
+from rich.table import Table
+
+from mimoc.cli import console
+from mimoc.cli.printable import printable
+from mimoc.training import Row, Training
+
+LABELS = {
+    "after steps": "steps",
+    "completed episodes": "episodes",
+    "mean return per episode": "episode_return",
+    "success rate": "success_rate",
+    "mean steps per episode": "episode_steps",
+    "mean time to success [s]": "time_to_success_s",
+    "unfinished episodes": "unfinished",
+    "their mean return so far": "unfinished_return",
+    "their mean steps so far": "unfinished_steps",
+}
+"""Field of a learning curve's row by its label."""
+PACKAGE = Path(__file__).parents[1]
+LINES_S, LINES_SHARE = 10.0, 1 / 20
+"""Least time between two lines, in seconds and as a share of the time so far: 120 lines in ten hours."""
+
+
+class TrainingProgress(Protocol):
+    """Shows how far a training is."""
+
+    def report(self, done: int, total: int) -> None:
+        """Show the steps done and their total."""
+
+    def on_row(self, row: Row) -> None:
+        """Show a new row of the learning curve."""
+
+
+@contextmanager
+def shown() -> Iterator[TrainingProgress]:
+    """Show a training by a progress bar in terminals, and elsewhere by lines now and then; warnings are a line each."""
+    in_terminal = sys.stderr.isatty()  # Which a bar replaces by something that is no terminal.
+    with console.progress("training") as bar, _warnings_as_lines():
+        yield _Bar(bar) if in_terminal else Lines(_print)
+
+
+class Lines:
+    """Writes a line with the first row of the learning curve, and then now and then."""
+
+    def __init__(self, write: Callable[[str], None], clock: Callable[[], float] = perf_counter):
+        """Begin.
+
+        Args:
+            write: Called with each line.
+            clock: Returns the time in seconds.
+        """
+        self._write, self._clock = write, clock
+        self._begun: tuple[int, float] | None = None
+        """Steps and time at the first report; a training that is resumed begins with those before."""
+        self._done = self._total = 0
+        self._row: Row | None = None
+        self._due_s = math.inf
+
+    def report(self, done: int, total: int) -> None:
+        """Write a line if it is due."""
+        now_s = self._clock()
+        if self._begun is None:
+            self._begun, self._due_s = (done, now_s), now_s + LINES_S
+        self._done, self._total = done, total
+        if now_s >= self._due_s:
+            self._line(now_s)
+
+    def on_row(self, row: Row) -> None:
+        """Write a line with the first row."""
+        first, self._row = self._row is None, row
+        if first:
+            self._line(self._clock())
+
+    def _line(self, now_s: float) -> None:
+        begun_steps, begun_s = self._begun or (self._done, now_s)
+        elapsed_s, taken = now_s - begun_s, self._done - begun_steps
+        parts = [f"{self._done:,} of {self._total:,} steps"]
+        parts += [return_of(self._row)] if self._row else []
+        parts += [f"{_duration(elapsed_s / taken * (self._total - self._done))} left"] if taken else []
+        self._write(", ".join(parts))
+        self._due_s = now_s + max(LINES_S, LINES_SHARE * elapsed_s)
+
+
+class _Bar:
+    def __init__(self, show: Callable[..., None]):
+        self._show, self._text = show, "training"
+
+    def report(self, done: int, total: int) -> None:
+        """Move the bar."""
+        self._show(done, total, self._text)
+
+    def on_row(self, row: Row) -> None:
+        """Write the return before the bar."""
+        self._text = f"training, {return_of(row)}"
+
+
+def return_of(row: Row) -> str:
+    """Return the mean return of a row as text: of its unfinished episodes, which is said, if none has ended."""
+    if row.episodes:
+        return f"mean return {_number(row.episode_return)}"
+    return f"mean return so far {_number(row.unfinished_return)} in unfinished episodes"
+
+
+def print_training(training: Training, out: Path, task: str | None) -> None:
+    """Print the first and the last row of the learning curve with episodes that ended, and what to do with the folder.
+
+    Args:
+        training: What came out.
+        out: Its folder.
+        task: The name of the user's own task, if any, which the policy may observe.
+    """
+    rows = training.curve.ends
+    table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
+    for heading in ("quantity", "start", "end"):
+        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for label, name in LABELS.items():
+        table.add_row(label, *(_number(getattr(row, name)) for row in rows))
+    opened = console.open_console()
+    opened.print(table)
+    resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
+    opened.print(f"{training.curve.rows[-1].wall_s:.0f} s of training{resumed}")
+    own = f" --task {task}" if task else ""
+    tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}{own}"
+    print(printable(f"{out}: {tried}"))
+
+
+@contextmanager
+def _warnings_as_lines() -> Iterator[None]:
+    """Print mimoc's own warnings without the place in its code that they come from."""
+
+    def show(message: Warning | str, category: type[Warning], filename: str, *rest: Any) -> None:
+        if not Path(filename).is_relative_to(PACKAGE):
+            usual(message, category, filename, *rest)
+        else:
+            _print(f"{'warning' if issubclass(category, RuntimeWarning) else 'note'}: {message}")
+
+    with warnings.catch_warnings():
+        usual, warnings.showwarning = warnings.showwarning, show
+        warnings.filterwarnings("default", module=r"mimoc\.")
+        yield
+
+
+def _print(line: str) -> None:
+    print(printable(line), file=sys.stderr, flush=True)
+
+
+def _number(value: float) -> str:
+    if isinstance(value, int):
+        return f"{value}"
+    return f"{value:.4g}" if math.isfinite(value) else "-"
+
+
+def _duration(seconds: float) -> str:
+    minutes = round(seconds / 60)
+    return f"{round(seconds)} s" if seconds < 100 else f"{minutes} min" if minutes < 100 else f"{minutes / 60:.1f} h"
