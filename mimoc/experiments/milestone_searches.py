@@ -17,6 +17,7 @@ from mimoc.milestones.search import Found, search, worker_pool
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.schema.quantities import Real
 
 FOLDER = "searches"
 """Where finished searches are kept until all of them are."""
@@ -132,8 +133,8 @@ def _file(folder: Path, case: Case) -> Path:
 class _SearchFile(Model):
     """What the file of a search contains."""
 
-    youngest_months: float | None
-    tried: tuple[tuple[float, Outcome], ...]
+    youngest_months: Real | None
+    tried: tuple[tuple[Real, Outcome], ...]
     """Ages in months, and what came of them."""
 
 

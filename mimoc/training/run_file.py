@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
-from mimoc.bundle.json_files import read_json_file
+from mimoc.bundle.json_files import one_line, read_json_file
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.errors import MimocError
 from mimoc.schema.base import Model
@@ -39,5 +39,5 @@ def read_run_file(path: Path) -> RunFile | None:
         if run is not None:
             Settings.choose(**bounded(run.settings.data()))
     except (ValueError, MimocError) as error:
-        raise UnusableFileError(f"settings: {error}") from None
+        raise UnusableFileError(one_line(f"settings: {error}")) from None
     return run

@@ -16,6 +16,7 @@ from typing import Any
 
 from mimoc.bundle.files import check_unlinked, make_folder, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
+from mimoc.bundle.json_files import one_line
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import BundleError, OutputError, TrainingError
 from mimoc.training.archives import MOST_BYTES
@@ -208,7 +209,8 @@ def _check_same_run(path: Path, previous: RunFile, settings: Settings, bundle: B
         differences.append("another infant")
     if differences:
         advice = "use the same settings to resume it, name another folder, or start over with --force"
-        raise TrainingError(f"{path}: the training run here was started with {'; '.join(differences)}; {advice}")
+        others = one_line("; ".join(differences))
+        raise TrainingError(f"{path}: the training run here was started with {others}; {advice}")
 
 
 def _lock(handle: int, path: Path) -> None:
