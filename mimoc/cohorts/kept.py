@@ -60,8 +60,8 @@ def _job(files: RegularFiles, path: PurePosixPath) -> Job:
     file = parse_json(files.read(path.as_posix(), MOST_BYTES) or b"", ResultFile)
     if path != PurePosixPath(RESULTS, file.job[:2], f"{file.job}.json"):
         raise UnusableFileError("is the result of another job")
-    told = {name: getattr(file, name) for name in ("cohort", "step", "seed", "options", "factors")}
-    return Job(key=file.job, **told, data=None, folder="", spec_folder="", own_measures=())
+    known = {name: getattr(file, name) for name in ("cohort", "step", "seed", "options", "factors")}
+    return Job(key=file.job, **known, data=None, folder="", spec_folder="", own_measures=())
 
 
 def _place(job: Job) -> tuple[Any, ...]:

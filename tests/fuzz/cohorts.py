@@ -7,7 +7,7 @@ from shutil import copytree
 import numpy as np
 from fuzz.folder_mutations import spoil
 from fuzz.fuzzing import Fuzzer
-from fuzz.honest_cohorts import MODULE, here
+from fuzz.honest_cohorts import ENGINE, MODULE, in_this_process
 from fuzz.mutations import pick
 
 import mimoc
@@ -35,8 +35,8 @@ def prepare(folder: Path) -> Path:
     (folder / "own_code.py").write_text(MODULE)
     (folder / "cohort.yaml").write_text(dump(STUDY))
     study, store = Cohort(folder / "cohort.yaml"), Store(folder / "out")
-    with here() as engine:
-        study.run(store.folder, engine)
+    with in_this_process():
+        study.run(store.folder, ENGINE)
     study.table(store.folder)
     *_, failed, last = study.jobs()
     store.write_bundle(last, mimoc.build(study.specs[0]))  # It is not looked at, but may be in the way.
@@ -69,8 +69,8 @@ def ways(place: Path) -> tuple[Way, ...]:
         lambda: mimoc.report(out, page, cohort=study),
         lambda: study.table(out),
         lambda: plan(study, out),
-        lambda: study.run(out, "here"),
-        lambda: study.retry(out, "here"),
+        lambda: study.run(out, ENGINE),
+        lambda: study.retry(out, ENGINE),
         lambda: [Store(out).read_bundle(job) for job in built],
     )
 
@@ -78,7 +78,7 @@ def ways(place: Path) -> tuple[Way, ...]:
 def use(chosen: Iterable[Way]) -> None:
     """Do things one after the other, and raise the error of one that was refused."""
     refused = None
-    with here():
+    with in_this_process():
         for way in chosen:
             try:
                 way()

@@ -42,11 +42,11 @@ def changed_csv(generator: Generator, text: str) -> str:
         elif kind == 1:
             row[column : column + 1] = [pick(generator, pick(generator, rows) or [""])]
         elif kind == 2:
-            for each in rows:
-                del each[column : column + 1]
+            for line in rows:
+                del line[column : column + 1]
         elif kind == 3:
-            for each in rows:
-                each.insert(column, pick(generator, TEXTS))
+            for line in rows:
+                line.insert(column, pick(generator, TEXTS))
         elif kind == 4:
             rows.insert(int(generator.integers(len(rows) + 1)), [*row])
         elif len(rows) > 1:

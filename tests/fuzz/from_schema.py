@@ -43,23 +43,23 @@ class Drawing:
 
     def _object(self, node: Mapping[str, Any]) -> dict[str, Any]:
         known, needed = node.get("properties", {}), node.get("required", ())
-        found = {}
+        drawn = {}
         for key, inner in known.items():
             if key in needed or self.generator.random() < FULL:
-                found[key] = self.hints[key](self.generator) if key in self.hints else self.value(inner)
+                drawn[key] = self.hints[key](self.generator) if key in self.hints else self.value(inner)
         more = node.get("additionalProperties")
         if names := node.get("propertyNames", {}).get("enum"):
             for _ in range(self.generator.integers(MOST_ITEMS)):
-                found[pick(self.generator, names)] = self.value(more)
-        return {key: value for key, value in found.items() if value is not OMITTED}
+                drawn[pick(self.generator, names)] = self.value(more)
+        return {key: value for key, value in drawn.items() if value is not OMITTED}
 
     def _array(self, node: Mapping[str, Any]) -> list[Any]:
         if "prefixItems" in node:
             drawn = [self.value(item) for item in node["prefixItems"]]
-            return sorted(drawn) if all(isinstance(each, (int, float)) for each in drawn) else drawn
+            return sorted(drawn) if all(isinstance(value, (int, float)) for value in drawn) else drawn
         most = min(MOST_ITEMS, node.get("maxItems", MOST_ITEMS))
         drawn = [self.value(node["items"]) for _ in range(self.generator.integers(1, most + 1))]
-        return [each for number, each in enumerate(drawn) if each not in drawn[:number]]
+        return [value for number, value in enumerate(drawn) if value not in drawn[:number]]
 
     def _number(self, node: Mapping[str, Any]) -> float:
         low = node.get("minimum", node.get("exclusiveMinimum", 0.0))

@@ -32,6 +32,8 @@ from mimoc.schema.yaml_scalars import dump
 MOST_INFANTS = 4
 TRIES = 1000
 """Cohorts that are drawn until one is valid."""
+ENGINE = "here"
+"""Name of this module as an engine."""
 MODULE = """
 def probe(work, **options):
     return {"own": float(work.seed), "text": "é", "options": len(options)}
@@ -133,7 +135,7 @@ def infant(generator: np.random.Generator) -> dict[str, Any]:
 def varied(generator: np.random.Generator) -> dict[str, Any]:
     """Return values for one or two keys of the spec."""
     drawing = Drawing(json_schema("infant"), IN_INFANTS, generator)
-    found = {}
+    drawn = {}
     for _ in range(generator.integers(1, 3)):
         path, node = list[str](), drawing.schema
         while "properties" in node and not (path and generator.random() < 0.1):
@@ -146,12 +148,12 @@ def varied(generator: np.random.Generator) -> dict[str, Any]:
         numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
         shape = pick(generator, ("list", "range", "draws")) if len(numbers) == len(values) > 1 else "list"
         if shape == "range" and min(numbers) < max(numbers):
-            found[".".join(path)] = {"from": min(numbers), "to": max(numbers), "step": max(numbers) - min(numbers)}
+            drawn[".".join(path)] = {"from": min(numbers), "to": max(numbers), "step": max(numbers) - min(numbers)}
         elif shape == "draws":
-            found[".".join(path)] = {"uniform": sorted(numbers)[:2], "n": len(numbers), "seed": 3}
+            drawn[".".join(path)] = {"uniform": sorted(numbers)[:2], "n": len(numbers), "seed": 3}
         else:
-            found[".".join(path)] = values
-    return found
+            drawn[".".join(path)] = values
+    return drawn
 
 
 def _remove(data: Any, keys: list[str]) -> None:
@@ -187,11 +189,11 @@ def prepare(_: Path) -> None:
 
 
 @contextmanager
-def here() -> Iterator[str]:
-    """Have jobs done in this process, as starting one for each cohort takes seconds; yield the name of the engine."""
-    known = {**engines.ENGINES, "here": __name__}
+def in_this_process() -> Iterator[None]:
+    """Let the engine of this module do jobs in this process, as starting one for each cohort takes seconds."""
+    known = {**engines.ENGINES, ENGINE: __name__}
     with patch.object(engines, "ENGINES", known), patch.object(plans, "try_out", _try_out):
-        yield "here"
+        yield
 
 
 def _try_out(jobs: Sequence[Job], store: Store, _: float) -> list[Result | None]:
@@ -216,10 +218,10 @@ def attempt(_: None, generator: np.random.Generator, folder: Path) -> None:
     """Draw a cohort, and use it with every command."""
     path, out = valid_cohort(generator, folder), folder / "out"
     cohort, place = Cohort(path), ["-o", out]
-    with contextlib.chdir(folder), here() as engine:
+    with contextlib.chdir(folder), in_this_process():
         called("cohort", "plan", path, *place)
         try:
-            called("cohort", "run", path, *place, "--on", engine)
+            called("cohort", "run", path, *place, "--on", ENGINE)
         except AssertionError:
             _explain_failures(cohort, out)
         called("cohort", "status", path, *place)
@@ -243,19 +245,19 @@ def use_infant(spec: Path, generator: np.random.Generator) -> None:
 
 def called(*arguments: object) -> str:
     """Run a command in this process, and return what it prints; unless it succeeds, raise an AssertionError."""
-    words, kept, told = [*map(str, arguments)], sys.argv, io.StringIO()
+    words, before, printed = [*map(str, arguments)], sys.argv, io.StringIO()
     sys.argv = ["mimoc", *words]
     try:
-        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
             cli.main()
     except SystemExit as ended:
         if ended.code:
-            raise AssertionError(f"mimoc {' '.join(words)}: exit code {ended.code}: {told.getvalue()}") from None
+            raise AssertionError(f"mimoc {' '.join(words)}: exit code {ended.code}: {printed.getvalue()}") from None
     except Exception:
         raise AssertionError(f"mimoc {' '.join(words)}: {traceback.format_exc()}") from None
     finally:
-        sys.argv = kept
-    return told.getvalue()
+        sys.argv = before
+    return printed.getvalue()
 
 
 def _explain_failures(cohort: Cohort, out: Path) -> None:

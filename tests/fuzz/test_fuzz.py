@@ -6,9 +6,10 @@ from fuzz.fuzzing import FUZZERS, fuzzer, run_try
 from fuzz.strange_infants import CANARIES
 
 SEED = 2026
+SLOW = {"honest_cohorts": pytest.mark.slow}
 
 
-@pytest.mark.parametrize("name", FUZZERS)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(name, ())) for name in FUZZERS])
 def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
     """It is used, or refused in clear lines, and no file outside of it is opened."""
     made, watch = fuzzer(name), Canaries(tmp_path / "outside", CANARIES)
