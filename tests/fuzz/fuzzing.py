@@ -41,6 +41,8 @@ class Fuzzer:
     """Tries in `make test`: a second or two."""
     longest_s: float = LONGEST_S
     """CPU time that a try may take."""
+    largest_mb: int = LARGEST_MB
+    """Memory that a process may ever have."""
     honest: bool = False
     """Whether what is tried is spoilt by nobody, so that nothing need be refused."""
 

@@ -276,5 +276,6 @@ FUZZER = Fuzzer(
     attempt=attempt,
     short=1,
     longest_s=30.0,
+    largest_mb=2048,  # A process has torch and OpenGL, and keeps what it has read of all infants.
     honest=True,
 )
