@@ -4,6 +4,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mimoc.errors import BundleError
+
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.schema.infant import InfantSpec
@@ -40,6 +42,8 @@ def load_infant(path: Path) -> "Bundle":
     from mimoc.cli import console
     from mimoc.compiler import loading, pipeline
 
+    if path.is_file() and path.suffix.lower() not in loading.SPEC_SUFFIXES:
+        raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
     if path.is_dir() or (path != STDIN and path.suffix.lower() not in loading.SPEC_SUFFIXES):
         return read_bundle(path)
     spec = load_spec(path)
