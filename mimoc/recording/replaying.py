@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.bundle.io import Bundle
 from mimoc.errors import MimocError, RecordingError
@@ -118,7 +119,7 @@ class _Replay:
                 return found
             for what, value in self._episode.changes.get(step, []):
                 self._change(what, value)
-            action = action.astype(self._dtype)
+            action = self._as_given(action)
             observation, *judged = self._env.step(action)
             self._watch(self._env, observation)
             found = self._differs(action, tuple(judged), observation)
@@ -154,6 +155,17 @@ class _Replay:
                 set_physics(env.model, env.data, value)
             elif what == "action_dtype":
                 self._dtype = _number_type(value)
+
+    def _as_given(self, action: npt.NDArray[np.float64]) -> Any:
+        """Return an action in the type of numbers in which it was given."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            given = action.astype(self._dtype)
+        if not np.isfinite(given).all():
+            where = self._episode.files.sidecars[0]
+            raise RecordingError(
+                f"{where}: 'action_dtype' is {self._dtype}, which cannot hold the action {action.max()}"
+            )
+        return given
 
     def _differs(self, action: Any, judged: Any, observation: Observation) -> Difference | None:
         """Keep a row, and compare when there are enough."""

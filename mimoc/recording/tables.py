@@ -57,7 +57,8 @@ def join(path: Path, parts: Sequence[Path]) -> None:
         with pq.ParquetWriter(temporary, schema, write_statistics=False, **_encoding(schema)) as writer:
             for part in parts:
                 table = _aligned(_read(part, described, first_step), schema)
-                writer.write_table(table, row_group_size=len(table))
+                if len(table):  # Parquet has no empty groups.
+                    writer.write_table(table, row_group_size=len(table))
                 first_step += len(table)
     except RecordingError:
         files.discard(temporary)

@@ -1,14 +1,16 @@
 """Every recording that was ever made to do harm is refused in one line; nothing outside of it is opened or changed."""
 
+import json
 import os
 from contextlib import suppress
 from pathlib import Path
 from shutil import copytree, rmtree
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from fuzz.canaries import Canaries
-from fuzz.crafted_recordings import DESCRIPTIONS, PART, TABLES, VIDEOS
+from fuzz.crafted_recordings import DESCRIPTIONS, PART, TABLES, VIDEOS, WHOLE
 from fuzz.fuzzing import is_clear
 from fuzz.recordings import Prepared, go_on, prepare, read, replay_to_video
 from fuzz.strange_infants import CANARIES
@@ -143,6 +145,31 @@ def test_a_folder_among_the_parts_of_an_episode_is_one_clear_line(copied, prepar
     folder = copied(BLIND)
     (folder / f"{PART}.x").mkdir()
     assert "part0001.x: cannot be written" in refusal(lambda: go_on(folder, prepared.bundles[BLIND]))
+
+
+@pytest.mark.parametrize("part", ["part0000", "part0001"])
+def test_a_part_without_rows_can_be_joined_or_is_refused(part, copied, prepared):
+    folder = copied(BLIND)
+    path = (folder / PART).with_suffix(f".{part}.arrow")
+    table = read_table(path)
+    with pa.ipc.new_stream(path, table.schema) as writer:
+        writer.write_table(table.slice(0, 0))
+    with suppress(MimocError):
+        go_on(folder, prepared.bundles[BLIND])
+
+
+def test_actions_beyond_the_type_in_which_they_were_given_are_not_replayed(copied, prepared):
+    folder = copied(BLIND)
+    path = folder / f"{WHOLE}.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"changes": [{"step": 0, "action_dtype": "float16"}]}))
+    table = read_table(path.with_suffix(".parquet"))
+    actions = pa.array([[1e6] * len(row) for row in table["action"].to_pylist()], table["action"].type)
+    pq.write_table(
+        table.set_column(table.column_names.index("action"), table.field("action"), actions),
+        path.with_suffix(".parquet"),
+    )
+    said = refusal(uses(folder, prepared.bundles[BLIND])["replay"])
+    assert "'action_dtype' is float16, which cannot hold the action 1000000.0" in said
 
 
 def test_a_number_that_was_a_flag_in_an_earlier_part_is_a_number_in_all(copied, prepared):
