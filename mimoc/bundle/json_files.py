@@ -54,5 +54,9 @@ def problems_in(error: ValidationError) -> str:
         for each in error.errors(include_url=False, include_context=False, include_input=False)
     ]
     more = [f"and {len(problems) - _SHOWN} more"] if len(problems) > _SHOWN else []
-    text = "; ".join(problems[:_SHOWN] + more)
+    return one_line("; ".join(problems[:_SHOWN] + more))
+
+
+def one_line(text: str) -> str:
+    """Return a text of which some comes from anyone, with question marks in place of characters that do not print."""
     return "".join(character if character.isprintable() else "?" for character in text)

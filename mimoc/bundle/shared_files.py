@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from mimoc.bundle.files import discard, temporary_path
+from mimoc.bundle.files import discard, make_folder, temporary_path
+from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,18 +20,27 @@ class SharedFiles:
 
         Raises:
             OSError: If it cannot be written.
+            OutputError: If the folder of the shared one is a link.
         """
         digest = sha256(content).hexdigest()
         shared = self.folder / digest[:2] / digest
-        try:
-            os.link(shared, path)
-        except OSError:  # It is new, it has as many links as the file system allows, or there are none.
+        if not self._link(shared, path, content):
             path.write_bytes(content)
             self._share(path, shared)
 
+    def _link(self, shared: Path, path: Path, content: bytes) -> bool:
+        """Make a file a link to the shared one, if that has its content; return whether it is one now."""
+        try:
+            if read_regular_file(shared, below=self.folder) != content:
+                return False
+            os.link(shared, path, follow_symlinks=False)
+        except (OSError, UnusableFileError):  # It has as many links as the file system allows, or there are none.
+            return False
+        return True
+
     def _share(self, path: Path, shared: Path) -> None:
         """Let later bundles link to a file, if the file system can."""
-        shared.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(shared.parent, below=self.folder)
         temporary = temporary_path(shared)
         try:
             os.link(path, temporary)

@@ -1,18 +1,26 @@
 """The jobs whose results are in the folder of a cohort, for those who do not have its file."""
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
+import re
+from collections.abc import Iterator
+from pathlib import PurePosixPath
 from typing import Any
 
+from mimoc.bundle.json_files import parse_json
+from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, regular_files
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.store import Store
+from mimoc.cohorts.store import RESULTS, Store
+from mimoc.schema.cohort_folder import MOST_BYTES, ResultFile
 
 STEPS = ("build", "check", "run", "train", "experiment", "python")
+MOST_BYTES_IN_ALL = 2**30
+"""Of all results; 1 GB. Those of a million jobs have less."""
+_FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
+"""Names of folders of results, and of results; of those that are being written they begin with a dot."""
 
 
-def kept_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[Path, ...]]:
-    """Return the jobs that have a result, by step, factors and seed, and the results that cannot be read.
+def kept_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
+    """Return the jobs that have a result, by step, factors and seed, and the names of results that cannot be read.
 
     The jobs do not know the specs of their infants, so that they can be told of, but not be done again.
 
@@ -20,32 +28,40 @@ def kept_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[Path, ...]]:
         MimocError: If the folder is not that of a cohort.
     """
     store.check()
-    jobs, damaged = [], []
-    for path in sorted((store.folder / "results").glob("*/*.json")):
-        try:
-            jobs.append(_job(json.loads(path.read_bytes()), path.stem))
-        except (OSError, ValueError, KeyError, TypeError):
-            damaged.append(path)
-    readable = [job for job in jobs if store.read(job) is not None]
-    damaged += [store.result(job) for job in jobs if job not in readable]
-    return tuple(sorted(readable, key=_place)), tuple(damaged)
+    jobs, damaged = list[Job](), list[str]()
+    with regular_files(store.folder, MOST_BYTES_IN_ALL) as files:
+        for path in _results(files):
+            try:
+                jobs.append(_job(files, path))
+            except UnusableFileError:
+                damaged.append(path.name)
+    return tuple(sorted(jobs, key=_place)), tuple(damaged)
 
 
-def _job(told: Mapping[str, Any], key: str) -> Job:
-    if told["job"] != key or not isinstance(told["factors"], dict) or not isinstance(told["options"], dict):
-        raise ValueError("not the result of this job")
-    return Job(
-        key=key,
-        cohort=str(told["cohort"]),
-        factors=told["factors"],
-        step=str(told["step"]),
-        options=told["options"],
-        seed=told["seed"],
-        data=None,
-        folder="",
-        spec_folder="",
-        own_measures=(),
-    )
+def _results(files: RegularFiles) -> Iterator[PurePosixPath]:
+    """Yield the paths of all results, and those of folders that are none or links, which cannot be read."""
+    results = PurePosixPath(RESULTS)
+    folders = [results / name for name in _names(files, results) or () if _FOLDER.fullmatch(name)]
+    for folder in folders or [results]:
+        names = _names(files, folder)
+        yield from [folder] if names is None else (folder / name for name in names if _FILE.fullmatch(name))
+
+
+def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
+    """Return what is in a folder; None if it is a link, or not a folder."""
+    try:
+        return files.names(folder.as_posix())
+    except UnusableFileError:
+        return None
+
+
+def _job(files: RegularFiles, path: PurePosixPath) -> Job:
+    """Return the job in the file of a result; raise an UnusableFileError if it is in none."""
+    file = parse_json(files.read(path.as_posix(), MOST_BYTES) or b"", ResultFile)
+    if path != PurePosixPath(RESULTS, file.job[:2], f"{file.job}.json"):
+        raise UnusableFileError("is the result of another job")
+    known = {name: getattr(file, name) for name in ("cohort", "step", "seed", "options", "factors")}
+    return Job(key=file.job, **known, data=None, folder="", spec_folder="", own_measures=())
 
 
 def _place(job: Job) -> tuple[Any, ...]:

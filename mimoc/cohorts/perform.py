@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 
-from mimoc.bundle.files import write_error
+from mimoc.bundle.files import open_new_file, write_error
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.steps import measured
 from mimoc.cohorts.store import Result, Store
@@ -60,7 +60,7 @@ def perform(jobs: Sequence[Job], store: Store, bench: Bench | None = None) -> in
 def perform_one(job: Job, store: Store, bench: Bench) -> Result:
     """Do a job and return its result, also if it fails."""
     start = perf_counter()
-    with _logged(store.log(job)):
+    with _logged(store.log(job), store.folder):
         try:
             measures = dict(measured(Work(job, store, bench)))
         except KeyboardInterrupt:
@@ -80,18 +80,14 @@ def lost(job: Job, reason: str) -> Result:
 
 
 @contextmanager
-def _logged(path: Path) -> Iterator[None]:
-    """Write to a file all that this process prints, by Python or by a library beneath it.
+def _logged(path: Path, folder: Path) -> Iterator[None]:
+    """Write to a file below a folder all that this process prints, by Python or by a library beneath it.
 
     Raises:
         OutputError: If it cannot be written.
     """
     _flush()
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-    except OSError as error:
-        raise write_error(path, error) from None
+    log = open_new_file(path, below=folder)
     kept = [os.dup(number) for number in (1, 2)]
     try:
         os.dup2(log, 1)

@@ -7,6 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import LOCK, Bundle
 from mimoc.cohorts.own_code import import_function
 from mimoc.cohorts.self_contacts import SelfContacts
@@ -78,7 +79,7 @@ def train(work: Work) -> Measures:
     """Train a policy; a training that was killed is resumed."""
     from mimoc.training import train as learn
 
-    folder = work.store.runs(work.job) / "training"
+    folder = check_unlinked(work.store.runs(work.job) / "training", below=work.store.folder)
     origin = {"cohort": work.job.cohort, "job": work.job.key, "factors": dict(work.job.factors)}
     training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
     last = asdict(training.curve.ends[1]) if training.curve.rows else {}

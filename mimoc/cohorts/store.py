@@ -1,6 +1,5 @@
 """The folder of a cohort, which all processes and machines that work on it share."""
 
-import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping
@@ -8,18 +7,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
+from mimoc.bundle.json_files import read_json_file
 from mimoc.bundle.json_text import render_json
+from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.cohorts.job import Job
-from mimoc.errors import MimocError, OutputError
+from mimoc.errors import BundleError, MimocError, OutputError
 from mimoc.rounding import rounded
+from mimoc.schema.cohort_folder import MOST_BYTES, MarkFile, ResultFile
 
 MARK = "cohort.json"
 """File that says that a folder is a cohort's."""
-ASSETS = "assets"
-FOLDERS = ("results", "logs", "bundles", "runs", ASSETS)
+RESULTS, ASSETS = "results", "assets"
+FOLDERS = (RESULTS, "logs", "bundles", "runs", ASSETS)
 PROVENANCE = "provenance.json"
 """Half of a bundle, and different for each infant: it is left out, and `mimoc explain` works it out again."""
 
@@ -59,24 +61,28 @@ class Store:
         self.check_usable()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            write_file(self.folder / MARK, render_json({"cohort": cohort, "version": 1}))
-            for name in FOLDERS:
-                (self.folder / name).mkdir(exist_ok=True)
         except FileExistsError as error:
             raise OutputError(f"{error.filename}: this is a file; name a new folder") from None
         except OSError as error:
             raise OutputError(f"{self.folder}: cannot be written ({error.strerror}); choose another folder") from None
+        write_file(self.folder / MARK, render_json({"cohort": cohort, "version": 1}))
+        for name in FOLDERS:
+            make_folder(self.folder / name, below=self.folder)
 
     def check_usable(self) -> None:
         """Check that a cohort can have this folder: it does not exist, is empty, or is a cohort's.
 
         Raises:
             OutputError: If it is a file, or holds anything else.
+            MimocError: If its mark is damaged.
         """
         if self.folder.exists() and not self.folder.is_dir():
             raise OutputError(f"{self.folder}: this is a file; name a new folder")
-        inside = self.folder.iterdir() if self.folder.is_dir() else ()
-        if any(not path.name.startswith(".") for path in inside) and not (self.folder / MARK).exists():
+        try:
+            inside = [*self.folder.iterdir()] if self.folder.is_dir() else []
+        except OSError as error:
+            raise OutputError(f"{self.folder}: cannot be read ({error.strerror}); choose another folder") from None
+        if any(not path.name.startswith(".") for path in inside) and not self._is_marked():
             raise OutputError(f"{self.folder}: not the folder of a cohort; name a new or empty folder")
 
     def check(self) -> None:
@@ -85,22 +91,28 @@ class Store:
         Raises:
             MimocError: If it is not.
         """
-        if not (self.folder / MARK).is_file():
+        if not self._is_marked():
             raise MimocError(f"{self.folder}: not the folder of a cohort; name the one given to 'mimoc cohort run -o'")
+
+    def _is_marked(self) -> bool:
+        try:
+            return read_json_file(self.folder / MARK, MarkFile) is not None
+        except UnusableFileError as error:
+            raise MimocError(f"{self.folder / MARK}: {error}; this is not the folder of a cohort") from None
 
     def read(self, job: Job) -> Result | None:
         """Return the result of a job; None if it is not done, or its file is damaged, so that it is done again."""
         try:
-            found = json.loads(self.result(job).read_bytes())
-            result = Result(**{name: found[name] for name in Result.__slots__})
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            file = read_json_file(self.result(job), ResultFile, MOST_BYTES, below=self.folder)
+        except UnusableFileError:
             return None
-        is_ours = result.status in ("ok", "failed") and isinstance(result.measures, dict)
-        return result if is_ours and isinstance(result.versions, dict) else None
+        if file is None or file.job != job.key:
+            return None
+        return Result(**{name: getattr(file, name) for name in Result.__slots__})
 
     def result(self, job: Job) -> Path:
         """Return the path of the result of a job."""
-        return self._place("results", job, ".json")
+        return self._place(RESULTS, job, ".json")
 
     def missing(self, jobs: Iterable[Job]) -> list[Job]:
         """Return the jobs without a result."""
@@ -115,15 +127,23 @@ class Store:
         if not result.ok and (known := self.read(job)) and known.ok:
             return
         place = self.result(job)
-        _make(place.parent)
+        make_folder(place.parent, below=self.folder)
         told = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
         found = {name: getattr(result, name) for name in Result.__slots__}
-        write_file(place, render_json(_plain({"job": job.key, **told, **found})))
+        write_file(place, render_json(_plain({"job": job.key, **told, **found})), below=self.folder)
 
     def forget(self, job: Job) -> None:
-        """Remove the result of a job, so that it is done again."""
-        self.result(job).unlink(missing_ok=True)
-        self.log(job).unlink(missing_ok=True)
+        """Remove the result of a job, so that it is done again.
+
+        Raises:
+            OutputError: If it cannot be removed, or a folder that it is in is a link.
+        """
+        for path in (self.result(job), self.log(job)):
+            check_unlinked(path.parent, below=self.folder)
+            try:
+                path.unlink(missing_ok=True)
+            except OSError as error:
+                raise write_error(path, error) from None
 
     def log(self, job: Job) -> Path:
         """Return the path of what a job prints."""
@@ -135,12 +155,14 @@ class Store:
         Args:
             job: The job.
             empty: Whether to begin with an empty folder.
+
+        Raises:
+            OutputError: If it cannot be written, or is a link.
         """
-        folder = self._place("runs", job, "")
+        folder = check_unlinked(self._place("runs", job, ""), below=self.folder)
         if empty:
             shutil.rmtree(folder, ignore_errors=True)
-        _make(folder)
-        return folder
+        return make_folder(folder, below=self.folder)
 
     def bundle_folder(self, job: Job) -> Path:
         """Return the folder of a bundle that a job builds."""
@@ -151,9 +173,10 @@ class Store:
 
         Raises:
             BundleError: If it cannot be written.
+            OutputError: If a folder that it is in is a link.
         """
-        folder = self.bundle_folder(job)
-        lean = without(bundle, PROVENANCE)
+        folder, lean = check_unlinked(self.bundle_folder(job), below=self.folder), without(bundle, PROVENANCE)
+        check_unlinked(self.folder / ASSETS, below=self.folder)
         return write_bundle(lean, folder, force=True, shared=SharedFiles(self.folder / ASSETS))
 
     def read_bundle(self, job: Job) -> Bundle:
@@ -162,18 +185,14 @@ class Store:
         Raises:
             BundleError: If there is none.
         """
-        return read_bundle(self.bundle_folder(job))
+        try:
+            return read_bundle(check_unlinked(self.bundle_folder(job), below=self.folder))
+        except OutputError as error:
+            raise BundleError(str(error)) from None
 
     def _place(self, kind: str, job: Job, suffix: str) -> Path:
         """Return the path of a file of a job: a folder for each 256th, since file systems are slow with large ones."""
         return self.folder / kind / job.key[:2] / f"{job.key}{suffix}"
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
 
 
 def _plain(data: Any) -> Any:

@@ -77,7 +77,10 @@ class _Columns:
             "job": job.key,
             **{name: _cell(job.factors.get(name)) for name in self.factors},
             "step": job.step,
-            **{f"{step}.{name}": _cell(job.options[name]) if job.step == step else None for step, name in self.options},
+            **{
+                f"{step}.{name}": _cell(job.options.get(name)) if job.step == step else None
+                for step, name in self.options
+            },
             "seed": job.seed,
             "status": result.status if result else MISSING,
             **{column: _cell(measures.get(name)) for column, name in self.measures.items()},
@@ -165,8 +168,10 @@ def _type(cells: Sequence[Cell], pyarrow: Any) -> Any:
 
 
 def _alike(cells: Sequence[Cell]) -> list[Cell]:
-    """Return the cells of a column as texts, if they are of several kinds."""
+    """Return the cells of a column as numbers, if they are, or else as texts, if they are of several kinds."""
     kinds = {type(cell) for cell in cells if cell is not None}
-    if len(kinds) < 2 or kinds <= {int, float}:
+    if kinds == {int, float}:  # Arrow refuses whole numbers that a float does not hold to the last digit.
+        return [None if cell is None else float(cell) for cell in cells]
+    if len(kinds) < 2:
         return [*cells]
     return [None if cell is None else _text(cell) for cell in cells]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.experiments.delays_page import sections
@@ -76,7 +77,7 @@ def _learners(
     wanted = [(delay_ms, seed) for seed in seeds for delay_ms in DELAYS_MS]
     for number, (delay_ms, seed) in enumerate(wanted):
         bundle = reaching(delay_ms)
-        folder = notebook.folder / f"delay_{delay_ms:g}ms_seed_{seed}"
+        folder = check_unlinked(notebook.folder / f"delay_{delay_ms:g}ms_seed_{seed}", below=notebook.folder)
 
         def report(done: int, total: int, before: int = number * steps) -> None:
             progress(before + min(done, steps))

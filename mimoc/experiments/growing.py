@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.experiments.growing_learner import GrowingLearner, by_schedule
@@ -84,7 +85,8 @@ def _learners(
     """
     wanted = [(course, seed) for seed in seeds for course in COURSES]
     for number, (course, seed) in enumerate(wanted):
-        folder = notebook.folder / f"{course}_seed_{seed}{'_quick' * notebook.quick}"
+        place = notebook.folder / f"{course}_seed_{seed}{'_quick' * notebook.quick}"
+        folder = check_unlinked(place, below=notebook.folder)
 
         def report(done: int, total: int, before: int = number * steps) -> None:
             progress(before + min(done, steps))

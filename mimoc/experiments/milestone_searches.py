@@ -9,11 +9,15 @@ from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from mimoc.bundle.files import write_file
+from mimoc.bundle.files import make_folder, write_file
+from mimoc.bundle.json_files import read_json_file
+from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.milestones import Conditions, Outcome
 from mimoc.milestones.search import Found, search, worker_pool
+from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
+from mimoc.schema.quantities import Real
 
 FOLDER = "searches"
 """Where finished searches are kept until all of them are."""
@@ -61,12 +65,12 @@ def forget_searches(folder: Path) -> None:
 def _all(cases: Iterable[Case], folder: Path, processes: int) -> Iterator[tuple[Case, Found]]:
     missing = []
     for case in cases:
-        if _file(folder, case).is_file():
-            yield case, _read(_file(folder, case))
+        if (kept := _read(folder, case)) is not None:
+            yield case, kept
         else:
             missing.append(case)
     for case, result in _searched(missing, processes):
-        _write(_file(folder, case), result)
+        _write(folder, case, result)
         yield case, result
 
 
@@ -126,14 +130,25 @@ def _file(folder: Path, case: Case) -> Path:
     return folder / FOLDER / f"{case.development}-{case.trial}-{digest[:12]}.json"
 
 
-def _write(path: Path, found: Found) -> None:
-    path.parent.mkdir(exist_ok=True)
-    tried = [{"age_months": age, **asdict(outcome)} for age, outcome in found.outcomes.items()]
-    text = json.dumps({"youngest_months": found.youngest_months, "tried": tried}, indent=1)
-    write_file(path, f"{text}\n".encode())
+class _SearchFile(Model):
+    """What the file of a search contains."""
+
+    youngest_months: Real | None
+    tried: tuple[tuple[Real, Outcome], ...]
+    """Ages in months, and what came of them."""
 
 
-def _read(path: Path) -> Found:
-    data = json.loads(path.read_text(encoding="utf-8"))
-    outcomes = {each.pop("age_months"): Outcome(**each) for each in data["tried"]}
-    return Found(data["youngest_months"], outcomes)
+def _write(folder: Path, case: Case, found: Found) -> None:
+    path = _file(folder, case)
+    make_folder(path.parent, below=folder)
+    data = _SearchFile(youngest_months=found.youngest_months, tried=tuple(found.outcomes.items()))
+    write_file(path, f"{data.model_dump_json(indent=1)}\n".encode(), below=folder)
+
+
+def _read(folder: Path, case: Case) -> Found | None:
+    """Return the result of a search; None if there is none, or it is damaged, so that it is done again."""
+    try:
+        file = read_json_file(_file(folder, case), _SearchFile, below=folder)
+    except UnusableFileError:
+        return None
+    return None if file is None else Found(file.youngest_months, dict(file.tried))

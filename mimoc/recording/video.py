@@ -22,6 +22,8 @@ CODECS = ("libx264", "mpeg4")
 """Codecs for MP4 in order of preference; not every build of FFmpeg has the first."""
 QUALITY = {"crf": "20"}
 """Constant quality of H.264, with hardly visible losses."""
+LEAST_PX = 4
+"""Of each side of a picture that FFV1 can cut into slices, as it does by itself."""
 LOSSLESS = {"level": "3", "coder": "1", "context": "1", "g": "600"}
 """Settings of FFV1: range coder, large context, and what it has learned of the pictures is kept for that many of them;
 6 % of the raw size for the eyes of an infant that moves, where pictures coded one by one take 8 %."""
@@ -123,6 +125,8 @@ class Lossless(_Encoded):
         self._stream.pix_fmt = "bgr0"
 
     def _write(self, picture: Picture) -> None:
+        if min(picture.shape[:2]) < LEAST_PX:
+            self._stream.codec_context.options = {**LOSSLESS, "slices": "1"}
         self._encode(picture)
 
 

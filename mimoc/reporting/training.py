@@ -5,7 +5,6 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from mimoc.bundle.io import read_bundle
 from mimoc.bundle.model import load_model
 from mimoc.reporting import words
 from mimoc.reporting.drawing import Drawing, dot
@@ -17,7 +16,7 @@ from mimoc.reporting.infant.who import described
 from mimoc.reporting.page import Block, Cell, Code, Details, Drawings, Page, Section, Text, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.hyperparameters import HYPERPARAMETERS
-from mimoc.training.run_folder import BUNDLE, TrainingRun, read_training_run
+from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_training_run
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
@@ -54,7 +53,7 @@ def training_page(folder: Path) -> Page:
         ModelError: If MuJoCo rejects its model.
     """
     run = read_training_run(folder)
-    bundle = read_bundle(folder / BUNDLE)
+    bundle = read_run_bundle(folder)
     sources = Sources(bundle)
     size, body, senses = infant_sections(bundle, load_model(bundle), sources)
     pictures, missing = picture(bundle)

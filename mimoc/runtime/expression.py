@@ -25,13 +25,14 @@ def set_expression(expression: str, manifest: Manifest, model: mujoco.MjModel) -
 
 
 def expression_of(manifest: Manifest, model: mujoco.MjModel) -> str | None:
-    """Return the facial expression that an infant has now; None if it has no face."""
+    """Return the facial expression that an infant has now; None if it has no face, or another."""
     face = manifest.face
     if face is None:
         return None
     head = model.geom(face.geom) if face.skin is None else model.skin(face.skin)
-    shown = model.mat(int(head.matid.item())).name
-    return next(name for name, material in face.materials.items() if material == shown)
+    shown = model.mat_texid[int(head.matid.item())]  # A head without a skin begins with a material of its own.
+    alike = (name for name, each in face.materials.items() if (model.mat_texid[model.material(each).id] == shown).all())
+    return next(alike, None)
 
 
 def expression_fields(manifest: Manifest, model: mujoco.MjModel) -> tuple[ModelField, ...]:

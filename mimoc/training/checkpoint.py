@@ -12,7 +12,11 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.vec_env import VecNormalize
 
+from mimoc.bundle.json_files import parse_json
+from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.errors import TrainingError
+from mimoc.schema.base import Model
+from mimoc.schema.bounded import Count, NotNegative
 from mimoc.training.agents import set_weights
 from mimoc.training.archives import Archive, read_arrays
 from mimoc.training.curve import Curve
@@ -37,6 +41,13 @@ class Progress:
     wall_s: float = 0.0
     """Wall time of the training so far."""
     curve: Curve = field(default_factory=Curve)
+
+
+class _State(Model):
+    """What `state.json` contains."""
+
+    steps: Count
+    wall_s: NotNegative
 
 
 def pack(policy: bytes, agent: BaseAlgorithm, progress: Progress) -> bytes:
@@ -70,7 +81,7 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
         agent.num_timesteps = progress.steps
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
             _restore_replay_buffer(buffer, read_arrays(archive.read(REPLAY)))
-    except DAMAGED:
+    except (*DAMAGED, UnusableFileError):
         raise TrainingError(UNUSABLE) from None
     return progress
 
@@ -83,13 +94,13 @@ def read_progress(content: bytes) -> Progress:
     """
     try:
         return _progress(Archive(content))
-    except DAMAGED:
+    except (*DAMAGED, UnusableFileError):
         raise TrainingError(UNUSABLE) from None
 
 
 def _progress(archive: Archive) -> Progress:
-    state = json.loads(archive.read(STATE))
-    return Progress(state["steps"], state["wall_s"], Curve.from_csv(archive.read(CURVE).decode()))
+    state = parse_json(archive.read(STATE), _State)
+    return Progress(state.steps, state.wall_s, Curve.from_csv(archive.read(CURVE).decode()))
 
 
 def _weights(archive: Archive) -> list[str]:
@@ -111,10 +122,12 @@ def _pack_replay_buffer(buffer: DictReplayBuffer) -> bytes:
 
 
 def _restore_replay_buffer(buffer: DictReplayBuffer, saved: Mapping[str, np.ndarray]) -> None:
-    used = len(saved["rewards"])
+    used, position, full = len(saved["rewards"]), int(saved["pos"]), bool(saved["full"])
+    if used != (buffer.buffer_size if full else position) or not 0 <= position < buffer.buffer_size:
+        raise ValueError("a replay buffer of another size")
     for name in _VECTORS:
         getattr(buffer, name)[:used] = saved[name]
     for kind in _DICTIONARIES:
         for name, part in getattr(buffer, kind).items():
             part[:used] = saved[f"{kind}.{name}"]
-    buffer.pos, buffer.full = int(saved["pos"]), bool(saved["full"])
+    buffer.pos, buffer.full = position, full

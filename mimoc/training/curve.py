@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import TrainingError
+from mimoc.schema.bounded import bounded
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +104,8 @@ class Curve:
             TrainingError: If the text is not a learning curve.
         """
         try:
-            return cls(tuple(map(_row, csv.DictReader(io.StringIO(text)))))
-        except (KeyError, ValueError, TypeError):
+            return cls(tuple(_possible(_row(cells)) for cells in csv.DictReader(io.StringIO(text))))
+        except (KeyError, ValueError, TypeError, csv.Error):
             raise TrainingError("not a learning curve; give the curve.csv of a training run") from None
 
 
@@ -141,6 +142,14 @@ def summarize(
 def _mean(values: Iterable[float]) -> float:
     found = list(values)
     return math.fsum(found) / len(found) if found else math.nan
+
+
+def _possible(row: Row) -> Row:
+    """Return a row, if its counts are none below zero or of more than 64 bits, and no mean is infinite."""
+    for value in astuple(row):
+        if (isinstance(value, int) and bounded(value) < 0) or math.isinf(value):
+            raise ValueError(f"{value} is a number that no training has")
+    return row
 
 
 def _row(cells: dict[str, str]) -> Row:

@@ -14,12 +14,14 @@ from pathlib import Path
 from shutil import rmtree
 from typing import Any
 
-from mimoc.bundle.files import write_file
-from mimoc.bundle.io import LOCK, Bundle, write_bundle
+from mimoc.bundle.files import check_unlinked, make_folder, write_file
+from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
+from mimoc.bundle.json_files import one_line
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
-from mimoc.errors import OutputError, TrainingError
+from mimoc.errors import BundleError, OutputError, TrainingError
 from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
+from mimoc.training.run_file import RunFile, read_run_file
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
@@ -106,10 +108,19 @@ def read_training_run(path: Path) -> TrainingRun:
         curve = Curve() if told is None else Curve.from_csv(told.decode())
     except (ValueError, TrainingError):
         raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
-    sessions = tuple({str(name): str(text) for name, text in each.items()} for each in run["sessions"])
-    return TrainingRun(
-        Settings.from_data(run["settings"]), str(run.get("command", "")), sessions, run.get("origin", {}), curve
-    )
+    return TrainingRun(run.settings, run.command, run.sessions, run.origin or {}, curve)
+
+
+def read_run_bundle(path: Path) -> Bundle:
+    """Return the infant of the training run in a folder.
+
+    Raises:
+        BundleError: If it is not an intact bundle, or a link.
+    """
+    try:
+        return read_bundle(check_unlinked(path / BUNDLE, below=path))
+    except OutputError as error:
+        raise BundleError(str(error)) from None
 
 
 @contextmanager
@@ -140,12 +151,13 @@ def open_run_folder(
     if previous is not None and not force:
         _check_same_run(path, previous, settings, bundle)
     try:
-        (path / CHECKPOINTS).mkdir(parents=True, exist_ok=True)
+        path.mkdir(parents=True, exist_ok=True)
         handle = os.open(path, os.O_RDONLY)
     except OSError as error:
         raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
     try:
         _lock(handle, path)
+        make_folder(path / CHECKPOINTS, below=path)
         _remove_leftovers(path)
         if force:
             _clear(path)
@@ -167,15 +179,14 @@ def _check_is_run_folder(path: Path) -> None:
         raise TrainingError(f"{path}: not the folder of a training run; name a new or empty folder")
 
 
-def _read_run(path: Path) -> dict[str, Any] | None:
+def _read_run(path: Path) -> RunFile | None:
     if not os.path.lexists(path / RUN):
         return None
     try:
-        run = json.loads(_content(path / RUN) or b"")
-        Settings.from_data(run["settings"])
-        _ = run["bundle"], run["sessions"]
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise TrainingError(f"{path / RUN}: file is damaged; name another folder") from None
+        if (run := read_run_file(path / RUN)) is None:
+            raise UnusableFileError("cannot be read")
+    except UnusableFileError as error:
+        raise TrainingError(f"{path / RUN}: file is damaged ({error}); name another folder") from None
     return run
 
 
@@ -191,14 +202,15 @@ def _content(path: Path) -> bytes | None:
         raise TrainingError(f"{path}: {error}") from None
 
 
-def _check_same_run(path: Path, previous: dict[str, Any], settings: Settings, bundle: Bundle) -> None:
+def _check_same_run(path: Path, previous: RunFile, settings: Settings, bundle: Bundle) -> None:
     """Raise a TrainingError for other settings (except more steps) or another infant than those of the run."""
-    differences = settings.differences(Settings.from_data(previous["settings"]))
-    if previous["bundle"] != _digest(bundle):
+    differences = settings.differences(previous.settings)
+    if previous.bundle != _digest(bundle):
         differences.append("another infant")
     if differences:
         advice = "use the same settings to resume it, name another folder, or start over with --force"
-        raise TrainingError(f"{path}: the training run here was started with {'; '.join(differences)}; {advice}")
+        others = one_line("; ".join(differences))
+        raise TrainingError(f"{path}: the training run here was started with {others}; {advice}")
 
 
 def _lock(handle: int, path: Path) -> None:
@@ -221,26 +233,31 @@ def _leftovers(folder: Path) -> list[Path]:
 
 
 def _clear(path: Path) -> None:
-    for name in (STATE, POLICY, CURVE, PICTURE, RUN):
-        (path / name).unlink(missing_ok=True)
-    for old in (path / CHECKPOINTS).glob("*.zip"):
-        old.unlink()
+    """Remove a training run; raise an OutputError if something in it cannot be removed."""
+    try:
+        for file in (
+            *(path / name for name in (STATE, POLICY, CURVE, PICTURE, RUN)),
+            *(path / CHECKPOINTS).glob("*.zip"),
+        ):
+            file.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from None
     rmtree(path / BUNDLE, ignore_errors=True)
 
 
 def _write_description(
     path: Path,
-    previous: dict[str, Any] | None,
+    previous: RunFile | None,
     settings: Settings,
     bundle: Bundle,
     origin: Mapping[str, Any] | None,
 ) -> None:
     """Write the bundle, the settings and the software versions; versions that have changed are appended."""
-    sessions = previous["sessions"] if previous else []
+    sessions = [dict(session) for session in previous.sessions] if previous else []
     if not sessions or sessions[-1] != _versions():
         sessions = [*sessions, _versions()]
     if previous:  # A finished run may be called again with fewer steps.
-        settings = replace(settings, steps=max(settings.steps, previous["settings"]["steps"]))
+        settings = replace(settings, steps=max(settings.steps, previous.settings.steps))
     run = {
         "run": 1,
         "command": shlex.join(["mimoc", "train", BUNDLE, "-o", "NEW", *settings.options()]),
@@ -250,7 +267,7 @@ def _write_description(
         **({"origin": dict(origin)} if origin else {}),
     }
     write_file(path / RUN, (json.dumps(run, indent=1, sort_keys=True) + "\n").encode())
-    if not (path / BUNDLE / LOCK).exists():
+    if not (check_unlinked(path / BUNDLE, below=path) / LOCK).exists():
         rmtree(path / BUNDLE, ignore_errors=True)
         write_bundle(bundle, path / BUNDLE)
 

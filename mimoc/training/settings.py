@@ -84,11 +84,6 @@ class Settings:
         """Return the settings as a dictionary for JSON."""
         return asdict(self)
 
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Return the settings from such a dictionary."""
-        return cls(**data)
-
     def differences(self, other: Self) -> list[str]:
         """Return the settings that differ from *other*, each as a phrase; `steps` may differ."""
         mine, theirs = _flat(self), _flat(other)

@@ -11,6 +11,7 @@ from typing import Any
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import KVWriter, Logger
 
+from mimoc.bundle.files import check_unlinked, make_folder
 from mimoc.errors import MimocError
 
 TENSORBOARD = "tensorboard"
@@ -42,7 +43,7 @@ def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> 
 
 def _writers(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[KVWriter]:
     with suppress(ImportError):  # An installation from before it was part of `mimoc[train]`.
-        yield _TensorBoard(folder / TENSORBOARD, agent.num_timesteps)
+        yield _TensorBoard(make_folder(folder / TENSORBOARD, below=folder), agent.num_timesteps)
     for name, made in {"wandb": _Wandb, "mlflow": _Mlflow}.items():
         if ASKED_BY[name] in os.environ:
             with suppress(ImportError):
@@ -111,6 +112,7 @@ class _Wandb(KVWriter):
 
     def __init__(self, wandb: Any, folder: Path, settings: Mapping[str, Any]):
         """Begin a run."""
+        check_unlinked(folder / "wandb", below=folder)  # Where it writes.
         self._run = wandb.init(dir=str(folder), name=folder.name, config=dict(settings))
 
     def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.wrappers import TimeLimit
+from stable_baselines3.common.preprocessing import is_image_space
 from stable_baselines3.common.vec_env import (
     DummyVecEnv,
     SubprocVecEnv,
@@ -14,6 +15,7 @@ from stable_baselines3.common.vec_env import (
     VecEnvWrapper,
     VecMonitor,
     VecNormalize,
+    VecTransposeImage,
 )
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepReturn
 
@@ -62,12 +64,21 @@ def make_vector_env(
     envs = _together(openers, growth, threads, limit) if together else _apart(openers, growth, processes, limit)
     envs = VecMonitor(envs)
     return VecNormalize(
-        envs,
+        _channels_first(envs),
         gamma=settings.hyper["gamma"],
         clip_obs=settings.hyper["observation_clip"],
         epsilon=settings.hyper["observation_floor"] ** 2,
         norm_obs_keys=normalized_names(envs.observation_space),
     )
+
+
+def _channels_first(envs: VecEnv) -> VecEnv:
+    """Return environments whose images begin with the channels, as networks take them.
+
+    Stable-Baselines3 would wrap the normalised environments; SAC stores what comes before the normalisation.
+    """
+    space: Any = envs.observation_space
+    return VecTransposeImage(envs) if any(map(is_image_space, space.spaces.values())) else envs
 
 
 def normalized_names(space: Any) -> list[str]:

@@ -10,6 +10,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.variants import SpecVariants, spec_of
+from mimoc.errors import SpecError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
 from mimoc.viewer.appearance import describe_materials, describe_skins
@@ -50,11 +51,7 @@ def describe(
 ) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
-    at = _Ages(spec)
-    grown = list[Variant]()
-    for age in AGES_MONTHS:
-        progress(len(grown), len(AGES_MONTHS))
-        grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
+    at, grown = _grown(spec, progress)
     sparse = [at(age) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
     shown = at(manifest.child.age_months)
@@ -76,6 +73,22 @@ def describe(
         "physics": describe_physics(packed, _models(at, manifest.child.age_months)) if physics else None,
         "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
     }
+
+
+def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]]:
+    """Return an infant at all ages of a page; without its task and toys, if these do not suit it at some of them."""
+    at, grown = _Ages(spec), list[Variant]()
+    try:
+        for age in AGES_MONTHS:
+            progress(len(grown), len(AGES_MONTHS))
+            grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
+    except SpecError:
+        empty = {"toys": {"count": [0, 0]}} if spec.scene.kind == "room" else {}
+        alone = spec.with_(task=None, scene=empty)
+        if alone == spec:
+            raise
+        return _grown(alone, progress)
+    return at, grown
 
 
 def _faces(manifest: Manifest, expression: str, model: mujoco.MjModel) -> dict[str, Any] | None:
@@ -121,7 +134,8 @@ class _Ages:
 
     def __init__(self, spec: InfantSpec):
         spec = spec if spec.senses.touch else spec.with_(senses={"touch": {}})
-        bare = spec.with_(body={"skin": False})
+        seen = {"senses": {"vision": {"body": "solids"}}} if spec.senses.vision else {}
+        bare = spec.with_(body={"skin": False}, **seen)
         self._variants, self._seed = {True: SpecVariants(spec), False: SpecVariants(bare)}, spec.scene.seed
         self._made: dict[tuple[float, bool], Variant] = {}
 

@@ -92,7 +92,7 @@ def test_steps_that_name_what_is_not_there_are_told_before_anything_is_done(tmp_
     )
     study = Cohort(source.parse(HEAD + steps, "cohort.yaml", COHORT))
     for do in (study.run, study.retry, lambda out: plan(study, out)):
-        (tmp_path / "cohort.json").touch()
+        (tmp_path / "cohort.json").write_text('{"cohort": "spring", "version": 1}')
         with pytest.raises(SpecError) as caught:
             do(tmp_path)
     assert str(caught.value) == snapshot

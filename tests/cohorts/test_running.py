@@ -11,6 +11,7 @@ import pytest
 from support.commands import process
 
 import mimoc
+from mimoc.cohorts import perform as performing
 from mimoc.cohorts.perform import PINNED, perform
 from mimoc.cohorts.plan import plan
 from mimoc.cohorts.store import Store
@@ -106,9 +107,9 @@ def test_what_no_table_can_hold_is_a_failed_job(cohort, here, own, tmp_path):
 
 def test_a_log_that_cannot_be_written_is_one_clear_error(cohort, own, tmp_path, monkeypatch):
     """`/dev/full` is like a full disk."""
-    monkeypatch.setattr(Store, "log", lambda store, job: Path("/dev/full"))
+    monkeypatch.setattr(performing, "open_new_file", lambda path, below: os.open("/dev/full", os.O_WRONLY))
     (job,) = cohort(do=[{"python": {"function": "own:probe", "options": {"at": 0}}}]).jobs()
-    with pytest.raises(OutputError, match=r"^/dev/full: cannot be written \(No space left on device\); choose another"):
+    with pytest.raises(OutputError, match=r"\.txt: cannot be written \(No space left on device\); choose another"):
         perform([job], Store(tmp_path))
 
 
@@ -119,7 +120,7 @@ def test_a_folder_that_cannot_be_written_any_more_ends_the_run_with_one_clear_er
     )
     done = invoke("cohort", "run", write(do=[{"python": "own:spoil"}]), "-o", tmp_path / "out", "--processes", 1)
     assert (done.code, len(done.err.splitlines())) == (2, 1)
-    assert "cannot be written (Not a directory); choose another folder" in done.err
+    assert "cannot be written (Not a directory); choose another place" in done.err
 
 
 def test_a_package_that_cannot_be_imported_is_one_clear_error(cohort, tmp_path):
@@ -209,7 +210,7 @@ def die_at(moment):
 
     sys.addaudithook(heed)
 
-for moment in [chance.randrange(60) for _ in range(30)]:
+for moment in [chance.randrange(100) for _ in range(30)]:
     if not (child := os.fork()):
         die_at(moment)
         store.create("small")

@@ -81,6 +81,15 @@ def test_finished_searches_outlive_an_interruption(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_damaged_search_is_done_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(milestone_searches, "_search", lambda case: walk(GRID, 4.0, lambda age: Outcome(age >= 2, 1.0)))
+    first = run_searches([CASES[0]], tmp_path, 1, lambda: None)
+    (file,) = tmp_path.rglob("*.json")
+    for content in ("{", '{"youngest_months": "two", "tried": []}', '{"youngest_months": 1e999, "tried": []}'):
+        file.write_text(content)
+        assert run_searches([CASES[0]], tmp_path, 1, lambda: None) == first
+
+
 def test_searches_under_other_conditions_are_kept_apart(tmp_path, monkeypatch):
     slower = Case("maturing", "sit", GRID, Conditions(servo=0.8), near_months=4.0)
     monkeypatch.setattr(

@@ -16,7 +16,10 @@ from fuzz.canaries import Canaries
 
 from mimoc.errors import MimocError, SpecError
 
-FUZZERS = ("bundles", "policies", "recordings", "specs", "meshes", "pictures")
+FUZZERS = (
+    *("bundles", "policies", "recordings", "specs", "meshes", "pictures"),
+    *("cohorts", "trainings", "honest_cohorts"),
+)
 """Modules beside this one."""
 LONGEST_S = 5.0
 LARGEST_MB = 1024
@@ -36,6 +39,12 @@ class Fuzzer:
     """Spoils it by chance, and uses it, in an empty folder; what is refused raises a MimocError."""
     short: int
     """Tries in `make test`: a second or two."""
+    longest_s: float = LONGEST_S
+    """CPU time that a try may take."""
+    largest_mb: int = LARGEST_MB
+    """Memory that a process may ever have."""
+    honest: bool = False
+    """Whether what is tried is spoilt by nobody, so that nothing need be refused."""
 
 
 @dataclass(frozen=True, slots=True)

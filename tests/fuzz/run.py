@@ -45,6 +45,7 @@ class Run:
         """Begin with nothing tried."""
         self.name, self.seed = name, seed
         self.results, self.slowest_s, self.largest_mb = Counter[str](), 0.0, 0.0
+        self.longest_s, self.limit_mb = LONGEST_S, LARGEST_MB
 
     def go(self, first: int, end: int, until: float) -> int:
         """Make tries from one number to another, or until a time; print what came of them, and return the faults."""
@@ -68,12 +69,14 @@ class Run:
         with subprocess.Popen(command, stdout=subprocess.PIPE, bufsize=0) as process:
             assert process.stdout
             lines, number = _Lines(process.stdout.fileno()), first
-            if lines.next(timeout_s=300) is None:  # It has prepared itself.
+            ready = lines.next(timeout_s=300)  # It has prepared itself.
+            if ready is None:
                 self._fault(number, "the process ended before its first try")
                 return number + 1
+            self.longest_s, self.limit_mb = ready["longest_s"], ready["largest_mb"]
             while number < end and time.monotonic() < until:
                 start = time.monotonic()
-                line = lines.next(timeout_s=20 * LONGEST_S)
+                line = lines.next(timeout_s=20 * self.longest_s)
                 taken_s = time.monotonic() - start
                 if line is None:
                     process.kill()
@@ -88,9 +91,9 @@ class Run:
         self.slowest_s, self.largest_mb = max(self.slowest_s, cpu_s), max(self.largest_mb, memory_mb)
         if outcome.is_fault:
             self._fault(outcome.number, outcome.result)
-        elif cpu_s > LONGEST_S:
+        elif cpu_s > self.longest_s:
             self._fault(outcome.number, f"{outcome.result} after {cpu_s:.1f} s of CPU time")
-        elif memory_mb > LARGEST_MB:
+        elif memory_mb > self.limit_mb:
             self._fault(outcome.number, f"{outcome.result} with {memory_mb:.0f} MB")
         else:
             self.results[outcome.result] += 1
@@ -132,7 +135,7 @@ def _work(name: str, seed: int, first: int, count: int) -> int:
         watch = Canaries(root / "outside", CANARIES)
         (root / "prepared").mkdir()
         prepared = made.prepare(root / "prepared")
-        print(json.dumps({}), file=answers)
+        print(json.dumps({"longest_s": made.longest_s, "largest_mb": made.largest_mb}), file=answers)
         for number in range(first, first + count):
             folder = root / "try"
             folder.mkdir()

@@ -91,9 +91,10 @@ def test_a_sparse_row_has_every_number_whose_bits_are_not_zero(rows):
     assert again.tobytes() == rows.tobytes()
 
 
-def test_pictures_come_back_as_they_were_also_when_joined(tmp_path):
+@pytest.mark.parametrize("size", [(17, 33), (1, 1), (24, 1), (1, 24), (3, 2)], ids=str)
+def test_pictures_come_back_as_they_were_also_when_joined(size, tmp_path):
     """Of odd sizes, from parts of any length."""
-    pictures = np.random.default_rng(0).integers(0, 256, (9, 17, 33, 3), np.uint8)
+    pictures = np.random.default_rng(0).integers(0, 256, (9, *size, 3), np.uint8)
     stems = [tmp_path / f"part{number}" for number in range(3)]
     for stem, part in zip(stems, (pictures[:5], pictures[5:6], pictures[6:]), strict=True):
         frames.write_pictures(stem, part, Fraction(100))
@@ -102,7 +103,7 @@ def test_pictures_come_back_as_they_were_also_when_joined(tmp_path):
         frames.join_videos(tmp_path / f"whole{extension}", parts, Fraction(100))
     assert np.array_equal(frames.read_pictures([tmp_path / "whole.mkv"], 9), pictures)
     seen = np.stack(list(frames.decoded(tmp_path / "whole.mp4")))
-    assert seen.shape == (9, 18, 34, 3)
+    assert seen.shape == (9, *(side + side % 2 for side in size), 3)
 
 
 @pytest.mark.parametrize("damage", ["empty", "no video", "no text"])

@@ -3,16 +3,20 @@
 import base64
 import io
 import shutil
+from itertools import product
 
 import pytest
 from PIL import Image
 
 import mimoc
+from mimoc.cohorts import Cohort
 from mimoc.cohorts.kept import kept_jobs
-from mimoc.cohorts.store import Store
+from mimoc.cohorts.store import Result, Store
 from mimoc.cohorts.table import rows_of
 from mimoc.compiler.provenance.child import who_percentiles
 from mimoc.reporting.words import THIN_SPACE
+
+from .conftest import STUDY
 
 PAGES = {"page": "small_one", "run_page": "run", "cohort_page": "cohort"}
 """What each page is made from."""
@@ -131,6 +135,28 @@ def test_the_page_of_a_cohort_tells_what_was_done_and_what_failed(cohort_page, s
     assert [row for row in seen.rows if row[:1] == ["build"]] == [["build", "6", "0"]]
     assert "Length [cm] by age [months]" in " ".join(seen.attributes("aria-label"))
     assert "1 of the 6 bodies that were built" in seen.text
+
+
+GIVEN = ((None, "length_percentile", "length_cm"), (None, "weight_percentile", "weight_kg"))
+HEADS = (None, "head_percentile", "head_circumference_cm")
+MEASURED = {"length_cm": (70.0, 74.5), "weight_kg": (8.0, 9.5), "head_circumference_cm": (44.0, 46.0)}
+
+
+@pytest.mark.parametrize("keys", [keys for keys in product(*GIVEN, HEADS) if any(keys)], ids=str)
+def test_children_given_in_any_way_are_drawn_by_what_they_have(keys, tmp_path, see):
+    """Length against weight and head, in the units that each is given in; without a length nothing."""
+    length, *others = keys
+    children = [
+        {"sex": sex} | {key: MEASURED.get(key, (20.0, 70.0))[number] for key in keys if key}
+        for number, sex in enumerate(("female", "male"))
+    ]
+    study, store = Cohort({**STUDY, "children": children}), Store(tmp_path / "folder")
+    store.create("spring")
+    for job in study.jobs():
+        store.write(job, Result("ok", {"length_cm": 70.0}, {}))
+    seen = see(mimoc.report(store.folder, tmp_path / "page.html"))
+    scatters = [title for title in seen.attributes("aria-label") if title.endswith("of 2 children")]
+    assert len(scatters) == sum(1 for other in others if other and length)
 
 
 def test_with_its_file_the_missing_jobs_of_a_cohort_are_counted(cohort, study, tmp_path, see):

@@ -8,6 +8,7 @@ import pytest
 
 import mimoc
 from mimoc.errors import UnknownNameError
+from mimoc.runtime.expression import expression_of
 from mimoc.schema.body import Expression
 
 EXPRESSIONS = get_args(Expression)
@@ -15,8 +16,8 @@ LEAST_DIFFERENCE = 15
 """So many pixels of a picture of 240 by 240 differ at least: it shows."""
 
 
-def open_env(expression: str | None = None, size: int = 240) -> mimoc.InfantEnv:
-    body = {} if expression is None else {"expression": expression}
+def open_env(expression: str | None = None, size: int = 240, **body) -> mimoc.InfantEnv:
+    body |= {} if expression is None else {"expression": expression}
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "body": body, "scene": {"kind": "flat", "pose": "sitting"}}
     bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec))
     env = mimoc.InfantEnv(bundle, render_mode="rgb_array", width=size, height=size)
@@ -63,6 +64,15 @@ def test_the_specs_expression_is_the_one_it_starts_with(env, expression):
     started = open_env(expression)
     assert np.array_equal(started.render(), picture(env, expression))
     started.close()
+
+
+@pytest.mark.parametrize("skin", [True, False])
+def test_the_face_is_known_with_a_skin_and_without(skin):
+    env = open_env("sad", 16, skin=skin)
+    assert expression_of(env.manifest, env.model) == "sad"
+    env.set_expression("happy")
+    assert expression_of(env.manifest, env.model) == "happy"
+    env.close()
 
 
 def test_it_starts_neutral_if_the_spec_says_nothing(env):

@@ -26,7 +26,7 @@ def test_intervals_and_the_end_are_whole_rollouts():
 
 def test_settings_go_through_json():
     chosen = settings(hyper={"gamma": 0.9})
-    assert Settings.from_data(chosen.data()) == chosen
+    assert Settings(**chosen.data()) == chosen
 
 
 def test_all_differences_but_the_steps_are_named():

@@ -57,7 +57,7 @@ def test_a_run_folder_has_all_that_is_needed_to_repeat_and_to_use_the_training(l
     assert {"mujoco", "gymnasium", "numpy", "torch", "stable_baselines3", "python", "mimoc"} <= run["sessions"][
         0
     ].keys()
-    assert Settings.from_data(run["settings"]).hyper["width"] == 8
+    assert Settings(**run["settings"]).hyper["width"] == 8
 
 
 def test_the_command_in_the_run_folder_has_all_settings(learn, tmp_path):
@@ -88,9 +88,11 @@ def test_sac_trains_too(learn):
     assert training.curve.steps == 64
 
 
-def test_an_infant_with_vision_is_trained_on_images(learn, built):
+@pytest.mark.slow
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_an_infant_with_vision_is_trained_on_images(learn, built, algo):
     seeing = built(senses={"proprioception": {"include": []}, "vision": {"width_px": 40, "height_px": 40}})
-    training = learn("seeing", 64, source=seeing, checkpoint_every=64)
+    training = learn("seeing", 64, algo, source=seeing, checkpoint_every=64)
     env = mimoc.make(seeing)
     assert len(mimoc.evaluate(env, mimoc.load_policy(training.policy), episodes=1)) == 1
     env.close()

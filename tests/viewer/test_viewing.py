@@ -49,6 +49,26 @@ def test_an_environment_is_shown_as_it_is_now(spec):
     assert (np.diff(heights_m) * np.sign(now[2]) > 0).all()
 
 
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"task": {"kind": "standup"}, "scene": {}},
+        {"scene": {"kind": "room", "toys": {"count": [3, 3], "size_cm": [85, 90]}}},
+        {"senses": {"vision": {"body": "skin", "width_px": 8, "height_px": 8}}, "body": {"skin": True}},
+    ],
+    ids=[
+        "a task that it is too young for at other ages",
+        "toys with which it has no room when older",
+        "eyes that see its skin",
+    ],
+)
+def test_whatever_an_infant_does_and_sees_it_is_shown_at_all_ages(keys):
+    infant = mimoc.InfantSpec.model_validate({**SPEC, "age_months": 12, **keys})
+    known = read_page(mimoc.view(infant).html)
+    assert known["ages_months"][0] == 0
+    assert known["poses"]
+
+
 def test_a_notebook_shows_the_page_in_a_frame_of_its_own(shown):
     (inside,) = re.findall(r'sandbox="allow-scripts" .*srcdoc="([^"]*)"', shown._repr_html_(), re.DOTALL)
     assert unescape(inside) == shown.html

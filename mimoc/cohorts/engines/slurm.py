@@ -9,6 +9,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+from mimoc.bundle.files import make_folder
 from mimoc.cohorts.engines.tasks import End, RefusedError, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.perform import PINNED, perform
@@ -43,8 +44,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
         MimocError: If SLURM is not here, refuses the tasks, or does not answer for long.
     """
     shared, tasks = Store(store.folder.resolve()), tasks_of(jobs, options.get("jobs_per_task"))
-    (shared.folder / "slurm").mkdir(exist_ok=True)
-    folder = Path(tempfile.mkdtemp(prefix="run-", dir=shared.folder / "slurm"))
+    folder = Path(tempfile.mkdtemp(prefix="run-", dir=make_folder(shared.folder / "slurm", below=shared.folder)))
     try:
         do_on(_Slurm(shared, folder, options), tasks, shared, done)
     except RefusedError:

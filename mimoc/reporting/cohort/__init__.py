@@ -65,7 +65,7 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
     )
 
 
-def _jobs(status: Status, damaged: Sequence[Path], *, is_whole: bool) -> Section:
+def _jobs(status: Status, damaged: Sequence[str], *, is_whole: bool) -> Section:
     states = STATES if is_whole else STATES[:2]
     rows = [
         (Cell(step), *(number(f"{counts.get(state, 0):,}") for state in states))
@@ -76,7 +76,7 @@ def _jobs(status: Status, damaged: Sequence[Path], *, is_whole: bool) -> Section
     if not is_whole:
         blocks.append(Text(UNKNOWN, "note"))
     if damaged:
-        names = ", ".join(path.name for path in damaged[:3])
+        names = ", ".join(damaged[:3])
         blocks.append(Text(f"{words.count(len(damaged), 'result')} cannot be read, such as {names}.", "warning"))
     return Section("jobs", "What was done", (*blocks, *_failures(status)))
 

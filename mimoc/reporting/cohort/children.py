@@ -1,6 +1,7 @@
 """The children of a cohort: who they are, and how the infants look that were built."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 from mimoc.bundle.io import Bundle
@@ -25,8 +26,14 @@ BELOW, ABOVE = 36.0, 12.0
 LEAST_HALF = 34.0
 """Half of the least width, so that there is room for the words below."""
 KINDS = {"female": "girl", "male": "boy"}
-PAIRS = (("length", "weight"), ("length", "head"))
-"""What is drawn against each other."""
+LENGTHS = {"length_percentile": ("length", "percentile"), "length_cm": ("length", "cm")}
+AGAINST_LENGTH = {
+    "weight_percentile": ("weight", "percentile"),
+    "weight_kg": ("weight", "kg"),
+    "head_percentile": ("head", "percentile"),
+    "head_circumference_cm": ("head", "cm"),
+}
+"""Name and unit of the keys of an individual, each of which is drawn against each of LENGTHS."""
 
 
 def children(jobs: Sequence[Job], store: Store) -> Section | None:
@@ -54,35 +61,35 @@ def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
 
 
 def _scatters(known: Mapping[int, Mapping[str, Any]]) -> list[Block]:
-    """Return plots of the children's measures against each other, where they differ."""
+    """Return plots of measures against each other, where the children that have both differ."""
     plots = []
-    for across, up in PAIRS:
-        for ending, unit in (("percentile", "percentile"), ("cm", "cm"), ("kg", "kg")):
-            names = f"{across}_{ending}", f"{up}_{ending}"
-            pairs = [(child, child[names[0]], child[names[1]]) for child in known.values() if names[0] in child]
-            pairs = [each for each in pairs if isinstance(each[1], (int, float)) and isinstance(each[2], (int, float))]
-            if len({pair[1:] for pair in pairs}) > 1:
-                plots.append(_scatter(pairs, across, up, unit))
+    for across, up in product(LENGTHS, AGAINST_LENGTH):
+        pairs = [(child, child[across], child[up]) for child in known.values() if {across, up} <= child.keys()]
+        if len({pair[1:] for pair in pairs}) > 1:
+            plots.append(_scatter(pairs, across, up))
     caption = f"{words.count(len(known), 'child', 'children')} of the cohort; girls orange, boys blue."
     return [Drawings(tuple(plots), caption, "pair")] if plots else []
 
 
-def _scatter(pairs: Sequence[tuple[Mapping[str, Any], float, float]], across: str, up: str, unit: str) -> Drawing:
-    whole = (0.0, 100.0)
-    x = whole if unit == "percentile" else around(pair[1] for pair in pairs)
-    y = whole if unit == "percentile" else around(pair[2] for pair in pairs)
-    frame = Frame(x, y)
+def _scatter(pairs: Sequence[tuple[Mapping[str, Any], float, float]], across: str, up: str) -> Drawing:
+    (length, length_unit), (other, other_unit) = LENGTHS[across], AGAINST_LENGTH[up]
+    frame = Frame(_axis(length_unit, [pair[1] for pair in pairs]), _axis(other_unit, [pair[2] for pair in pairs]))
     dots = [
         dot(
-            frame.at(value, other),
+            frame.at(x, y),
             KINDS.get(child.get("sex", ""), "mean"),
             4.0,
-            f"child {child['child']}: {across} {words.figure(value)}, {up} {words.figure(other)}",
+            f"child {child['child']}: {length} {words.figure(x)}, {other} {words.figure(y)}",
         )
-        for child, value, other in pairs
+        for child, x, y in pairs
     ]
-    title = f"{words.sentence(up)} by {across} [{unit}]"
-    return frame.draw(title, f"{across} [{unit}]", (), dots, description=f"{title} of {len(pairs)} children")
+    title = f"{words.sentence(other)} by {length} [{other_unit}]"
+    about = f"{title} of {len(pairs)} children"
+    return frame.draw(title, f"{length} [{length_unit}]", (), dots, description=about)
+
+
+def _axis(unit: str, values: Sequence[float]) -> tuple[float, float]:
+    return (0.0, 100.0) if unit == "percentile" else around(values)
 
 
 def _list(known: Mapping[int, Mapping[str, Any]]) -> Block:

@@ -1,0 +1,76 @@
+"""Folders of training runs that are changed by chance, and used: reported on, resumed, and acted by."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from shutil import copytree
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+from fuzz import cohorts, policies
+from fuzz.cohorts import Way
+from fuzz.folder_mutations import spoil
+from fuzz.fuzzing import Fuzzer
+from fuzz.mutations import pick
+
+import mimoc
+from mimoc.errors import RenderingError
+from mimoc.reporting.infant import portrait
+from mimoc.training.run_folder import read_training_run
+
+SETTINGS = {"envs": 2, "checkpoint_every": 64, "hyper": policies.TINY}
+STEPS = 64
+Prepared = tuple[Path, mimoc.Bundle, Any]
+
+
+def prepare(folder: Path) -> Prepared:
+    """Return the folder of a training run that has hardly begun, its infant, and its environment."""
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(policies.SPEC))
+    mimoc.train(bundle, folder / "run", steps=STEPS, **SETTINGS)
+    return folder / "run", bundle, mimoc.InfantEnv(bundle)
+
+
+def attempt(prepared: Prepared, generator: np.random.Generator, folder: Path) -> None:
+    """Change the folder of a training run, and use it in a few ways."""
+    run = copied(prepared, folder)
+    spoil(generator, run, folder.parent / "outside")
+    known = ways(prepared, run)
+    use(pick(generator, known) for _ in range(3))
+
+
+def copied(prepared: Prepared, folder: Path) -> Path:
+    """Copy the folder of the training run; return where it is now."""
+    return Path(copytree(prepared[0], folder / "run"))
+
+
+def ways(prepared: Prepared, run: Path) -> tuple[Way, ...]:
+    """Return all that can be done with a folder of the training run."""
+    _, bundle, env = prepared
+    return (
+        lambda: mimoc.report(run, run.parent / "page.html"),
+        lambda: read_training_run(run),
+        lambda: policies.use(run / "policy.zip", env),
+        lambda: mimoc.train(bundle, run, steps=STEPS, **SETTINGS),
+        lambda: mimoc.train(bundle, run, steps=2 * STEPS, **SETTINGS),
+        lambda: mimoc.train(bundle, run, steps=STEPS, force=True, **SETTINGS),
+    )
+
+
+def use(chosen: Iterable[Way]) -> None:
+    """Do things one after the other, without portraits, and raise the error of one that was refused."""
+    with patch.object(portrait, "portrait", _no_portrait):
+        cohorts.use(chosen)
+
+
+def _no_portrait(*_: object, **__: object) -> None:
+    """Stand for a portrait, which takes most of a report's time and is drawn of many bundles elsewhere."""
+    raise RenderingError("no portrait is drawn here")
+
+
+FUZZER = Fuzzer(
+    name="trainings",
+    about="folders of training runs, changed in settings, curves, checkpoints and links, used in every way",
+    prepare=prepare,
+    attempt=attempt,
+    short=6,
+)
