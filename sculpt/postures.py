@@ -49,12 +49,9 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 25}
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
-    if name == "standing":
-        return {}
-    young = max(0.0, 1 - age_months / 6)
-    hips = {"{side}_hip1": -102 - 4 * young, "{side}_hip2": -33 - 7 * young, "{side}_hip3": 30 * young}
-    back = dict.fromkeys(("hip_bend1", "hip_bend2"), 8 + 6 * young)
-    return {**back, **hips, "{side}_shoulder_ad_ab": 20}
+    if name == "sitting":
+        return {"{side}_shoulder_ad_ab": 30, "{side}_elbow": -45}
+    return {}
 
 
 def main() -> None:

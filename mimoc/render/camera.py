@@ -18,6 +18,8 @@ FROM_ABOVE: View = (160.0, -25.0)
 """As one looks at what lies around an infant."""
 RAISED_DEG = 48.0
 """How much higher the camera stands for an infant that lies on its back, so that its face shows."""
+BESIDE: View = (-40.0, -8.0)
+"""How the camera turns for an infant that lies on its belly, and so on its left cheek: it stands beside its face."""
 FOVY_DEG = 24.0
 """Vertical field of view of a camera that has the space: narrow, from far away, which leaves heads round."""
 WIDEST_DEG = 100.0
@@ -156,15 +158,24 @@ def unobstructed_view(spheres: Spheres, walls: Planes, view: View, aspect: float
 
 
 def view_of_body(view: View, data: mujoco.MjData, body: str) -> View:
-    """Return a view relative to a body that is turned about the vertical and may lie on its back or its face.
+    """Return a view relative to a body that is turned about the vertical and may lie on its back or its belly.
 
-    One that lies on its back is seen from above, one on its face from beyond its head.
+    One that lies on its back is seen from above, one on its belly from its right, where its face is.
     """
-    world_from_body = data.body(body).xmat.reshape(3, 3)
-    across_x, across_y = world_from_body[:2, 1]  # Its left, which stays level.
-    facing_up = max(float(world_from_body[2, 0]), 0.0)
+    facing_up = float(data.body(body).xmat.reshape(3, 3)[2, 0])
+    on_back, on_belly = max(facing_up, 0.0) ** 2, min(facing_up, 0.0) ** 2
     azimuth, elevation = view
-    return azimuth + float(np.degrees(np.arctan2(-across_x, across_y))), elevation - RAISED_DEG * facing_up**2
+    turn_deg, raise_deg = BESIDE
+    return (
+        azimuth + heading_deg(data, body) + turn_deg * on_belly,
+        elevation - RAISED_DEG * on_back + raise_deg * on_belly,
+    )
+
+
+def heading_deg(data: mujoco.MjData, body: str) -> float:
+    """Return how far a body is turned about the vertical."""
+    across_x, across_y = data.body(body).xmat.reshape(3, 3)[:2, 1]  # Its left, which stays level.
+    return float(np.degrees(np.arctan2(-across_x, across_y)))
 
 
 def bounding_spheres(model: mujoco.MjModel, data: mujoco.MjData, seen: npt.NDArray[np.bool_]) -> Spheres:

@@ -13,7 +13,7 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_posed
 from mimoc.bundle.strangers import check_files
 from mimoc.render.body_camera import FADES_BEHIND_M, STILL, BodyCamera, backdrop_m
-from mimoc.render.camera import FOVY_DEG, FROM_THE_FRONT, FROM_THE_SIDE, View, view_of_body
+from mimoc.render.camera import FOVY_DEG, FROM_THE_FRONT, FROM_THE_SIDE, View, heading_deg, view_of_body
 from mimoc.render.markers import Markers, join_markers
 from mimoc.render.renderer import Picture, Shown
 from mimoc.render.scale_bar import with_scale_bar
@@ -81,7 +81,7 @@ def portrait(
     """
     model, data = load_posed(bundle, pose)
     root = bundle.manifest.root_body
-    front_deg, _ = view_of_body(FROM_THE_FRONT, data, root)
+    front_deg = FROM_THE_FRONT[0] + heading_deg(data, root)
     view = framing.view(view_of_body(FROM_THE_SIDE, data, root), front_deg)
     return _picture(model, data, [root], (width, height), (view, FOVY_DEG), markers, shown, framing)
 
