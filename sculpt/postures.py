@@ -50,7 +50,7 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "sitting":
-        return {"{side}_shoulder_ad_ab": 30, "{side}_elbow": -45}
+        return {"{side}_shoulder_ad_ab": 5, "{side}_shoulder_rotation": -15, "{side}_elbow": -90}
     return {}
 
 

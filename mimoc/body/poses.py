@@ -9,7 +9,6 @@ import numpy as np
 from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import pose
 from mimoc.body.resting import rollers
-from mimoc.body.strength import muscle_groups
 from mimoc.fits.tables import settled_deg
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.schema.names import SIDES
@@ -67,16 +66,6 @@ def pose_of(tree: BodyTree, name: str) -> Pose:
     wanted, settled = POSES[name], _settled_deg(tree, name)
     pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
     return replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
-
-
-def hands_at_rest(tree: BodyTree) -> dict[str, float]:
-    """Return the angles of fingers and thumbs of an infant that sits and does nothing, in degrees by joint."""
-    groups = muscle_groups(tree)
-    return {
-        joint: angle_deg
-        for joint, angle_deg in _settled_deg(tree, "sitting").items()
-        if groups.get("robot:" + joint.format(side="left")) == "left_hand" and "hand" not in joint
-    }
 
 
 def _settled_deg(tree: BodyTree, name: str) -> dict[str, float]:
