@@ -32,7 +32,7 @@ arms that tone bent are stretched by their weight. Newborns sit as the others do
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 12
-STILL_M = 0.001
+STILL_M = 0.003
 """Hands and feet that move by less rest."""
 HELD_KGM2 = 1e6
 """Armature of joints that are held."""
@@ -50,7 +50,7 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "sitting":
-        return {"{side}_shoulder_ad_ab": 5, "{side}_shoulder_rotation": -15, "{side}_elbow": -90}
+        return {"{side}_shoulder_horizontal": 15, "{side}_shoulder_ad_ab": 5, "{side}_shoulder_rotation": -15, "{side}_elbow": -90}
     return {}
 
 
@@ -138,7 +138,7 @@ def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
     for joint, angle in {**angles, "hip_bend1": bend, "hip_bend2": bend}.items():
         side, _, limb = joint.partition("_")
         if side == "left" and not limb.startswith("eye"):
-            yield f"{{side}}_{limb}", (angle + angles[f"right_{limb}"]) / 2
+            yield f"{{side}}_{limb}", angle
         elif joint in MIDDLE:
             yield joint, angle
 
