@@ -50,7 +50,8 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "sitting":
-        return {"{side}_shoulder_horizontal": 15, "{side}_shoulder_ad_ab": 5, "{side}_shoulder_rotation": -15, "{side}_elbow": -90}
+        arm = {"shoulder_horizontal": 15, "shoulder_ad_ab": 5, "shoulder_rotation": -15, "elbow": -90}
+        return {f"{{side}}_{joint}": angle_deg for joint, angle_deg in arm.items()}
     return {}
 
 
@@ -127,18 +128,22 @@ def settle(model: mujoco.MjModel, tree: BodyTree, name: str, angles: Angles) -> 
     after = {
         _name(model, index): float(np.degrees(data.qpos[model.jnt_qposadr[index]])) for index in range(1, model.njnt)
     }
-    found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after)}
+    found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after, name)}
     kept = {joint: angle for joint, angle in found.items() if joint not in POSES[name].angles_deg}
     return kept, moved_m
 
 
-def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
-    """Yield the mean of left and right, and of the two joints of the lumbar spine, which are coupled."""
+def _alike(angles: Angles, name: str) -> Iterator[tuple[str, float]]:
+    """Yield the angles that both sides take, and the mean of the two joints of the lumbar spine, which are coupled.
+
+    They are the mean of both sides, but of a sitting infant those of the left one, lest hands sink into the thighs.
+    """
+    other = "left" if name == "sitting" else "right"
     bend = (angles["hip_bend1"] + angles["hip_bend2"]) / 2
     for joint, angle in {**angles, "hip_bend1": bend, "hip_bend2": bend}.items():
         side, _, limb = joint.partition("_")
         if side == "left" and not limb.startswith("eye"):
-            yield f"{{side}}_{limb}", angle
+            yield f"{{side}}_{limb}", (angle + angles[f"{other}_{limb}"]) / 2
         elif joint in MIDDLE:
             yield joint, angle
 

@@ -32,12 +32,12 @@ class Pose:
 
 
 _TRUNK = ("hip_*", "chest_*", "head_*")
-_SEATED = {"{side}_hip1": -102, "{side}_hip2": -33, "{side}_hip3": 0, "{side}_knee": -25, "hip_bend1": 8, "hip_bend2": 8}
+_SEATED = {f"{{side}}_{joint}": angle for joint, angle in (("hip1", -102), ("hip2", -33), ("hip3", 0), ("knee", -25))}
 """A seat in which infants keep their balance, whatever they do with their hands."""
 POSES: Mapping[str, Pose] = {
-    "supine": Pose(-90, {"head_tilt": 0}),
+    "supine": Pose(-90, {"head_tilt": 0, "head_swivel": 0}),
     "prone": Pose(90, {}),
-    "sitting": Pose(0, _SEATED, held=(*_TRUNK, "{side}_hip*", "{side}_knee")),
+    "sitting": Pose(0, {**_SEATED, "hip_bend1": 8, "hip_bend2": 8}, held=(*_TRUNK, "{side}_hip*", "{side}_knee")),
     "standing": Pose(
         0,
         {f"{{side}}_{joint}": 0 for joint in ("hip1", "hip2", "hip3", "knee", "foot1", "foot2", "foot3")},

@@ -105,7 +105,7 @@ def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("chest_joint", [False, True])
 def test_an_infant_that_lies_rests_on_its_trunk(hands, chest_joint, bundle_at):
-    """On its belly on the upper, on its back on the lower end; it is laid down on three points, and gives way a little."""
+    """On its belly on the upper, on its back on the lower end, once the few points give way that it is laid down on."""
     for age_months, (pose, end) in itertools.product(AGES_MONTHS, {"prone": "ub1", "supine": "lb"}.items()):
         model = load_model(bundle_at(age_months, hands, chest_joint))
         data = posed(model, pose)
