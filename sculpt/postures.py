@@ -32,8 +32,8 @@ arms that tone bent are stretched by their weight. Newborns sit as the others do
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 12
-STILL_M = 0.003
-"""Hands and feet that move by less rest."""
+STILL_M, STILL_SITTING_M = 0.001, 0.003
+"""Hands and feet that move by less rest; hands creep on the thighs of a sitting infant."""
 HELD_KGM2 = 1e6
 """Armature of joints that are held."""
 
@@ -100,7 +100,7 @@ def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tupl
     angles, moved_m = first, np.inf
     for _ in range(ROUNDS):
         angles, moved_m = settle(model, tree, name, angles)
-        if moved_m < STILL_M:
+        if moved_m < (STILL_SITTING_M if name == "sitting" else STILL_M):
             break
     w, _, y, _ = resting_state(tree, posed(name, angles))[3:7]
     return {PITCH: round(np.degrees(2 * np.arctan2(y, w)), 1), **angles}, moved_m
