@@ -29,6 +29,7 @@ YOUNG_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.2499)
 OLD_MONTHS = (1.25, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
 """Ages, in two series: each begins at its far end, and the next age where the one before came to rest. Where they meet,
 arms that tone bent are stretched by their weight. Newborns sit as the others do, lest they tip over."""
+ARM = ("shoulder_horizontal", "shoulder_ad_ab", "shoulder_rotation", "elbow")
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 12
@@ -39,9 +40,16 @@ HELD_KGM2 = 1e6
 
 Angles = dict[str, float]
 """Degrees by joint; `{side}` stands for both sides."""
+LAP: Mapping[str, Angles] = {
+    hands: dict(zip((f"{{side}}_{joint}" for joint in ARM), arm_deg, strict=True))
+    for hands, arm_deg in {"mitten": (15, 5, -15, -90), "five_finger": (30, 5, 30, -115)}.items()
+}
+"""Arms above the thighs, onto which they fall."""
+ELBOW, LIFT_DEG = "{side}_elbow", 1.5
+"""How much elbows of sitting infants with five fingers are lifted in the end, lest fingers sink in between ages."""
 
 
-def first_deg(name: str, development: str, age_months: float) -> Angles:
+def first_deg(name: str, development: str, hands: str) -> Angles:
     """Return how an infant is laid down, sat or stood; joints that are held stay so."""
     if name == "supine":
         return {"{side}_shoulder_ad_ab": 45}
@@ -50,8 +58,7 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
     if name == "sitting":
-        arm = {"shoulder_horizontal": 15, "shoulder_ad_ab": 5, "shoulder_rotation": -15, "elbow": -90}
-        return {f"{{side}}_{joint}": angle_deg for joint, angle_deg in arm.items()}
+        return LAP[hands]
     return {}
 
 
@@ -76,7 +83,10 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     spec = {"mimoc": 1, "name": "x", "development": development, "body": body}
     old = series(spec, name, OLD_MONTHS[::-1], {})
     young = series(spec, name, YOUNG_MONTHS, old[-1] if name == "sitting" else {})
-    return [*young, *reversed(old)]
+    found = [*young, *reversed(old)]
+    if name == "sitting" and hands == "five_finger":
+        found = [{**angles, ELBOW: round(angles[ELBOW] - LIFT_DEG, 1)} for angles in found]
+    return found
 
 
 def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before: Mapping[str, float]) -> list[Angles]:
@@ -86,7 +96,7 @@ def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before
         made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
         before = found[-1] if found else before
         free = {joint: angle for joint, angle in before.items() if not is_held(joint.format(side="right"), name)}
-        first = {**first_deg(name, spec["development"], age_months), **free}
+        first = {**first_deg(name, spec["development"], spec["body"]["hands"]), **free}
         angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, first)
         print(*spec["body"].values(), spec["development"], name, age_months, f"{moved_m * 1e3:.1f} mm", flush=True)
         found.append(angles)
