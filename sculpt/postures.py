@@ -29,19 +29,27 @@ YOUNG_MONTHS = (0, 0.25, 0.5, 0.75, 1, 1.2499)
 OLD_MONTHS = (1.25, 1.5, 2, 3, 4, 6, 9, 12, 18, 24)
 """Ages, in two series: each begins at its far end, and the next age where the one before came to rest. Where they meet,
 arms that tone bent are stretched by their weight. Newborns sit as the others do, lest they tip over."""
+ARM = ("shoulder_horizontal", "shoulder_ad_ab", "shoulder_rotation", "elbow")
 MIDDLE = ("hip_bend1", "hip_bend2", "head_tilt", "head_swivel")
 """Joints of trunk and neck whose angles are looked for; the others stay straight. Of limbs, all are looked for."""
 SECONDS, ROUNDS = 3.0, 12
-STILL_M = 0.001
-"""Hands and feet that move by less rest."""
+STILL_M, STILL_SITTING_M = 0.001, 0.003
+"""Hands and feet that move by less rest; hands creep on the thighs of a sitting infant."""
 HELD_KGM2 = 1e6
 """Armature of joints that are held."""
 
 Angles = dict[str, float]
 """Degrees by joint; `{side}` stands for both sides."""
+LAP: Mapping[str, Angles] = {
+    hands: dict(zip((f"{{side}}_{joint}" for joint in ARM), arm_deg, strict=True))
+    for hands, arm_deg in {"mitten": (15, 5, -15, -90), "five_finger": (30, 5, 30, -115)}.items()
+}
+"""Arms above the thighs, onto which they fall."""
+ELBOW, LIFT_DEG = "{side}_elbow", 1.5
+"""How much elbows of sitting infants with five fingers are lifted in the end, lest fingers sink in between ages."""
 
 
-def first_deg(name: str, development: str, age_months: float) -> Angles:
+def first_deg(name: str, development: str, hands: str) -> Angles:
     """Return how an infant is laid down, sat or stood; joints that are held stay so."""
     if name == "supine":
         return {"{side}_shoulder_ad_ab": 45}
@@ -49,12 +57,9 @@ def first_deg(name: str, development: str, age_months: float) -> Angles:
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 25}
     if name == "prone":
         return {"head_swivel": -70, "{side}_shoulder_ad_ab": 65, "{side}_shoulder_rotation": -85, "{side}_elbow": -75}
-    if name == "standing":
-        return {}
-    young = max(0.0, 1 - age_months / 6)
-    hips = {"{side}_hip1": -102 - 4 * young, "{side}_hip2": -33 - 7 * young, "{side}_hip3": 30 * young}
-    back = dict.fromkeys(("hip_bend1", "hip_bend2"), 8 + 6 * young)
-    return {**back, **hips, "{side}_shoulder_ad_ab": 20}
+    if name == "sitting":
+        return LAP[hands]
+    return {}
 
 
 def main() -> None:
@@ -78,7 +83,10 @@ def all_ages(kind: tuple[str, str, bool, str]) -> list[Angles]:
     spec = {"mimoc": 1, "name": "x", "development": development, "body": body}
     old = series(spec, name, OLD_MONTHS[::-1], {})
     young = series(spec, name, YOUNG_MONTHS, old[-1] if name == "sitting" else {})
-    return [*young, *reversed(old)]
+    found = [*young, *reversed(old)]
+    if name == "sitting" and hands == "five_finger":
+        found = [{**angles, ELBOW: round(angles[ELBOW] - LIFT_DEG, 1)} for angles in found]
+    return found
 
 
 def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before: Mapping[str, float]) -> list[Angles]:
@@ -88,7 +96,7 @@ def series(spec: dict[str, Any], name: str, ages_months: Sequence[float], before
         made = builder(InfantSpec.model_validate({**spec, "age_months": age_months}))
         before = found[-1] if found else before
         free = {joint: angle for joint, angle in before.items() if not is_held(joint.format(side="right"), name)}
-        first = {**first_deg(name, spec["development"], age_months), **free}
+        first = {**first_deg(name, spec["development"], spec["body"]["hands"]), **free}
         angles, moved_m = fit(compile_model(made(0, check=False).files), made.tree, name, first)
         print(*spec["body"].values(), spec["development"], name, age_months, f"{moved_m * 1e3:.1f} mm", flush=True)
         found.append(angles)
@@ -102,7 +110,7 @@ def fit(model: mujoco.MjModel, tree: BodyTree, name: str, first: Angles) -> tupl
     angles, moved_m = first, np.inf
     for _ in range(ROUNDS):
         angles, moved_m = settle(model, tree, name, angles)
-        if moved_m < STILL_M:
+        if moved_m < (STILL_SITTING_M if name == "sitting" else STILL_M):
             break
     w, _, y, _ = resting_state(tree, posed(name, angles))[3:7]
     return {PITCH: round(np.degrees(2 * np.arctan2(y, w)), 1), **angles}, moved_m
@@ -130,18 +138,22 @@ def settle(model: mujoco.MjModel, tree: BodyTree, name: str, angles: Angles) -> 
     after = {
         _name(model, index): float(np.degrees(data.qpos[model.jnt_qposadr[index]])) for index in range(1, model.njnt)
     }
-    found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after)}
+    found = {joint: round(angle, 1) + 0.0 for joint, angle in _alike(after, name)}
     kept = {joint: angle for joint, angle in found.items() if joint not in POSES[name].angles_deg}
     return kept, moved_m
 
 
-def _alike(angles: Angles) -> Iterator[tuple[str, float]]:
-    """Yield the mean of left and right, and of the two joints of the lumbar spine, which are coupled."""
+def _alike(angles: Angles, name: str) -> Iterator[tuple[str, float]]:
+    """Yield the angles that both sides take, and the mean of the two joints of the lumbar spine, which are coupled.
+
+    They are the mean of both sides, but of a sitting infant those of the left one, lest hands sink into the thighs.
+    """
+    other = "left" if name == "sitting" else "right"
     bend = (angles["hip_bend1"] + angles["hip_bend2"]) / 2
     for joint, angle in {**angles, "hip_bend1": bend, "hip_bend2": bend}.items():
         side, _, limb = joint.partition("_")
         if side == "left" and not limb.startswith("eye"):
-            yield f"{{side}}_{limb}", (angle + angles[f"right_{limb}"]) / 2
+            yield f"{{side}}_{limb}", (angle + angles[f"{other}_{limb}"]) / 2
         elif joint in MIDDLE:
             yield joint, angle
 

@@ -51,6 +51,7 @@ def test_the_wheel_has_everything_and_nothing_else(wheel):
         "mimoc/data/README.md",
         "mimoc/data/anthrokids.csv",
         "mimoc/data/anthrokids_published_fits.csv",
+        "mimoc/data/postures.csv",
         "mimoc/data/who/length_for_age.csv",
         "mimoc/data/who/weight_for_age.csv",
         "mimoc/data/who/head_circumference_for_age.csv",

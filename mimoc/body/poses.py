@@ -9,7 +9,6 @@ import numpy as np
 from mimoc.body import BodyTree, Joint
 from mimoc.body.kinematics import pose
 from mimoc.body.resting import rollers
-from mimoc.body.strength import muscle_groups
 from mimoc.fits.tables import settled_deg
 from mimoc.geometry.rotations import Quaternion, quaternion_from_axis
 from mimoc.schema.names import SIDES
@@ -33,10 +32,12 @@ class Pose:
 
 
 _TRUNK = ("hip_*", "chest_*", "head_*")
+_SEATED = {f"{{side}}_{joint}": angle for joint, angle in (("hip1", -102), ("hip2", -33), ("hip3", 0), ("knee", -25))}
+"""A seat in which infants keep their balance, whatever they do with their hands."""
 POSES: Mapping[str, Pose] = {
-    "supine": Pose(-90, {"head_tilt": 0}),
+    "supine": Pose(-90, {"head_tilt": 0, "head_swivel": 0}),
     "prone": Pose(90, {}),
-    "sitting": Pose(0, {}, held=(*_TRUNK, "{side}_hip*")),
+    "sitting": Pose(0, {**_SEATED, "hip_bend1": 8, "hip_bend2": 8}, held=(*_TRUNK, "{side}_hip*", "{side}_knee")),
     "standing": Pose(
         0,
         {f"{{side}}_{joint}": 0 for joint in ("hip1", "hip2", "hip3", "knee", "foot1", "foot2", "foot3")},
@@ -65,16 +66,6 @@ def pose_of(tree: BodyTree, name: str) -> Pose:
     wanted, settled = POSES[name], _settled_deg(tree, name)
     pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
     return replace(wanted, pitch_deg=pitch_deg, angles_deg={**settled, **wanted.angles_deg})
-
-
-def hands_at_rest(tree: BodyTree) -> dict[str, float]:
-    """Return the angles of fingers and thumbs of an infant that sits and does nothing, in degrees by joint."""
-    groups = muscle_groups(tree)
-    return {
-        joint: angle_deg
-        for joint, angle_deg in _settled_deg(tree, "sitting").items()
-        if groups.get("robot:" + joint.format(side="left")) == "left_hand" and "hand" not in joint
-    }
 
 
 def _settled_deg(tree: BodyTree, name: str) -> dict[str, float]:

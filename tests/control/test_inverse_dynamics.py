@@ -127,7 +127,7 @@ def test_no_torque_is_beyond_the_limits(held_infant, development):
 
 
 @pytest.mark.parametrize("model", ["torque", "muscle"])
-@pytest.mark.parametrize("target", [(3, 0, 0.3), (-3, 0, 0.3), (0, -3, 0.3), (0, 0, 3), (0, 0, -3)])
+@pytest.mark.parametrize("target", [(3, 0, 0.3), (-3, 0, 0.3), (0, -3, 0.3), (0, 0, 3), (0, -3, -3)])
 def test_a_target_that_is_out_of_reach_leaves_everything_bounded(held_infant, model, target):
     """The arm is straight then, and no torque brings the hand nearer."""
     env = held_infant(model=model)
@@ -193,8 +193,8 @@ def test_hands_reach_from_the_age_of_first_reaches_on(held_infant, law_and_age, 
 
 @pytest.mark.parametrize("model", ["torque", "muscle"])
 def test_a_newborn_is_too_weak_to_reach(held_infant, model):
-    """Most of its targets stay more than a centimetre away after a second."""
-    errors = reach_errors(held_infant(0, model=model), ReachGains(), np.random.default_rng(0), 4, 1.0)
+    """Most of its targets stay more than a centimetre away after a second; those beside its lap do not."""
+    errors = reach_errors(held_infant(0, model=model), ReachGains(), np.random.default_rng(0), 8, 1.0)
     assert np.median(errors.hands_m[:, -1]) > 0.01
 
 
@@ -230,12 +230,14 @@ def test_targets_can_be_set_as_it_runs(held_infant):
 def test_posture_holds_joints_where_they_are_wanted(held_infant):
     env = held_infant()
     env.reset(seed=0)
-    control = control_of(env, [Posture({"robot:left_elbow": -1.5})])
+    start_rad = env.data.joint("robot:right_elbow").qpos[0]
+    wanted_rad = {"robot:left_shoulder_ad_ab": 0.6, "robot:left_elbow": -1.5}  # Free of the trunk.
+    control = control_of(env, [Posture(wanted_rad)])
     for _ in range(200):
         env.step(control())
-    angle = {name: env.data.joint(name).qpos[0] for name in ("robot:left_elbow", "robot:right_elbow")}
-    assert angle["robot:left_elbow"] == pytest.approx(-1.5, abs=0.1)
-    assert angle["robot:right_elbow"] == pytest.approx(np.deg2rad(-45), abs=0.05)
+    for name, angle_rad in wanted_rad.items():
+        assert env.data.joint(name).qpos[0] == pytest.approx(angle_rad, abs=0.1)
+    assert env.data.joint("robot:right_elbow").qpos[0] == pytest.approx(start_rad, abs=0.05)
 
 
 def test_the_posture_of_some_joints_can_come_first(held_infant):
@@ -244,10 +246,11 @@ def test_the_posture_of_some_joints_can_come_first(held_infant):
     found = []
     for first in ([], [Posture(joints=["robot:right_elbow"])]):
         env.reset(seed=0)
-        control = control_of(env, [*first, Reach(HAND, near(env, by_m=(0.02, 0.03, 0.03)))])
+        start_rad = env.data.joint("robot:right_elbow").qpos[0]
+        control = control_of(env, [*first, Reach(HAND, near(env, by_m=(0.03, -0.02, 0.05)))])
         for _ in range(100):
             env.step(control())
-        found.append(abs(env.data.joint("robot:right_elbow").qpos[0] - np.deg2rad(-45)))
+        found.append(abs(env.data.joint("robot:right_elbow").qpos[0] - start_rad))
     assert found[1] < 0.02 < found[0]
 
 

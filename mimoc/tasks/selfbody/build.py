@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from mimoc.body import BodyTree
-from mimoc.body.poses import Pose, hands_at_rest, resting_state
+from mimoc.body.poses import Pose, resting_state
 from mimoc.schema.names import SIDES
 from mimoc.tasks.selfbody.spec import SelfbodyEntry, SelfbodySpec, TargetEntry
 from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
@@ -48,14 +48,14 @@ def build(task: SelfbodySpec, tree: BodyTree) -> TaskSetup:
         effectors=bodies_of(tree, f"{side}_hand"),
         targets=tuple(_targets(tree, OTHER[side])),
     )
-    return one_armed(tree, side, entry, resting_state(tree, _pose(tree, side)))
+    return one_armed(tree, side, entry, resting_state(tree, _pose(side)))
 
 
-def _pose(tree: BodyTree, side: Side) -> Pose:
+def _pose(side: Side) -> Pose:
     """Return how an infant sits that touches itself with a hand."""
     arms = {f"{side}_{name}": angle for name, angle in TOUCHING.items()}
     arms |= {f"{OTHER[side]}_{name}": angle for name, angle in TOUCHED.items()}
-    return Pose(0, {**hands_at_rest(tree), **SITTING, **AWAY[side], **arms}, relaxed=False)
+    return Pose(0, {**SITTING, **AWAY[side], **arms}, relaxed=False)
 
 
 def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:

@@ -1,15 +1,18 @@
 """The belly is solid: it carries what lies on it, rests on the ground, and feels both."""
 
+import itertools
 import re
 from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 import pytest
+from support.start_poses import DEPTH_M
 
 import mimoc
 from mimoc.body.poses import POSES
-from mimoc.bundle.model import load_model
+from mimoc.bundle.model import in_subtrees, load_model
+from mimoc.schema.names import SIDES
 from mimoc.senses.touch.run import bind
 
 BELLY = "cb"
@@ -87,18 +90,35 @@ def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_sensed(age_months, hands
 
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("chest_joint", [False, True])
-def test_nothing_meets_itself_in_any_pose_and_a_prone_infant_rests_on_its_trunk(hands, chest_joint, bundle_at):
-    """Only neighbours may share room. Younger infants, whose hips do not straighten, rest on head and feet."""
+def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle_at):
+    """Only neighbours may share room; slack arms lie on the trunk and the thighs, and fingers on each other."""
     for age_months in AGES_MONTHS:
         model = load_model(bundle_at(age_months, hands, chest_joint))
+        of_arms = in_subtrees(model, [model.body(f"{side}_upper_arm").id for side in SIDES])[model.geom_bodyid]
         for pose in POSES:
-            data = mujoco.MjData(model)
-            mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-            mujoco.mj_forward(model, data)
-            pairs = [pair for pair, _ in meetings(data)]
-            assert all("floor" in pair for pair in pairs), (age_months, pose, pairs)
-            rests = {"ub1", "floor"} in pairs
-            assert rests == (pose == "prone" and age_months >= 6), (age_months, pose, pairs)
+            data = posed(model, pose)
+            own = [contact for contact in data.contact if model.geom("floor").id not in contact.geom]
+            assert all(of_arms[contact.geom].any() for contact in own), (age_months, pose)
+            assert all(contact.dist > -DEPTH_M for contact in own), (age_months, pose)
+
+
+@pytest.mark.parametrize("hands", HANDS)
+@pytest.mark.parametrize("chest_joint", [False, True])
+def test_an_infant_that_lies_rests_on_its_trunk(hands, chest_joint, bundle_at):
+    """On its belly on the upper, on its back on the lower end, once the few points give way that it is laid down on."""
+    for age_months, (pose, end) in itertools.product(AGES_MONTHS, {"prone": "ub1", "supine": "lb"}.items()):
+        model = load_model(bundle_at(age_months, hands, chest_joint))
+        data = posed(model, pose)
+        mujoco.mj_step(model, data, nstep=SETTLED)
+        assert {end, "floor"} in [pair for pair, _ in meetings(data)], (age_months, pose)
+
+
+def posed(model: mujoco.MjModel, pose: str) -> mujoco.MjData:
+    """Return an infant in a pose."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    return data
 
 
 @pytest.mark.parametrize("chest_joint", [False, True])
