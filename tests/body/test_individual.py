@@ -81,7 +81,7 @@ def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[str, 
     ]
 
 
-HAND_DEPTH_M = 0.021
+HAND_DEPTH_M = 0.031
 """Of children as short as one in a hundred and as heavy as 99: their poses have the arms of the average
 child, and their hands begin in their thighs (`docs/development.md`)."""
 
