@@ -1,9 +1,12 @@
-"""Folders full of links, of which each leads to files outside: nothing there is opened, changed, made or removed."""
+"""Folders full of links to files outside, of which none is opened, changed, made or removed; or full of pipes."""
 
 import os
-from contextlib import suppress
+import signal
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from shutil import rmtree
+from types import ModuleType
+from typing import Any
 
 import pytest
 from fuzz import cohorts, trainings
@@ -31,16 +34,33 @@ def prepared(tmp_path_factory):
     return made.__getitem__
 
 
-def link_all(place: Path, depth: int, outside: Path, spared: str) -> int:
-    """Replace all that is so deep in a folder by links, each file and each folder; return how many there are."""
+def replace_all(place: Path, depth: int, spared: str, put: Callable[[Path, bool], object]) -> int:
+    """Replace each file and each folder that is so deep in a folder by something else; return how many there are."""
     number = 0
     for path in [path for path in place.rglob("*") if len(path.relative_to(place).parts) == depth]:
         if path.name != spared:
             is_folder = path.is_dir()
             rmtree(path) if is_folder else path.unlink()
-            path.symlink_to(outside if is_folder else outside / "file")
+            put(path, is_folder)
             number += 1
     return number
+
+
+def use(kind: ModuleType, begun: Any, tmp_path: Path, depth: int, put: Callable[[Path, bool], object]) -> Iterator[str]:
+    """Do all that can be done with a folder in which much is something else, in turn; yield what is refused."""
+    folder = kind.copied(begun, tmp_path)
+    if kind is cohorts:
+        ways, number = cohorts.ways(folder), replace_all(folder / "out", depth, MARK, put)
+    else:
+        ways, number = trainings.ways(begun, folder), replace_all(folder, depth, RUN, put)
+    assert number or depth > 2
+    for way in ways:
+        error = ""
+        try:
+            kind.use([way])
+        except MimocError as raised:
+            error = str(raised)
+        yield error
 
 
 def untouched(outside: Canaries) -> bool:
@@ -55,17 +75,29 @@ def untouched(outside: Canaries) -> bool:
 @pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
 def test_nothing_is_read_or_written_through_a_link(kind, depth, prepared, outside, tmp_path):
     """Whatever is done with the folder, in turn, as each may put a file in the place of a link."""
-    begun = prepared(kind)
-    folder = kind.copied(begun, tmp_path)
-    if kind is cohorts:
-        ways, linked = cohorts.ways(folder), link_all(folder / "out", depth, outside.folder, spared=MARK)
-    else:
-        ways, linked = trainings.ways(begun, folder), link_all(folder, depth, outside.folder, spared=RUN)
-    assert linked or depth > 2
-    for way in ways:
-        with suppress(MimocError):
-            kind.use([way])
+
+    def link(path: Path, is_folder: bool) -> None:
+        path.symlink_to(outside.folder if is_folder else outside.folder / "file")
+
+    for _ in use(kind, prepared(kind), tmp_path, depth, link):
         assert untouched(outside)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+@pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
+def test_no_pipe_is_waited_for(kind, depth, prepared, tmp_path):
+    """Which nobody ever writes to: what waits for one is interrupted after a minute."""
+    begun = prepared(kind)
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.alarm(60)
+    try:
+        errors = [*use(kind, begun, tmp_path, depth, lambda path, _: os.mkfifo(path))]
+    except KeyboardInterrupt:
+        pytest.fail("a pipe is waited for")
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+    assert all(error.isprintable() for error in errors)
 
 
 def test_the_canaries_see_what_is_made_and_listed(outside):
