@@ -3,6 +3,7 @@
 import os
 import signal
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from shutil import rmtree
 from types import ModuleType
@@ -17,6 +18,8 @@ from mimoc.errors import MimocError
 from mimoc.training.run_folder import RUN
 
 FILE = b"of somebody else"
+Put = Callable[[Path, bool], object]
+"""Puts something in place of a file, or of a folder."""
 
 
 @pytest.fixture
@@ -34,19 +37,21 @@ def prepared(tmp_path_factory):
     return made.__getitem__
 
 
-def replace_all(place: Path, depth: int, spared: str, put: Callable[[Path, bool], object]) -> int:
+def replace_all(place: Path, depth: int, spared: str, put: Put) -> int:
     """Replace each file and each folder that is so deep in a folder by something else; return how many there are."""
-    number = 0
-    for path in [path for path in place.rglob("*") if len(path.relative_to(place).parts) == depth]:
-        if path.name != spared:
-            is_folder = path.is_dir()
-            rmtree(path) if is_folder else path.unlink()
-            put(path, is_folder)
-            number += 1
-    return number
+    paths = [path for path in place.rglob("*") if len(path.relative_to(place).parts) == depth and path.name != spared]
+    for path in paths:
+        replace(path, put)
+    return len(paths)
 
 
-def use(kind: ModuleType, begun: Any, tmp_path: Path, depth: int, put: Callable[[Path, bool], object]) -> Iterator[str]:
+def replace(path: Path, put: Put) -> None:
+    is_folder = path.is_dir()
+    rmtree(path) if is_folder else path.unlink()
+    put(path, is_folder)
+
+
+def use(kind: ModuleType, begun: Any, tmp_path: Path, depth: int, put: Put) -> Iterator[str]:
     """Do all that can be done with a folder in which much is something else, in turn; yield what is refused."""
     folder = kind.copied(begun, tmp_path)
     if kind is cohorts:
@@ -83,21 +88,34 @@ def test_nothing_is_read_or_written_through_a_link(kind, depth, prepared, outsid
         assert untouched(outside)
 
 
-@pytest.mark.parametrize("depth", [1, 2, 3])
-@pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
-def test_no_pipe_is_waited_for(kind, depth, prepared, tmp_path):
-    """Which nobody ever writes to: what waits for one is interrupted after a minute."""
-    begun = prepared(kind)
+@pytest.fixture
+def patience():
+    """Interrupt what waits for a pipe, to which nobody ever writes, after a minute."""
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     signal.alarm(60)
-    try:
-        errors = [*use(kind, begun, tmp_path, depth, lambda path, _: os.mkfifo(path))]
-    except KeyboardInterrupt:
-        pytest.fail("a pipe is waited for")
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
-    assert all(error.isprintable() for error in errors)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def pipe(path: Path, _: bool) -> None:
+    os.mkfifo(path)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+@pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
+def test_no_pipe_of_many_is_waited_for(kind, depth, prepared, tmp_path, patience):
+    assert all(error.isprintable() for error in use(kind, prepared(kind), tmp_path, depth, pipe))
+
+
+@pytest.mark.parametrize("name", ["bundle", "checkpoints", "state.zip", "policy.zip", "curve.csv"])
+def test_no_pipe_in_a_training_is_waited_for(name, prepared, tmp_path, patience):
+    """The rest is as it was, so that training goes as far as it can."""
+    run = trainings.copied(prepared(trainings), tmp_path)
+    replace(run / name, pipe)
+    for way in trainings.ways(prepared(trainings), run):
+        with suppress(MimocError):
+            trainings.use([way])
 
 
 def test_the_canaries_see_what_is_made_and_listed(outside):
