@@ -25,10 +25,14 @@ def remove_leftovers(folder: Path, prefix: str) -> None:
     for path in folder.glob(f"{escape(ours)}*"):
         process = path.name.removeprefix(ours).split("-")[0]
         if process.isdecimal() and not _is_alive(int(process)):
-            _remove(path)
+            remove(path)
 
 
-def _remove(path: Path) -> None:
+def remove(path: Path) -> None:
+    """Remove what is at a path, a folder with all that is in it, as far as it can be removed.
+
+    `shutil.rmtree` alone would wait for somebody to write to a pipe.
+    """
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     else:

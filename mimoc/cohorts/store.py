@@ -1,7 +1,6 @@
 """The folder of a cohort, which all processes and machines that work on it share."""
 
 import os
-import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_f
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
 from mimoc.bundle.json_files import read_json_file
 from mimoc.bundle.json_text import render_json
+from mimoc.bundle.leftovers import remove
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.cohorts.job import Job
@@ -161,7 +161,7 @@ class Store:
         """
         folder = check_unlinked(self._place("runs", job, ""), below=self.folder)
         if empty:
-            shutil.rmtree(folder, ignore_errors=True)
+            remove(folder)
         return make_folder(folder, below=self.folder)
 
     def bundle_folder(self, job: Job) -> Path:

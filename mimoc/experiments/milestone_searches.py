@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass
@@ -11,6 +10,7 @@ from pathlib import Path
 
 from mimoc.bundle.files import make_folder, write_file
 from mimoc.bundle.json_files import read_json_file
+from mimoc.bundle.leftovers import remove
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.milestones import Conditions, Outcome
 from mimoc.milestones.search import Found, search, worker_pool
@@ -59,7 +59,7 @@ def run_searches(
 
 def forget_searches(folder: Path) -> None:
     """Remove the results of an experiment that has ended, so that the next one begins anew."""
-    shutil.rmtree(folder / FOLDER, ignore_errors=True)
+    remove(folder / FOLDER)
 
 
 def _all(cases: Iterable[Case], folder: Path, processes: int) -> Iterator[tuple[Case, Found]]:

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from shutil import rmtree
 from typing import Any
 
 from mimoc.bundle.files import check_unlinked, make_folder, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
 from mimoc.bundle.json_files import one_line
+from mimoc.bundle.leftovers import remove
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import BundleError, OutputError, TrainingError
 from mimoc.training.archives import MOST_BYTES
@@ -242,7 +242,7 @@ def _clear(path: Path) -> None:
             file.unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from None
-    rmtree(path / BUNDLE, ignore_errors=True)
+    remove(path / BUNDLE)
 
 
 def _write_description(
@@ -268,7 +268,7 @@ def _write_description(
     }
     write_file(path / RUN, (json.dumps(run, indent=1, sort_keys=True) + "\n").encode())
     if not (check_unlinked(path / BUNDLE, below=path) / LOCK).exists():
-        rmtree(path / BUNDLE, ignore_errors=True)
+        remove(path / BUNDLE)
         write_bundle(bundle, path / BUNDLE)
 
 

@@ -1,9 +1,13 @@
-"""Folders full of links, of which each leads to files outside: nothing there is opened, changed, made or removed."""
+"""Folders full of links to files outside, of which none is opened, changed, made or removed; or full of pipes."""
 
 import os
+import signal
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from shutil import rmtree
+from types import ModuleType
+from typing import Any
 
 import pytest
 from fuzz import cohorts, trainings
@@ -14,6 +18,8 @@ from mimoc.errors import MimocError
 from mimoc.training.run_folder import RUN
 
 FILE = b"of somebody else"
+Put = Callable[[Path, bool], object]
+"""Puts something in place of a file, or of a folder."""
 
 
 @pytest.fixture
@@ -31,16 +37,35 @@ def prepared(tmp_path_factory):
     return made.__getitem__
 
 
-def link_all(place: Path, depth: int, outside: Path, spared: str) -> int:
-    """Replace all that is so deep in a folder by links, each file and each folder; return how many there are."""
-    number = 0
-    for path in [path for path in place.rglob("*") if len(path.relative_to(place).parts) == depth]:
-        if path.name != spared:
-            is_folder = path.is_dir()
-            rmtree(path) if is_folder else path.unlink()
-            path.symlink_to(outside if is_folder else outside / "file")
-            number += 1
-    return number
+def replace_all(place: Path, depth: int, spared: str, put: Put) -> int:
+    """Replace each file and each folder that is so deep in a folder by something else; return how many there are."""
+    paths = [path for path in place.rglob("*") if len(path.relative_to(place).parts) == depth and path.name != spared]
+    for path in paths:
+        replace(path, put)
+    return len(paths)
+
+
+def replace(path: Path, put: Put) -> None:
+    is_folder = path.is_dir()
+    rmtree(path) if is_folder else path.unlink()
+    put(path, is_folder)
+
+
+def use(kind: ModuleType, begun: Any, tmp_path: Path, depth: int, put: Put) -> Iterator[str]:
+    """Do all that can be done with a folder in which much is something else, in turn; yield what is refused."""
+    folder = kind.copied(begun, tmp_path)
+    if kind is cohorts:
+        ways, number = cohorts.ways(folder), replace_all(folder / "out", depth, MARK, put)
+    else:
+        ways, number = trainings.ways(begun, folder), replace_all(folder, depth, RUN, put)
+    assert number or depth > 2
+    for way in ways:
+        error = ""
+        try:
+            kind.use([way])
+        except MimocError as raised:
+            error = str(raised)
+        yield error
 
 
 def untouched(outside: Canaries) -> bool:
@@ -55,17 +80,42 @@ def untouched(outside: Canaries) -> bool:
 @pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
 def test_nothing_is_read_or_written_through_a_link(kind, depth, prepared, outside, tmp_path):
     """Whatever is done with the folder, in turn, as each may put a file in the place of a link."""
-    begun = prepared(kind)
-    folder = kind.copied(begun, tmp_path)
-    if kind is cohorts:
-        ways, linked = cohorts.ways(folder), link_all(folder / "out", depth, outside.folder, spared=MARK)
-    else:
-        ways, linked = trainings.ways(begun, folder), link_all(folder, depth, outside.folder, spared=RUN)
-    assert linked or depth > 2
-    for way in ways:
-        with suppress(MimocError):
-            kind.use([way])
+
+    def link(path: Path, is_folder: bool) -> None:
+        path.symlink_to(outside.folder if is_folder else outside.folder / "file")
+
+    for _ in use(kind, prepared(kind), tmp_path, depth, link):
         assert untouched(outside)
+
+
+@pytest.fixture
+def patience():
+    """Interrupt what waits for a pipe, to which nobody ever writes, after a minute."""
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def pipe(path: Path, _: bool) -> None:
+    os.mkfifo(path)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3])
+@pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
+def test_no_pipe_of_many_is_waited_for(kind, depth, prepared, tmp_path, patience):
+    assert all(error.isprintable() for error in use(kind, prepared(kind), tmp_path, depth, pipe))
+
+
+@pytest.mark.parametrize("name", ["bundle", "checkpoints", "state.zip", "policy.zip", "curve.csv"])
+def test_no_pipe_in_a_training_is_waited_for(name, prepared, tmp_path, patience):
+    """The rest is as it was, so that training goes as far as it can."""
+    run = trainings.copied(prepared(trainings), tmp_path)
+    replace(run / name, pipe)
+    for way in trainings.ways(prepared(trainings), run):
+        with suppress(MimocError):
+            trainings.use([way])
 
 
 def test_the_canaries_see_what_is_made_and_listed(outside):
