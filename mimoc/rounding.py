@@ -1,11 +1,13 @@
 """Numbers as they stand in files: the one place where floats are rounded."""
 
+import sys
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+LEAST_NORMAL = sys.float_info.min
 SIGNIFICANT_DIGITS = 9
 """Enough for any body (a nanometre on a metre), too few to show in which order sums were taken."""
 
@@ -18,11 +20,14 @@ LEAST, LARGEST = 1e-13, 1e8
 
 
 def num(value: float | bool | Iterable[float]) -> str:
-    """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false."""
+    """Return a number, or several with blanks between, as MJCF wants them; booleans as true and false.
+
+    Numbers below the smallest normal float are zero: MuJoCo reads none of them.
+    """
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
-        return f"{value + 0.0:.{SIGNIFICANT_DIGITS}g}"  # + 0.0 turns -0.0 into 0.
+        return f"{0.0 if -LEAST_NORMAL < value < LEAST_NORMAL else value:.{SIGNIFICANT_DIGITS}g}"  # Also of -0.0.
     return " ".join(num(item) for item in value)
 
 
@@ -48,9 +53,10 @@ def rounded_array(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return array
     numbers = array.ravel()
     found, known = _quickly_rounded(numbers)
-    rest = numbers[~known].tolist()
-    found[~known] = (f"%.{SIGNIFICANT_DIGITS}g " * len(rest) % tuple(rest)).split()
-    return found.reshape(array.shape) + 0.0
+    rest = numbers[~known].astype(float)
+    rest[np.abs(rest) < LEAST_NORMAL] = 0.0
+    found[~known] = (f"%.{SIGNIFICANT_DIGITS}g " * len(rest) % tuple(rest.tolist())).split()
+    return found.reshape(array.shape)
 
 
 def _quickly_rounded(numbers: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], npt.NDArray[np.bool_]]:

@@ -19,6 +19,7 @@ NUMBERS = {
     "an integer": (44, "44"),
     "a negative zero": (-0.0, "0"),
     "a small number": (1e-13, "1e-13"),
+    "a number that MuJoCo does not read": (1e-309, "0"),
     "a sum that is not quite round": (0.1 + 0.2, "0.3"),
     "true": (True, "true"),
     "false": (False, "false"),

@@ -83,8 +83,8 @@ def _grown(spec: InfantSpec, progress: Progress) -> tuple["_Ages", list[Variant]
             progress(len(grown), len(AGES_MONTHS))
             grown.append(at(age, dressed=age in SKIN_AGES_MONTHS))
     except SpecError:
-        empty = {"toys": {"count": [0, 0]}} if spec.scene.kind == "room" else {}
-        alone = spec.with_(task=None, scene=empty)
+        toys = {"count": [0, 0]} if spec.scene.kind == "room" else None
+        alone = spec.with_(task=None, scene={"toys": toys})
         if alone == spec:
             raise
         return _grown(alone, progress)

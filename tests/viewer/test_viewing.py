@@ -54,11 +54,13 @@ def test_an_environment_is_shown_as_it_is_now(spec):
     [
         {"task": {"kind": "standup"}, "scene": {}},
         {"scene": {"kind": "room", "toys": {"count": [3, 3], "size_cm": [85, 90]}}},
+        {"scene": {"kind": "flat", "toys": {"size_cm": [36.891, 68.044]}}},
         {"senses": {"vision": {"body": "skin", "width_px": 8, "height_px": 8}}, "body": {"skin": True}},
     ],
     ids=[
         "a task that it is too young for at other ages",
         "toys with which it has no room when older",
+        "toys on a floor with which it has no room when younger",
         "eyes that see its skin",
     ],
 )
