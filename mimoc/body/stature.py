@@ -22,14 +22,18 @@ class Stature(TypedDict):
 
 def stature(tree: BodyTree) -> Stature:
     """Return the measures of a body: length is crown to sole, and the left arm is preferred, as WHO does."""
-    posed = pose(tree, {})
-    up = np.array([0.0, 0.0, 1.0])
     return Stature(
-        length_cm=m_to_cm(posed.extent(up) + posed.extent(-up)),
+        length_cm=m_to_cm(length_m(tree)),
         weight_kg=tree.mass_kg,
         head_circumference_cm=m_to_cm(_girth_m(tree.geoms["head"])),
         arm_circumference_cm=_arm_circumference_cm(tree),
     )
+
+
+def length_m(tree: BodyTree) -> float:
+    """Return the length of a body from crown to sole, in [m]."""
+    posed, up = pose(tree, {}), np.array([0.0, 0.0, 1.0])
+    return posed.extent(up) + posed.extent(-up)
 
 
 def _arm_circumference_cm(tree: BodyTree) -> float | None:

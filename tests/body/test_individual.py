@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.start_poses import DEPTH_M
 
 import mimoc
 from mimoc.body import assemble, grow, measure_child
@@ -81,16 +82,11 @@ def penetrations(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[str, 
     ]
 
 
-HAND_DEPTH_M = 0.031
-"""Of children as short as one in a hundred and as heavy as 99: their poses have the arms of the average
-child, and their hands begin in their thighs (`docs/development.md`)."""
-
-
 @pytest.mark.parametrize("sex", SEXES)
 @pytest.mark.parametrize(("hands", "ages_months"), [("mitten", (0, 6, 24)), ("five_finger", (0,))])
 @pytest.mark.slow
 def test_the_smallest_and_largest_children_rest_without_penetration(hands, ages_months, sex):
-    """Standing with all joints at zero, and on the floor in every pose; hands may be in a very thick trunk."""
+    """Standing with all joints at zero, and at rest in every pose, but for a hair."""
     for age_months, wanted in product(ages_months, EXTREMES):
         model = compile_infant(at_percentiles(age_months, sex, wanted, hands))
         data = mujoco.MjData(model)
@@ -99,7 +95,7 @@ def test_the_smallest_and_largest_children_rest_without_penetration(hands, ages_
             mujoco.mj_resetDataKeyframe(model, data, key)
             own = [pair for *pair, _ in penetrations(model, data)]
             assert not any("floor" in pair for pair in own), (age_months, wanted, model.key(key).name)
-            assert data.contact.dist.min() > -HAND_DEPTH_M, (age_months, wanted, model.key(key).name)
+            assert data.contact.dist.min() > -1.25 * DEPTH_M, (age_months, wanted, model.key(key).name)
 
 
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
