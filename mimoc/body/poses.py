@@ -59,7 +59,7 @@ FREE_DEG: Mapping[str, Mapping[str, float]] = {
 """Angles at which arms are free of trunk and thighs, in poses in which they lie on them."""
 FREED, ALIKE = 2.0, 0.01
 """Share of the way to these angles, for each unit by which a child differs in proportion from the average child, beyond
-a difference that changes nothing. Fitted to children at P1 and P99 in length, weight and head, at 0, 6 and 24 months."""
+a difference that changes nothing. Fitted to P1 and P99 in length, weight and head, at 0, 6 and 24 months."""
 
 PITCH = "pitch"
 """Rotation of the hip about y, among the angles of `data/postures.csv`."""
