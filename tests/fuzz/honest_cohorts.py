@@ -24,6 +24,7 @@ from mimoc.cohorts.perform import perform
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MimocError, SpecError
 from mimoc.policies import POLICIES
+from mimoc.runtime.rollout import policy_of
 from mimoc.schema.cohort_file import MEASURES
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
@@ -191,12 +192,16 @@ def valid_cohort(generator: np.random.Generator, folder: Path) -> Path:
 
 
 def check_possible(cohort: Cohort) -> None:
-    """Raise a MimocError if an infant cannot be built, or is to learn and cannot."""
-    learning = any(job.step == "train" for job in cohort.jobs())
+    """Raise a MimocError if an infant cannot be built, is to learn and cannot, or cannot follow a policy."""
+    jobs = cohort.jobs()
+    learning = any(job.step == "train" for job in jobs)
+    policies = {job.options["policy"] for job in jobs if job.step == "run"}
     for spec in cohort.specs:
         with mimoc.InfantEnv(mimoc.build(spec)) as env:
             if learning:
                 check_learnable(env)
+            for policy in policies:
+                policy_of(env, policy)
 
 
 def prepare(_: Path) -> None:
