@@ -11,6 +11,7 @@ from mimoc.compiler.validation.anthrokids import TOLERANCE, MeasurementReport, M
 from mimoc.compiler.validation.compiled import compile_infant
 from mimoc.compiler.validation.measuring import MEASURES, measure_body
 from mimoc.schema import InfantSpec
+from mimoc.schema.names import KINDS_OF_HANDS, SIDES, limb_bodies
 
 HEADS = {"head_breadth", "head_length"}
 """Of the published law, whose head is a sphere."""
@@ -56,6 +57,20 @@ def test_what_is_cut_off_is_not_measured():
     both = measure_body(compile_infant(infant(body={"remove": ["left_hand", "right_hand"]})))
     assert {"hand_length", "hand_breadth", "elbow_hand_length", "maximum_fist_breadth"}.isdisjoint(both)
     assert "forearm_circumference" in both
+
+
+@pytest.mark.parametrize("hands", KINDS_OF_HANDS)
+def test_without_any_one_limb_the_rest_can_be_measured(hands):
+    """A hand without its fingers has no breadth across the knuckles."""
+    whole = measure_body(compile_infant(infant(body={"hands": hands})))
+    for limb in limb_bodies(hands):
+        if limb.startswith("left_"):
+            both = [limb, limb.replace("left_", "right_")]
+            found = measure_body(compile_infant(infant(body={"hands": hands, "remove": both})))
+            assert found.keys() <= whole.keys(), limb
+    knuckles = {"mitten": "fingers", "five_finger": "lfmetacarpal"}[hands]
+    remove = [f"{side}_{knuckles}" for side in SIDES]
+    assert "hand_breadth" not in measure_body(compile_infant(infant(body={"hands": hands, "remove": remove})))
 
 
 def test_a_small_child_is_compared_with_what_its_spec_asks_for_at_every_age():

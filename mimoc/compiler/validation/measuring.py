@@ -12,6 +12,7 @@ import numpy as np
 from mimoc.compiler.validation.compiled import own_solids, solid_extents
 from mimoc.geometry.rotations import FloatArray
 from mimoc.geometry.sections import Solids
+from mimoc.schema.names import SIDES
 from mimoc.units import deg_to_rad
 
 FORWARD, LEFT, UP = np.eye(3)
@@ -217,7 +218,7 @@ MEASURES: Mapping[str, tuple[Measure, tuple[str, ...]]] = {
     "foot_breadth": (_extent("{side}_foot", LEFT), ("{side}_foot",)),
     "foot_length": (_extent("{side}_foot", FORWARD), ("{side}_foot",)),
     "forearm_circumference": (_girth_of("{side}_larm"), ("{side}_lower_arm",)),
-    "hand_breadth": (_hand_breadth, ("{side}_hand",)),
+    "hand_breadth": (_hand_breadth, ("{side}_hand", "{side}_fingers|{side}_lfmetacarpal")),
     "hand_length": (_hand_length, ("{side}_hand",)),
     "head_breadth": (_head_extent(LEFT), ()),
     "head_circumference": (
@@ -239,7 +240,7 @@ MEASURES: Mapping[str, tuple[Measure, tuple[str, ...]]] = {
     "upper_arm_circumference": (_girth_of("{side}_uarm1"), ("{side}_upper_arm",)),
     "waist_circumference": (_level_girth("cb"), ()),
 }
-"""How each measurement is taken, and the bodies that it needs."""
+"""How each measurement is taken, and the bodies that it needs; of bodies with `|` between them, one."""
 
 
 def measure_body(model: mujoco.MjModel) -> dict[str, float]:
@@ -249,7 +250,11 @@ def measure_body(model: mujoco.MjModel) -> dict[str, float]:
     """
     figure, found = Figure(model), {}
     for name, (measure, needed) in MEASURES.items():
-        side = next((s for s in ("left", "right") if all(n.format(side=s) in figure.bodies for n in needed)), None)
+        side = next((side for side in SIDES if _has(figure, needed, side)), None)
         if side:
             found[name] = measure(figure.pose(STRAIGHT), side)
     return found
+
+
+def _has(figure: Figure, needed: Sequence[str], side: str) -> bool:
+    return all(figure.bodies.intersection(bodies.format(side=side).split("|")) for bodies in needed)
