@@ -14,7 +14,7 @@ from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
 from mimoc.recording.folder import WHOLE
-from mimoc.recording.table_check import STEP, check_rows, check_schema, lists_of, pairs_of, sparse_of
+from mimoc.recording.table_check import STEP, check_rows, check_schema, has_numbers, lists_of, pairs_of, sparse_of
 
 SMALL_BYTES, MOST_RATIO = 2**29, 100
 """What a file may hold however small it is, and how many times its size."""
@@ -100,7 +100,12 @@ def read_columns(paths: Sequence[Path], described: Described) -> Any:
 
 
 def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
-    """Return a column as an array; of an observation with the shape that it had, shape (rows, ...)."""
+    """Return a column as an array; of an observation with the shape that it had, shape (rows, ...).
+
+    Lists without numbers have no column.
+    """
+    if name not in table.column_names and (reading or name == ACTION):
+        return np.zeros((len(table), *(reading.shape if reading else (0,))), reading.dtype if reading else float)
     column = table.column(name).combine_chunks()
     if pa.types.is_fixed_size_list(column.type):
         flat = column.flatten().to_numpy(zero_copy_only=False)
@@ -123,6 +128,7 @@ def _table(block: Block, described: Described) -> Any:
             columns[OBSERVATION + each.name] = _fixed(block.dense[each.name][:rows])
         elif each.kind == "sparse":
             columns[OBSERVATION + each.name] = _listed(block.sparse[each.name], rows)
+    columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
     fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
     return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))
 
@@ -139,7 +145,7 @@ def _listed(kept: Sparse, rows: int) -> Any:
 def _fixed(array: Array) -> Any:
     """Return an array of rows as lists of one length."""
     kind = lists_of(pa.from_numpy_dtype(array.dtype), flat_size(array))
-    if not flat_size(array):
+    if not has_numbers(kind):
         return pa.array([[]] * len(array), kind)
     return pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), type=kind)
 

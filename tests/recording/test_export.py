@@ -14,6 +14,7 @@ import mimoc
 from mimoc.errors import MissingExtraError, OutputError, RecordingError, UnknownNameError
 from mimoc.recording import frames
 from mimoc.recording.reading import ReadRecording
+from mimoc.recording.replaying import replay
 
 SENSES = {"proprioception": {}, "touch": {"density": 0.3}, "vision": {"width_px": 16, "height_px": 12}}
 STEPS = 6
@@ -140,3 +141,23 @@ def test_nothing_recorded_is_nothing_to_export(recording, tmp_path):
         env.reset(seed=0)
     with pytest.raises(RecordingError, match="there are no control steps in this recording"):
         mimoc.export_recording(tmp_path / "empty", "csv", tmp_path / "out")
+
+
+def test_an_infant_without_actions_is_recorded_and_exported_as_text_only(tmp_path):
+    """All its joints are locked; pyarrow, as Minari uses it too, ends Python at lists without numbers."""
+    spec = {"mimoc": 1, "name": "cast", "age_months": 3, "senses": {"proprioception": {}}}
+    locked = {"actuation": {"locked": ["trunk", "arms", "eyes", "legs", "neck", "hands"]}}
+    bundle = mimoc.build(mimoc.InfantSpec.model_validate(spec | locked))
+    with mimoc.Recorder(mimoc.make(bundle), tmp_path / "still", part_rows=2) as env:
+        assert env.action_space.shape == (0,)
+        env.reset(seed=0)
+        for _ in range(3):
+            env.step(env.action_space.sample())
+    recording = mimoc.read_recording(tmp_path / "still")
+    assert recording[0].actions.shape == (3, 0)
+    again = replay(recording, lambda bundle, other_seeds: mimoc.InfantEnv(bundle))
+    assert [replayed.difference for replayed in again] == [None]
+    mimoc.export_recording(recording, "csv", tmp_path / "text")
+    for name in ("minari", "lerobot"):
+        with pytest.raises(RecordingError, match="this format holds actions, and this infant has none"):
+            mimoc.export_recording(recording, name, tmp_path / name)

@@ -8,12 +8,14 @@ from mimoc.recording.reading import Episode, ReadRecording
 
 
 def check_alike(recording: ReadRecording, episodes: Sequence[Episode]) -> None:
-    """Check that all episodes have the same observations, number of actuators and control step.
+    """Check that all episodes have the same observations, number of actuators and control step, and that they have any.
 
     Raises:
-        RecordingError: If one has not.
+        RecordingError: If one has not, or if no actuator is commanded, which these formats cannot hold.
     """
     first = episodes[0]
+    if not first.described.actions:
+        raise RecordingError(f"{recording.path}: this format holds actions, and this infant has none; export it to csv")
     for episode in episodes:
         if _kind(episode) != _kind(first):
             raise RecordingError(
