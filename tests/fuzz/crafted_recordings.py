@@ -231,7 +231,7 @@ DESCRIPTIONS: dict[str, tuple[Craft, str]] = {
     "a table that says nothing": (_table(lambda table: table.replace_schema_metadata(None)), "Invalid JSON"),
     "a table of another version": (_described("recording", value=2), "recording: Input should be 1"),
     "a control step of 1e-300 ms": (_described("step_ms", value=1e-300), "step_ms: Input should be greater"),
-    "no actuators": (_described("columns", "action", "layout", value=[]), "'action' is of type"),
+    "no actuators": (_described("columns", "action", "layout", value=[]), "'action' is not one that mimoc writes"),
     "another shape": (_described("columns", ANGLES, "shape", value=[3]), "names for 3 numbers"),
     "a shape of half a number": (_described("columns", ANGLES, "shape", value=[1.5]), "shape.0: Input should be"),
     "a shape of -1": (_described("columns", ANGLES, "shape", value=[-1]), "shape.0: Input should be greater"),
