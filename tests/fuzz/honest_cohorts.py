@@ -192,7 +192,10 @@ def valid_cohort(generator: np.random.Generator, folder: Path) -> Path:
 
 
 def check_possible(cohort: Cohort) -> None:
-    """Raise a MimocError if an infant cannot be built, is to learn and cannot, or cannot follow a policy."""
+    """Raise a MimocError if an infant cannot be built, is to learn and cannot, or cannot follow a policy.
+
+    Also if there is no such child from birth to 24 months, all of which pages show.
+    """
     jobs = cohort.jobs()
     learning = any(job.step == "train" for job in jobs)
     policies = {job.options["policy"] for job in jobs if job.step == "run"}
@@ -202,6 +205,9 @@ def check_possible(cohort: Cohort) -> None:
                 check_learnable(env)
             for policy in policies:
                 policy_of(env, policy)
+        child = mimoc.InfantSpec(mimoc=1, name=spec.name, age_months=spec.age_months, body=spec.body)
+        for age_months in (0, 24):
+            mimoc.build(child.with_(age_months=age_months))
 
 
 def prepare(_: Path) -> None:
