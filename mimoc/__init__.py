@@ -29,9 +29,10 @@ if TYPE_CHECKING:
     from mimoc.recording.recorder import Recorder
     from mimoc.recordings import replay_recording
     from mimoc.reporting import report
-    from mimoc.runtime import InfantEnv, torque_limits
+    from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
+    from mimoc.runtime.limits import torque_limits
     from mimoc.schema.infant import InfantSpec
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
@@ -44,7 +45,7 @@ _HOMES = {
     "Gains": "mimoc.control",
     "Cohort": "mimoc.cohorts",
     "Growing": "mimoc.runtime.growing_env",
-    "InfantEnv": "mimoc.runtime",
+    "InfantEnv": "mimoc.runtime.env",
     "InfantSpec": "mimoc.schema.infant",
     "InverseDynamics": "mimoc.control",
     "LookAt": "mimoc.control",
@@ -72,7 +73,7 @@ _HOMES = {
     "report": "mimoc.reporting",
     "run_experiment": "mimoc.experiments",
     "sb3_vec_env": "mimoc.vector_environments",
-    "torque_limits": "mimoc.runtime",
+    "torque_limits": "mimoc.runtime.limits",
     "train": "mimoc.training",
     "validate_milestones": "mimoc.milestones",
     "view": "mimoc.viewer.viewing",

@@ -37,7 +37,7 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
 BASE = "version errors units streams geometry files"
 LANGUAGE = f"{BASE} language kinds composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
-RUNNING = f"{LANGUAGE} bundle drawing run runtime control"
+RUNNING = f"{LANGUAGE} bundle drawing terms run runtime control"
 KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noise", "policies")
 
 LAYERS = {
@@ -71,12 +71,13 @@ LAYERS = {
     "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
     "plots": layer("render.plots", f"{BASE} schema fits body", "matplotlib"),
-    "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing", "gymnasium mujoco scipy"),
-    "runtime": layer("runtime", f"{LANGUAGE} bundle drawing run", "gymnasium mujoco scipy"),
+    "terms": layer("runtime.worlds runtime.term runtime.array_library", "", "mujoco"),
+    "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
+    "runtime": layer("runtime", f"{LANGUAGE} bundle drawing terms run", "gymnasium mujoco scipy"),
     "device": layer(
         "runtime.warp",
-        f"{LANGUAGE} bundle drawing run runtime",
-        "gymnasium mujoco warp mujoco_warp",
+        f"{LANGUAGE} bundle drawing terms run runtime",
+        "gymnasium mujoco warp mujoco_warp torch array_api_compat",
     ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", RUNNING, ""),
@@ -125,7 +126,7 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 """Libraries that are part of another."""
 
 RUN_MODULES = {
-    "senses": "binding custom joined sense nothing touch.contacts touch.many touch.receptors vision.eyes "
+    "senses": "binding custom joined sense term_sense nothing touch.contacts touch.many touch.receptors vision.eyes "
     "vision.many vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
@@ -333,7 +334,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.fits.tables", "import yaml", "yaml belongs to language"),
         ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, composition, spec, schema, bundle"),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
-        ("mimoc.body.growth", "import numpy, torch", "torch belongs to training"),
+        ("mimoc.body.growth", "import numpy, torch", "torch belongs to device, training"),
         ("mimoc.stray", "import math", "the module is in no layer"),
         ("mimoc.body.growth", "from mimoc import stray", "body may not import mimoc"),
     ],

@@ -1,0 +1,102 @@
+"""Terms: what is measured or judged of infants, written once and run on one infant, on many, and on a device.
+
+A term is a frozen dataclass whose `__call__` is one expression over arrays with a leading axis of k infants:
+
+    @dataclass(frozen=True)
+    class Height(Term):
+        head: np.ndarray        # Whole numbers are addresses: where to look, the same for all infants of a batch.
+        length_m: np.ndarray    # Real numbers are amounts: how much, with a row for each infant.
+
+        def __call__(self, worlds):
+            return worlds.xp.take(worlds.xpos, self.head, axis=1)[..., 2] / self.length_m
+
+What an author writes, and binds to a model, is the term of one infant: `Height(np.array([3]), np.array([0.7]))`. Before
+it runs, `stack_terms` gives its amounts the leading axis, for one infant as for many:
+
+    field       of one infant    of k infants, as `__call__` sees it
+    head        (1,)             (1,)      on a device: torch's int64 there
+    length_m    (1,)             (k, 1)    on a device: torch's float32 there
+
+A term may not branch on values, make shapes depend on them, or multiply matrices (`@`, `einsum`) over the axis of
+infants, whose bits differ with k. So one infant equals row i of many to the bit, and nothing waits for a device.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from mimoc.runtime.worlds import Worlds
+
+Put = Callable[[np.ndarray], Any]
+"""From NumPy's array to that of the library in which a term runs."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """A base for terms; a field can also be a term, or a tuple of terms."""
+
+    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+        """Return what is measured, an array of shape (k, ...), or what a kind asks of its terms.
+
+        Args:
+            worlds: The simulations of k infants.
+            args: What else a kind gives its terms, each with a leading axis of k.
+        """
+        raise NotImplementedError
+
+
+T = TypeVar("T", bound=Term)
+
+
+def stack_terms(terms: Sequence[T], put: Put = np.asarray) -> T:
+    """Return the term of k infants: amounts become rows, addresses and everything else are those of the first.
+
+    Args:
+        terms: The term of each infant; see `differing_field`.
+        put: Moves arrays to where the term will run.
+    """
+    first = terms[0]
+    return replace(first, **{name: _stacked(values, put) for name, values in _fields(terms).items()})
+
+
+def differing_field(terms: Sequence[Term]) -> str | None:
+    """Return a field for which terms cannot be stacked, as it is an address that is not equal; None if they can be."""
+    if len({type(term) for term in terms}) > 1:
+        return "kind"
+    for name, values in _fields(terms).items():
+        nested = [value if isinstance(value, tuple) else (value,) for value in values]
+        if len({len(items) for items in nested}) > 1:
+            return name
+        for items in zip(*nested, strict=True):
+            if isinstance(items[0], Term):
+                if within := differing_field(items):
+                    return f"{name}.{within}"
+            elif _is_amount(items[0]):
+                if len({np.shape(item) for item in items}) > 1:
+                    return name
+            elif any(not np.array_equal(item, items[0]) for item in items):
+                return name
+    return None
+
+
+def _fields(terms: Sequence[Term]) -> dict[str, list[Any]]:
+    return {field.name: [getattr(term, field.name) for term in terms] for field in fields(terms[0])}
+
+
+def _stacked(values: Sequence[Any], put: Put) -> Any:
+    """Return a field of k infants from that of each."""
+    first = values[0]
+    if isinstance(first, Term):
+        return stack_terms(values, put)
+    if isinstance(first, tuple):
+        return tuple(_stacked(items, put) for items in zip(*values, strict=True))
+    if _is_amount(first):
+        return put(np.stack([np.asarray(value, np.float64) for value in values]))
+    return put(first) if isinstance(first, np.ndarray) else first
+
+
+def _is_amount(value: Any) -> bool:
+    """Return whether a field says how much, and differs between infants; those of bool and text do not."""
+    return isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind == "f")

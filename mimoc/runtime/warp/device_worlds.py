@@ -1,0 +1,32 @@
+"""Worlds on a device, as terms read them: torch's views of MuJoCo Warp's arrays, which need no copy."""
+
+from typing import Any
+
+import array_api_compat.torch as array_library
+import mujoco_warp as mjw
+import numpy as np
+import torch
+import warp as wp
+
+from mimoc.runtime.term import Put
+from mimoc.runtime.worlds import Worlds
+
+
+def device_worlds(data: mjw.Data) -> Worlds:
+    """Return the worlds of some data, for as long as its arrays keep their places in memory."""
+
+    def read(field: str) -> Any:
+        return wp.to_torch(getattr(data, field))
+
+    return Worlds(array_library, read, pressing=lambda group_of_geom: NotImplemented)
+
+
+def put_on(device: wp.Device) -> Put:
+    """Return what moves NumPy's arrays to a device: real numbers with 32 bits, whole ones with 64, as torch indexes."""
+    place = wp.device_to_torch(device)
+
+    def put(values: np.ndarray) -> torch.Tensor:
+        kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
+        return torch.as_tensor(values, dtype=kind, device=place)
+
+    return put

@@ -1,0 +1,43 @@
+"""Senses that are terms: written once, they run on one infant, on many, and on a device."""
+
+from collections.abc import Sequence
+
+import mujoco
+
+from mimoc.runtime.term import Term, stack_terms
+from mimoc.runtime.worlds import worlds_of_one
+from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
+
+
+class TermSense(Vector):
+    """A sense of n numbers that a term measures: `term(worlds)` returns them, shape (k, n)."""
+
+    def __init__(
+        self,
+        name: str,
+        term: Term,
+        layout: Sequence[str],
+        low: FloatArray | float,
+        high: FloatArray | float,
+        bodies: IntArray | None = None,
+    ):
+        """Describe the numbers; see `Vector`.
+
+        Args:
+            name: Of the sense, and of its array in the observation.
+            term: Measures them of one infant.
+            layout: What each number is, with its unit.
+            low: Least value to be observed, of all numbers or of each, shape (n,); finite.
+            high: Largest one, likewise.
+            bodies: The body in which each is measured, shape (n,).
+        """
+        super().__init__(name, layout, low, high, bodies)
+        self.term = term
+        self._measure = stack_terms([term])
+        self._data: mujoco.MjData | None = None
+
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return the numbers now, as a new array."""
+        if data is not self._data:
+            self._data, self._worlds = data, worlds_of_one(data)
+        return self._measure(self._worlds)[0].copy()
