@@ -10,29 +10,29 @@ from mimoc.bundle.manifest import AnatomyEntry, EyeEntry, LimbEntry
 
 def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
     """Return the anatomy of a body for the manifest."""
-    here = {body.name for body in tree.bodies}
+    bodies = {body.name for body in tree.bodies}
     groups: dict[str, list[str]] = {}
     for joint, group in muscle_groups(tree).items():
         groups.setdefault(group, []).append(joint)
     return AnatomyEntry(
-        head=HEAD if HEAD in here else None,
+        head=HEAD if HEAD in bodies else None,
         trunk=tuple(body.name for body in tree.bodies if body.region == "trunk"),
-        arms=tuple(_limbs(ARM, here)),
-        legs=tuple(_limbs(LEG, here)),
-        eyes=tuple(_eyes(here)),
+        arms=tuple(_limbs(ARM, bodies)),
+        legs=tuple(_limbs(LEG, bodies)),
+        eyes=tuple(_eyes(bodies)),
         groups={group: tuple(joints) for group, joints in sorted(groups.items())},
     )
 
 
-def _limbs(ends: Ends, here: set[str]) -> Iterator[LimbEntry]:
+def _limbs(ends: Ends, bodies: set[str]) -> Iterator[LimbEntry]:
     for side in LIMB_SIDES:
         root, end = (name.format(side=side) for name in ends)
-        if root in here:
-            yield LimbEntry(side=side, root=root, end=end if end in here else None)
+        if root in bodies:
+            yield LimbEntry(side=side, root=root, end=end if end in bodies else None)
 
 
-def _eyes(here: set[str]) -> Iterator[EyeEntry]:
+def _eyes(bodies: set[str]) -> Iterator[EyeEntry]:
     for side in EYE_SIDES:
         body, camera = (name.format(side=side) for name in EYE)
-        if body in here:
+        if body in bodies:
             yield EyeEntry(side=side, body=body, camera=camera)

@@ -36,21 +36,21 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Coll
     regions = spec.actuation.regions
     groups = None if regions is None else single_groups(regions)
     locked = set(locked_joints(spec, tree, setup))
-    found = {
+    commanded = {
         joint
         for joint, group in muscle_groups(tree).items()
         if (groups is None or group in groups)
         and (setup.commanded is None or joint in setup.commanded)
         and joint not in locked
     }
-    if setup.commanded is not None and found.isdisjoint(motor.joint for motor in tree.motors):
+    if setup.commanded is not None and commanded.isdisjoint(motor.joint for motor in tree.motors):
         key = "locked" if regions is None else "regions"
         raise UnsupportedTaskError(
             f"none of this infant's commanded actuators moves a joint of task '{setup.entry.kind}'; "
             + ("choose other groups" if regions is not None else "lock fewer groups"),
             ("actuation", key),
         )
-    return found
+    return commanded
 
 
 def holds(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[Hold, ...]:
@@ -59,10 +59,10 @@ def holds(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[Hold, ...
     Raises:
         UnsupportedTaskError: If the spec holds a part that this infant does not have.
     """
-    here = {body.name for body in tree.bodies}
+    bodies = {body.name for body in tree.bodies}
     homes = {tree.home(name): name for name in spec.scene.held}
     for home, name in homes.items():
-        if home not in here:
+        if home not in bodies:
             raise UnsupportedTaskError(f"this infant has no '{name}' to hold; remove it", ("scene", "held"))
     by_task = {hold.body for hold in setup.holds}
     return (*setup.holds, *(Hold(home) for home in homes if home not in by_task))
@@ -96,11 +96,11 @@ def keeps(
     """Return whether a state (qpos) has locked hinges and held parts at their starting poses."""
     if not joints and not held:
         return True
-    here, there = lock(joints, tree, state), lock(joints, tree, start)
-    if any(abs(mine.angle_rad - theirs.angle_rad) > SAME for mine, theirs in zip(here, there, strict=True)):
+    lock_now, lock_at_start = lock(joints, tree, state), lock(joints, tree, start)
+    if any(abs(mine.angle_rad - theirs.angle_rad) > SAME for mine, theirs in zip(lock_now, lock_at_start, strict=True)):
         return False
     places = [
-        np.array([[*each.pos_m, *(each.torquescale * np.array(each.quat))] for each in weld(held, tree, at)])
+        np.array([[*pose.pos_m, *(pose.torquescale * np.array(pose.quat))] for pose in weld(held, tree, at)])
         for at in (start, state)
     ]
     return bool(np.allclose(*places, rtol=0.0, atol=SAME))

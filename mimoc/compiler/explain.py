@@ -57,10 +57,10 @@ def find(bundle: Bundle, text: str) -> dict[str, str]:
     if text in entries:
         return {text: value_text(entries[text])}
     pattern = part if set(part) & set("*?") else f"*{part.replace('[', '[[]')}*"
-    found = {key: value_text(entries[key]) for key in sorted(entries) if fnmatchcase(key.lower(), pattern)}
-    if not found or not part:
+    values = {key: value_text(entries[key]) for key in sorted(entries) if fnmatchcase(key.lower(), pattern)}
+    if not values or not part:
         raise MimocError(f"no number of this bundle has '{text}' in its name; {_advice(part, entries)}")
-    return found
+    return values
 
 
 def explain(bundle: Bundle, key: str) -> Explanation:

@@ -58,8 +58,8 @@ def set_up_task(
     setup = build_task(spec.task, tree)
     poses = scene.keyframes
     if spec.task and setup.start is not None:
-        own = Keyframe(spec.task.kind, setup.start)
-        poses = (*poses, actuation.at_rest(own))
+        keyframe = Keyframe(spec.task.kind, setup.start)
+        poses = (*poses, actuation.at_rest(keyframe))
     (start,) = (pose for pose in poses if pose.name == start_pose(spec, setup))
     joints, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
     kept = tuple(pose for pose in poses if keeps(joints, held, tree, start.qpos, pose.qpos))
@@ -120,7 +120,7 @@ def furnish(
 
 def _in_world(scene: SceneTree, world: World, poses: Iterable[Keyframe]) -> SceneTree:
     """Return an infant in a world: its poses and the objects at rest, and contacts with barriers."""
-    resting = tuple(number for each in world.objects for number in (*each.pos_m, *each.quat))
+    resting = tuple(number for item in world.objects for number in (*item.pos_m, *item.quat))
     return replace(
         scene,
         world=replace(world, pairs=barrier_pairs(world, scene.roots)),
@@ -144,8 +144,8 @@ def _toys(
     if spec.toys is None:
         return ()
     toys = choose_toys(spec.toys, spec.seed, toybox)
-    here = start.qpos
-    reach = reachable_floor(tree, here) or ReachableFloor((here[0], here[1]), reach_of(taken - (*here[:2], 0.0)), 0.1)
+    qpos = start.qpos
+    reach = reachable_floor(tree, qpos) or ReachableFloor((qpos[0], qpos[1]), reach_of(taken - (*qpos[:2], 0.0)), 0.1)
     places = place_toys(
         [toy.radius_m for toy in toys], reach, Floor(built.half_size_m, taken), stream(spec.seed, "toys.place")
     )

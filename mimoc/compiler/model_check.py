@@ -42,13 +42,13 @@ def trace_model_error(error: ModelError, written: Source, provenance: Mapping[st
 def _sources(element: str, provenance: Mapping[str, Mapping[str, Any]]) -> set[str]:
     """Return the keys of an element's numbers and of all numbers that these depend on."""
     pending = [key for key, entry in provenance.items() if f"[@name='{element}']" in entry.get("xml", "")]
-    found: set[str] = set()
+    sources: set[str] = set()
     while pending:
         key = pending.pop()
-        if key not in found:
-            found.add(key)
+        if key not in sources:
+            sources.add(key)
             pending += provenance[key].get("from", ())
-    return found
+    return sources
 
 
 def _refusal(files: Mapping[str, bytes]) -> str | None:

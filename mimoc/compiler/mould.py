@@ -142,10 +142,10 @@ def _write(changes: Sequence[tuple[Slot, npt.NDArray[Any] | None, Any]]) -> None
     several = [numbers if isinstance(numbers, tuple) else (numbers,) for *_, numbers in changes]
     printed = rounded_array(np.array([*chain(*several)], float))
     end = 0
-    for ((element, attribute), view, numbers), each in zip(changes, several, strict=True):
-        start, end = end, end + len(each)
+    for ((element, attribute), view, numbers), values in zip(changes, several, strict=True):
+        start, end = end, end + len(values)
         if view is not None:
-            view[: len(each)] = printed[start:end]
+            view[: len(values)] = printed[start:end]
         else:
             read = printed[start:end].tolist()
             setattr(element, attribute, read if isinstance(numbers, tuple) else read[0])

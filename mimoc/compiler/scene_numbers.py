@@ -47,7 +47,9 @@ def _form(kind: type, elements: str, attributes: dict[str, str], *parts: str) ->
     """
     numbers, names = tuple(attributes.values()), tuple(attributes)
     rest = attrgetter(*(field.name for field in fields(kind) if field.name not in {*numbers, *parts}))
-    read: Any = attrgetter(*numbers) if len(numbers) > 1 else lambda each: tuple(getattr(each, key) for key in numbers)
+    read: Any = (
+        attrgetter(*numbers) if len(numbers) > 1 else lambda element: tuple(getattr(element, key) for key in numbers)
+    )
     return Form(elements, lambda _: names, read, rest)
 
 
@@ -108,19 +110,19 @@ def read(scene: SceneTree) -> tuple[list[Any], list[Any]]:
         scene, name="", roots=(), tendons=(), actuators=(), keyframes=(), world=_fixed(scene.world), skin=None
     )
     numbers, rest = list[Any](), list[Any]([bare])
-    for form, each in _elements(scene):
-        numbers += form.numbers(each)
-        rest.append(form.rest(each) if form is not BODY else (form.rest(each), *map(len, _parts(each))))
+    for form, element in _elements(scene):
+        numbers += form.numbers(element)
+        rest.append(form.rest(element) if form is not BODY else (form.rest(element), *map(len, _parts(element))))
     return numbers, rest
 
 
 def slots(scene: SceneTree, spec: mujoco.MjSpec) -> list[Slot]:
     """Return where MuJoCo's elements of a scene hold each of its numbers."""
-    named = {form.elements: {each.name: each for each in getattr(spec, form.elements)} for form in FORMS}
+    named = {form.elements: {element.name: element for element in getattr(spec, form.elements)} for form in FORMS}
     return [
-        _slot(named[form.elements][each.name], attribute)
-        for form, each in _elements(scene)
-        for attribute in form.attributes(each)
+        _slot(named[form.elements][element.name], attribute)
+        for form, element in _elements(scene)
+        for attribute in form.attributes(element)
     ]
 
 
@@ -132,12 +134,12 @@ def _elements(scene: SceneTree) -> Iterator[tuple[Form, Any]]:
     """Yield all elements whose numbers can change, with their forms."""
     for node in _nodes(scene.roots):
         yield BODY, node
-        for form, each in zip((JOINT, GEOM, SITE, CAMERA), _parts(node), strict=False):
-            yield from ((form, part) for part in each)
+        for form, elements in zip((JOINT, GEOM, SITE, CAMERA), _parts(node), strict=False):
+            yield from ((form, part) for part in elements)
     world = scene.world
     lists = scene.tendons, scene.actuators, world.furniture.geoms, world.objects, world.locks, world.welds
-    for form, each in zip(FORMS[5:], (*lists, scene.keyframes), strict=True):
-        yield from ((form, part) for part in each)
+    for form, elements in zip(FORMS[5:], (*lists, scene.keyframes), strict=True):
+        yield from ((form, part) for part in elements)
 
 
 def _nodes(roots: Iterable[Node]) -> Iterator[Node]:

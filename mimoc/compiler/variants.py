@@ -126,12 +126,12 @@ def _cast(mould: Mould, scene: SceneTree) -> Casting | None:
         return None
 
 
-def _kept(found: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:
+def _kept(store: dict[Any, Value], key: Any, make: Callable[[], Value]) -> Value:
     """Return what is kept under a key, or make it; what was not asked for lately is forgotten."""
-    value = found.pop(key) if key in found else make()
-    found[key] = value
-    if len(found) > KEPT:
-        del found[next(iter(found))]
+    value = store.pop(key) if key in store else make()
+    store[key] = value
+    if len(store) > KEPT:
+        del store[next(iter(store))]
     return value
 
 

@@ -18,14 +18,14 @@ from mimoc.toys.spec import ToysSpec
 
 def without_effect(spec: InfantSpec) -> tuple[str, ...]:
     """Return a note for each key of a spec that is given, is not the default, and has no effect."""
-    found = {
+    unused = {
         **_other_kinds("actuation", "model", spec.actuation, ACTUATIONS),
         **_other_kinds("scene", "kind", spec.scene, SCENES),
         **(_of_toys(spec.scene.toys) if spec.scene.toys else {}),
         **(_of_vision(spec.senses.vision) if spec.senses.vision else {}),
         **dict(_others(spec)),
     }
-    return tuple(f"'{key}' has no effect: {why}" for key, why in found.items())
+    return tuple(f"'{key}' has no effect: {why}" for key, why in unused.items())
 
 
 def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> dict[str, str]:
@@ -40,23 +40,23 @@ def _other_kinds(section: str, key: str, given: Any, kinds: Kinds[Any]) -> dict[
 
 
 def _of_toys(toys: ToysSpec) -> dict[str, str]:
-    found = _other_kinds("scene.toys", "source", toys, TOY_SOURCES)
+    unused = _other_kinds("scene.toys", "source", toys, TOY_SOURCES)
     if toys.root is not None and not TOY_SOURCES[toys.source].needs_root:
-        found["scene.toys.root"] = f"scene.toys.source is '{toys.source}', which needs no folder"
-    return found
+        unused["scene.toys.root"] = f"scene.toys.source is '{toys.source}', which needs no folder"
+    return unused
 
 
 def _of_vision(vision: VisionSpec) -> Mapping[str, str]:
-    found, usual = {}, VisionSpec()
+    unused, usual = {}, VisionSpec()
     if (
         vision.acuity_profile != usual.acuity_profile
         and not isinstance(vision.acuity, float)
         and vision.acuity != "age"
     ):
-        found["senses.vision.acuity_profile"] = "senses.vision.acuity follows no age"
+        unused["senses.vision.acuity_profile"] = "senses.vision.acuity follows no age"
     if vision.foveation_radius != usual.foveation_radius and not vision.foveation:
-        found["senses.vision.foveation_radius"] = "senses.vision.foveation is 0"
-    return found
+        unused["senses.vision.foveation_radius"] = "senses.vision.foveation is 0"
+    return unused
 
 
 def _others(spec: InfantSpec) -> Iterator[tuple[str, str]]:

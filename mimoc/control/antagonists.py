@@ -70,6 +70,6 @@ class Antagonists:
         return action
 
 
-def _slot(found: np.ndarray) -> int:
-    """Return the only index of the action at which *found*, shape (nu,), is true."""
-    return int(np.flatnonzero(found)[0])
+def _slot(slots: np.ndarray) -> int:
+    """Return the only index of the action at which *slots*, shape (nu,), is true."""
+    return int(np.flatnonzero(slots)[0])

@@ -94,6 +94,6 @@ def _unheld(moved: FloatArray, held: FloatArray) -> FloatArray:
 
 def halved(model: mujoco.MjModel, data: mujoco.MjData, scales: FloatArray, rows: FloatArray) -> FloatArray:
     """Return rows, shape (m, nv), in coordinates in which the mass matrix is the identity."""
-    found = np.empty_like(rows)
-    mujoco.mj_solveM2(model, data, found, rows, scales)
-    return found
+    result = np.empty_like(rows)
+    mujoco.mj_solveM2(model, data, result, rows, scales)
+    return result

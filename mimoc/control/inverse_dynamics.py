@@ -98,7 +98,7 @@ class InverseDynamics:
         self._torques = map_torques(manifest.actuation.model, actuation, self._joints.indices, model, step_s)
         self._present_rad = data.qpos[self._joints.angles]
         postures = [level for level in (*self._levels, self._posture) if isinstance(level, Posture)]
-        objectives = [each for level in self._levels if not isinstance(level, Posture) for each in level]
+        objectives = [item for level in self._levels if not isinstance(level, Posture) for item in level]
         self._frames = {objective: find_frame(objective.site, model) for objective in objectives}
         self._members = {posture: posture.members(self.joints) for posture in postures}
         loose = [find_frame(name, model).body for name in self._loose]
@@ -122,7 +122,7 @@ class InverseDynamics:
         """Return each joint's torque as a fraction of its strength, shape (n,), before clipping."""
         turning, wanted = self._turning(now), self._wanted(now)
         linear_demands = [
-            self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[each] for each in level])
+            self._hold(level, turning) if isinstance(level, Posture) else joined([wanted[item] for item in level])
             for level in self._levels
         ]
         least, largest = self._joints.bounds(self._data)

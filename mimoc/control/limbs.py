@@ -24,10 +24,10 @@ def limb_of(body: int, trunk: Collection[int], model: mujoco.MjModel) -> int:
 
 def joints_between(model: mujoco.MjModel, body: int, root: int) -> list[int]:
     """Return the joints that move a body relative to the parent of *root*, its ancestor or itself."""
-    found: list[int] = []
+    joints: list[int] = []
     while True:
         first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
-        found = [*range(first, first + count), *found]
+        joints = [*range(first, first + count), *joints]
         if body == root:
-            return found
+            return joints
         body = int(model.body_parentid[body])

@@ -193,22 +193,22 @@ def _demand_pointing(motion: Motion, axis: FloatArray | None, wanted: FloatArray
 
 def _finite(what: str, numbers: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     try:
-        found = np.array(numbers, dtype=np.float64)
+        array = np.array(numbers, dtype=np.float64)
     except (TypeError, ValueError):
-        found = np.empty(0)
-    if found.shape != shape or not np.isfinite(found).all():
+        array = np.empty(0)
+    if array.shape != shape or not np.isfinite(array).all():
         wanted = " x ".join(map(str, shape))
         raise ControlError(f"the {what} is {_shown(numbers)}; give {wanted} finite numbers")
-    found.flags.writeable = False
-    return found
+    array.flags.writeable = False
+    return array
 
 
 def _unit(what: str, numbers: npt.ArrayLike) -> FloatArray:
-    found = _finite(what, numbers, np.shape(numbers) if np.shape(numbers) == (4,) else (3,))
-    length = float(np.linalg.norm(found))
+    vector = _finite(what, numbers, np.shape(numbers) if np.shape(numbers) == (4,) else (3,))
+    length = float(np.linalg.norm(vector))
     if length == 0.0:
         raise ControlError(f"the {what} has length zero; give a vector of any other length")
-    return found / length
+    return vector / length
 
 
 def _rotation(quaternion: FloatArray) -> FloatArray:

@@ -32,7 +32,7 @@ class ReachablePlaces:
         """
         self._model, self._data = model, mujoco.MjData(model)
         self._trunk = trunk_of(manifest.anatomy, model)
-        moved = {model.joint(each.joint).id for each in manifest.actuation.actuators if each.commanded}
+        moved = {model.joint(actuator.joint).id for actuator in manifest.actuation.actuators if actuator.commanded}
         hands = [limb.end for limb in manifest.anatomy.arms if limb.end]
         self.hands = tuple(hand for hand in hands if moved.intersection(self._joints_to(hand)))
         """Bodies of the hands that commanded joints move."""
@@ -56,14 +56,14 @@ class ReachablePlaces:
 
         Returns None if `MOST_DRAWS` draws find none, as for an infant that lies on its arms.
         """
-        model, own = self._model, self._data
-        own.qpos[:] = data.qpos
+        model, posed = self._model, self._data
+        posed.qpos[:] = data.qpos
         for _ in range(MOST_DRAWS):
-            own.qpos[self._angles] = generator.uniform(self._low_rad, self._high_rad)
-            mujoco.mj_kinematics(model, own)
-            mujoco.mj_comPos(model, own)
-            mujoco.mj_camlight(model, own)
-            places_m = tuple(frame.place_m(own).copy() for frame in self._frames)
+            posed.qpos[self._angles] = generator.uniform(self._low_rad, self._high_rad)
+            mujoco.mj_kinematics(model, posed)
+            mujoco.mj_comPos(model, posed)
+            mujoco.mj_camlight(model, posed)
+            places_m = tuple(frame.place_m(posed).copy() for frame in self._frames)
             if all(map(self._is_in_view, places_m)) and not self._touches():
                 return places_m
         return None

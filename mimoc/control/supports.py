@@ -95,9 +95,9 @@ def _couplings(model: mujoco.MjModel) -> FloatArray:
     """Return the Jacobian of the tendons that couple joints, shape (m, nv)."""
     play_rad = np.diff(model.tendon_range, axis=1)[:, 0]
     tendons = np.flatnonzero((model.tendon_limited != 0) & (play_rad < MOST_PLAY_RAD))
-    found = np.zeros((len(tendons), model.nv))
-    for row, tendon in zip(found, tendons, strict=True):
+    couplings = np.zeros((len(tendons), model.nv))
+    for row, tendon in zip(couplings, tendons, strict=True):
         first = model.tendon_adr[tendon]
         wraps = np.arange(first, first + model.tendon_num[tendon])
         row[model.jnt_dofadr[model.wrap_objid[wraps]]] = model.wrap_prm[wraps]
-    return found
+    return couplings

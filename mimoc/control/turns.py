@@ -55,6 +55,6 @@ def directions_across(direction: FloatArray) -> FloatArray:
 
 def _cross(left: FloatArray, right: FloatArray) -> FloatArray:
     """Return the cross product, shape (3,); of two single vectors NumPy's takes twenty times as long."""
-    found = np.empty(3)
-    mujoco.mju_cross(found, left, right)
-    return found
+    product = np.empty(3)
+    mujoco.mju_cross(product, left, right)
+    return product

@@ -99,7 +99,7 @@ class Measurements(Mapping[str, float]):
 
         def own(name: str) -> float:
             both_m = self[name]
-            values_m = (self.table.get(f"{each}_{name}", self.table[name]).value_m for each in sides)
+            values_m = (self.table.get(f"{side}_{name}", self.table[name]).value_m for side in sides)
             return min(values_m, key=lambda value_m: abs(value_m - both_m))
 
         return {name: own(name) for name in self.base}

@@ -157,14 +157,14 @@ def _read_who(path: Path) -> GrowthStandard:
 
 def _read_postures(path: Path) -> Postures:
     ages: tuple[str, ...] = ()
-    found: dict[tuple[str, str, bool, str], dict[str, tuple[float, ...]]] = {}
+    postures: dict[tuple[str, str, bool, str], dict[str, tuple[float, ...]]] = {}
     for _, row in _rows(path):
         ages = tuple(row)[5:]
         angles = tuple(_finite(row[age]) for age in ages)
-        found.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[
+        postures.setdefault((row["development"], row["hands"], row["chest_joint"] == "true", row["pose"]), {})[
             row["joint"]
         ] = angles
-    return Postures(tuple(map(float, ages)), found)
+    return Postures(tuple(map(float, ages)), postures)
 
 
 def _finite(text: str) -> float:

@@ -22,7 +22,7 @@ def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
         world: What is around the infant.
         roots: The infant.
     """
-    of_objects = (geom for each in world.objects for geom in each.geoms)
+    of_objects = (geom for item in world.objects for geom in item.geoms)
     moving = [geom for geom in (*_geoms(roots), *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
     barriers = (geom for geom in world.furniture.geoms if geom.barrier)
     return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)

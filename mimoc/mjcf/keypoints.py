@@ -33,12 +33,12 @@ RADIUS_M = 0.005
 
 def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
     """Return the keypoints of each body; those of limbs that this infant does not have are left out."""
-    here = {body.name for body in tree.bodies}
-    found: dict[str, list[Site]] = {}
+    bodies = {body.name for body in tree.bodies}
+    sites: dict[str, list[Site]] = {}
     for name, body, pos_m in (*_middle(tree), *_sides(tree)):
-        if body in here:
-            found.setdefault(body, []).append(Site(PREFIX + name, pos_m, RADIUS_M))
-    return found
+        if body in bodies:
+            sites.setdefault(body, []).append(Site(PREFIX + name, pos_m, RADIUS_M))
+    return sites
 
 
 def _middle(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:

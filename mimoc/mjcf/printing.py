@@ -79,7 +79,7 @@ def _indented(root: etree._Element) -> bytes:
 @cache
 def environment() -> Environment:
     """Return the environment of the templates: strict, escaped for XML, with one filter."""
-    found = Environment(
+    result = Environment(
         loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
         autoescape=lambda name: name is not None and name.endswith(".xml.j2"),
@@ -87,5 +87,5 @@ def environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters["num"] = num
-    return found
+    result.filters["num"] = num
+    return result

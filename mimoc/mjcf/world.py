@@ -54,14 +54,14 @@ class World:
     @property
     def plain_materials(self) -> tuple[WorldMaterial, ...]:
         """Materials of one colour."""
-        return (*self.furniture.plain_materials, *(material for each in self.objects for material in each.materials))
+        return (*self.furniture.plain_materials, *(material for item in self.objects for material in item.materials))
 
     @property
     def meshes(self) -> tuple[MeshFile, ...]:
         """The meshes of all objects."""
-        return tuple(mesh for each in self.objects for mesh in each.meshes)
+        return tuple(mesh for item in self.objects for mesh in item.meshes)
 
     @property
     def assets(self) -> Mapping[str, bytes]:
         """Binary files by path in the bundle."""
-        return {each.file: each.content for each in (*self.furniture.textures, *self.meshes)}
+        return {texture.file: texture.content for texture in (*self.furniture.textures, *self.meshes)}

@@ -38,7 +38,7 @@ def check_picture_name(path: str | Path, *, transparent: bool = False) -> None:
     """
     suffix = Path(path).suffix.lower()
     if transparent and suffix in OPAQUE:
-        fitting = ", ".join(each for each in FORMATS if each not in OPAQUE)
+        fitting = ", ".join(ending for ending in FORMATS if ending not in OPAQUE)
         raise OutputError(f"{path}: a picture of this format has no transparent background; end its name in {fitting}")
     if suffix not in FORMATS:
         raise OutputError(f"{path}: no picture is written to a file of this name; end it in {', '.join(FORMATS)}")

@@ -104,7 +104,7 @@ def lineup(
     row = row_of(bundles, pose)
     drawn = None
     if markers is not None:
-        drawn = join_markers(each.moved(move.points_m) for each, move in zip(markers, row.moves, strict=True))
+        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, row.moves, strict=True))
     azimuth, _ = FROM_THE_FRONT
     steepest = min(view_of_body(FROM_THE_FRONT, row.data, root)[1] for root in row.roots)
     view = framing.view((azimuth, steepest), azimuth)

@@ -18,7 +18,9 @@ LETTERS_PX = 9, 60
 
 def bar_length_cm(width_px: int, px_per_m: float) -> int:
     """Return how long the bar of a picture is."""
-    return max((each for each in LENGTHS_CM if each / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0])
+    return max(
+        (length_cm for length_cm in LENGTHS_CM if length_cm / 100 * px_per_m <= SHARE * width_px), default=LENGTHS_CM[0]
+    )
 
 
 def with_scale_bar(picture: Picture, px_per_m: float) -> Picture:

@@ -32,12 +32,12 @@ def reach_of(discs: FloatArray) -> float:
 
 def reachable_floor(tree: BodyTree, state: Sequence[float]) -> ReachableFloor | None:
     """Return the floor that an infant's hands reach from a pose with the arms stretched; None without arms."""
-    here, stretched = _placed(tree, state), pose(tree, {})
+    placed, stretched = _placed(tree, state), pose(tree, {})
     shoulders, lengths = [], []
     for side in ("right", "left"):
         upper_arm = f"{side}_uarm1"
         if upper_arm in tree.geoms:
-            shoulders.append(_shoulder(here, upper_arm))
+            shoulders.append(_shoulder(placed, upper_arm))
             lengths.append(_arm_length(stretched, upper_arm, side))
     if not shoulders:
         return None

@@ -71,18 +71,18 @@ def _side(key: str) -> str:
 
 def _followed(anatomy: Anatomy, gone: set[str], only: str) -> set[str]:
     """Return the measurements that the remaining parts follow: those of one side, or all."""
-    here = [part for side, part in anatomy.parts if part.name.format(side=side) not in gone and only in ("", side)]
-    of_geoms = (names for part in here for geom in part.geoms for names in (geom.follows, geom.placed_by))
-    return {name for part in here for name in part.follows}.union(*of_geoms)
+    parts = [part for side, part in anatomy.parts if part.name.format(side=side) not in gone and only in ("", side)]
+    of_geoms = (names for part in parts for geom in part.geoms for names in (geom.follows, geom.placed_by))
+    return {name for part in parts for name in part.follows}.union(*of_geoms)
 
 
 def _groups(anatomy: Anatomy, gone: set[str]) -> set[str]:
     """Return the muscle groups that the remaining parts belong to."""
-    found: dict[str, str] = {}
+    groups: dict[str, str] = {}
     for side, part in anatomy.parts:
         name, parent = part.name.format(side=side), (part.parent or "").format(side=side)
-        found[name] = part.group.format(side=side) or found.get(parent, "")
-    return {group for name, group in found.items() if name not in gone}
+        groups[name] = part.group.format(side=side) or groups.get(parent, "")
+    return {group for name, group in groups.items() if name not in gone}
 
 
 def _refuse(key: KeyPath, what: str) -> None:

@@ -142,11 +142,11 @@ class BodySpec(Model):
 
     @model_validator(mode="after")
     def _names_parts_it_has(self) -> Self:
-        here = limb_bodies(self.hands)
+        limbs = limb_bodies(self.hands)
         named = [*(("parts", name) for name in self.parts), *(("remove", index) for index in range(len(self.remove)))]
         for key in named:
             name = self.remove[key[1]] if isinstance(key[1], int) else key[1]
-            if name not in here and name not in trunk_bodies():
-                message = f"a body with {self.hands} hands has no '{name}'; {suggestion(name, here)}"
+            if name not in limbs and name not in trunk_bodies():
+                message = f"a body with {self.hands} hands has no '{name}'; {suggestion(name, limbs)}"
                 raise KeyedError(key, message, against=("hands",))
         return self

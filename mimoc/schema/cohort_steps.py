@@ -66,14 +66,14 @@ def _seeds(value: Any) -> Any:
         value = range(int(ends[1]), int(ends[2]))
         if not value:
             raise ValueError(f"'{ends[0]}' contains no seed; write the smaller number first, such as 0:3")
-    found = (value,) if type(value) is int else value
-    if not isinstance(found, list | tuple | range) or not all(
-        type(seed) is int and 0 <= seed < 2**31 for seed in found
+    seeds = (value,) if type(value) is int else value
+    if not isinstance(seeds, list | tuple | range) or not all(
+        type(seed) is int and 0 <= seed < 2**31 for seed in seeds
     ):
         raise ValueError("these are not seeds; write a number, a list, or a range such as 0:3")
-    if not found or len(set(found)) < len(found) or len(found) > MAX_SEEDS:
+    if not seeds or len(set(seeds)) < len(seeds) or len(seeds) > MAX_SEEDS:
         raise ValueError(f"expected 1 to {MAX_SEEDS} different seeds; write a list, or a range such as 0:3")
-    return tuple(found)
+    return tuple(seeds)
 
 
 def _function(name: str) -> str:
@@ -220,7 +220,7 @@ def step_of(item: str | StepChoice) -> tuple[str, StepSpec]:
     """Return the name of a step and its options, however briefly it was written."""
     if isinstance(item, str):
         return item, StepChoice.model_validate({item: {}}).__dict__[item]
-    ((name, found),) = ((name, value) for name, value in item if value is not None)
-    if isinstance(found, str):
-        found = ExperimentStep(name=found) if name == "experiment" else PythonStep(function=found)
-    return name, found
+    ((name, options),) = ((name, value) for name, value in item if value is not None)
+    if isinstance(options, str):
+        options = ExperimentStep(name=options) if name == "experiment" else PythonStep(function=options)
+    return name, options

@@ -74,12 +74,12 @@ def choice_field(kinds: Kinds[Any], default: str, about: str) -> FieldInfo:
 
 
 def _compose(section: type[Model], fields: Fields | None) -> None:
-    found = fields() if fields else {}
-    if taken := section in _COMPOSED and (found.keys() & section.model_fields.keys()) - _COMPOSED[section]:
+    options = fields() if fields else {}
+    if taken := section in _COMPOSED and (options.keys() & section.model_fields.keys()) - _COMPOSED[section]:
         raise KindError(f"'{min(taken)}' is already another key of {section.__name__}; choose another name")
-    for name in _COMPOSED.get(section, set()) - found.keys():
+    for name in _COMPOSED.get(section, set()) - options.keys():
         del section.__annotations__[name], section.model_fields[name]
-    _COMPOSED[section] = set(found)
-    for name, info in found.items():
+    _COMPOSED[section] = set(options)
+    for name, info in options.items():
         section.__annotations__[name] = info.annotation
         section.model_fields[name] = info

@@ -90,8 +90,8 @@ def validated(spec: InfantSpec) -> InfantSpec:
     Raises:
         SpecError: If the spec is invalid; the error lists all problems by key.
     """
-    found = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
-    return spec if found == spec else _checked(InfantSpec, given(spec), spec)
+    reading = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
+    return spec if reading == spec else _checked(InfantSpec, given(spec), spec)
 
 
 def as_written(spec: InfantSpec) -> Source:

@@ -55,16 +55,16 @@ def json_text(schema: Mapping[str, Any]) -> str:
 def _stricter(node: Any) -> Any:
     """Return a node of a schema without what files must not say, and what no editor shows."""
     if isinstance(node, list):
-        return [_stricter(each) for each in node]
+        return [_stricter(item) for item in node]
     if not isinstance(node, Mapping):
         return node
-    found = {key: _stricter(value) for key, value in node.items() if not _is_noise(key, value)}
-    about = {key: _flowing(found.pop(key)) for key in ABOUT if key in found}
-    options = [option for option in found.pop("anyOf", ()) if option != NOTHING]
-    if "also" in found:
-        also = found.pop("also")
-        return {**about, "anyOf": [found, also]}
-    return {**about, **(options[0] if len(options) == 1 else {"anyOf": options} if options else {}), **found}
+    stricter = {key: _stricter(value) for key, value in node.items() if not _is_noise(key, value)}
+    about = {key: _flowing(stricter.pop(key)) for key in ABOUT if key in stricter}
+    options = [option for option in stricter.pop("anyOf", ()) if option != NOTHING]
+    if "also" in stricter:
+        also = stricter.pop("also")
+        return {**about, "anyOf": [stricter, also]}
+    return {**about, **(options[0] if len(options) == 1 else {"anyOf": options} if options else {}), **stricter}
 
 
 def _is_noise(key: str, value: Any) -> bool:

@@ -38,10 +38,10 @@ def read_keys(keys: type[Spec], source: Source) -> Spec:
         try:
             spec = keys.model_validate(data, context=source)
         except ValidationError as error:
-            found = [fault(details, data, language) for details in error.errors(include_url=False)]
+            latest = [fault(details, data, language) for details in error.errors(include_url=False)]
             known = {path[:depth] for path in {*source.invalid, *faults} for depth in range(len(path) + 1)}
-            faults |= {new.path: new for new in reversed(found) if not {new.path, new.against or new.path} & known}
-            before, data = data, _repaired(data, {new.path for new in found}, language)
+            faults |= {new.path: new for new in reversed(latest) if not {new.path, new.against or new.path} & known}
+            before, data = data, _repaired(data, {new.path for new in latest}, language)
             if data == before:
                 break
     if spec is None or source.problems or faults:

@@ -40,14 +40,14 @@ def grown_individual(individual: IndividualSpec, before_months: float, after_mon
     """Return what changes of an individual at another age: its measures, and None for percentiles that repeat them."""
     from mimoc.fits import load_tables  # Bundles are opened without tables of growth.
 
-    found: dict[str, float | None] = {}
+    grown: dict[str, float | None] = {}
     for key, percentile in INDICATORS.items():
         value, standard, reference = getattr(individual, key), load_tables().who[key], individual.sex or "mean"
         if value is not None:
             z = standard.z_score(value, before_months, reference)
-            found[key] = rounded(standard.value(z, after_months, reference))
-            found |= {percentile: None} if getattr(individual, percentile) is not None else {}
-    return found
+            grown[key] = rounded(standard.value(z, after_months, reference))
+            grown |= {percentile: None} if getattr(individual, percentile) is not None else {}
+    return grown
 
 
 def _grown_measurements(body: BodySpec, before_months: float, after_months: float) -> dict[str, float | None]:
@@ -55,14 +55,14 @@ def _grown_measurements(body: BodySpec, before_months: float, after_months: floa
     from mimoc.fits import measure
 
     before, after = measure(before_months), measure(after_months)
-    found: dict[str, float | None] = {}
+    grown: dict[str, float | None] = {}
     for key, value_cm in body.measurements.items():
         name = unsided(key)
-        found[key] = rounded(value_cm * after[name] / before[name])
+        grown[key] = rounded(value_cm * after[name] / before[name])
     for earlier, later, _ in pairs(body, before_months):
         if earlier.path[1] == "individual" and later.path[1] == "measurements":
-            found[str(later.path[-1])] = None
-    return found
+            grown[str(later.path[-1])] = None
+    return grown
 
 
 def _is_age(months: Any) -> bool:

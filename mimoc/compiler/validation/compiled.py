@@ -53,8 +53,8 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
 
 def own_solids(model: mujoco.MjModel) -> IntArray:
     """Return the indices of the solids of an infant's body, shape (n,): no clothes, toys or floor."""
-    own = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
-    return np.flatnonzero(own & np.isin(model.geom_group, (BODY_GROUP, SOLIDS_GROUP)))
+    is_infants = model.body_rootid[model.geom_bodyid] == model.body(ROOT).id
+    return np.flatnonzero(is_infants & np.isin(model.geom_group, (BODY_GROUP, SOLIDS_GROUP)))
 
 
 def solid_extents(model: mujoco.MjModel, geoms: IntArray) -> Extents:

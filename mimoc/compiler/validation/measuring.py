@@ -77,11 +77,11 @@ class Figure:
 
     def limb(self, *roots: str) -> Solids:
         """Return the solids of some bodies and of all that is attached to them."""
-        found = {self.model.body(name).id for name in roots}
+        bodies = {self.model.body(name).id for name in roots}
         for body in range(1, self.model.nbody):
-            if self.model.body_parentid[body] in found:
-                found.add(body)
-        return self._of([geom for geom in self._solids if self.model.geom_bodyid[geom] in found])
+            if self.model.body_parentid[body] in bodies:
+                bodies.add(body)
+        return self._of([geom for geom in self._solids if self.model.geom_bodyid[geom] in bodies])
 
     def centre(self, geom: str) -> FloatArray:
         """Return the centre of a geom, shape (3,)."""
@@ -248,12 +248,12 @@ def measure_body(model: mujoco.MjModel) -> dict[str, float]:
 
     Limbs are measured on the left, or on the right where the left one is missing.
     """
-    figure, found = Figure(model), {}
+    figure, measured = Figure(model), {}
     for name, (measure, needed) in MEASURES.items():
         side = next((side for side in SIDES if _has(figure, needed, side)), None)
         if side:
-            found[name] = measure(figure.pose(STRAIGHT), side)
-    return found
+            measured[name] = measure(figure.pose(STRAIGHT), side)
+    return measured
 
 
 def _has(figure: Figure, needed: Sequence[str], side: str) -> bool:

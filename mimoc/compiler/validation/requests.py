@@ -30,10 +30,10 @@ def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
         spec: The spec.
         measures: The measures of its compiled child.
     """
-    found: dict[str, float | None] = {}
+    requests: dict[str, float | None] = {}
     if spec.body.individual:
         wanted = targets(spec.body.individual, spec.age_months)
-        found = {
+        requests = {
             "length_cm": wanted.length_m and m_to_cm(wanted.length_m),
             "weight_kg": wanted.weight_kg,
             "head_circumference_cm": wanted.head_m and m_to_cm(wanted.head_m),
@@ -42,10 +42,10 @@ def requests_of(spec: InfantSpec, measures: Stature) -> Requests:
     for indicator, value in measures.items():
         own_cm = _replaced_cm(spec, indicator)
         if own_cm is not None:
-            found[indicator] = own_cm
+            requests[indicator] = own_cm
         if isinstance(value, float) and _is_changed(spec, indicator, value):
-            found[indicator] = None
-    return found
+            requests[indicator] = None
+    return requests
 
 
 def _replaced_cm(spec: InfantSpec, indicator: str) -> float | None:

@@ -78,7 +78,7 @@ def _located(root: Node) -> Node:
 
 def _all(node: Node) -> list[Node]:
     """Return a body and all its descendants."""
-    return [node, *(found for child in node.children for found in _all(child))]
+    return [node, *(item for child in node.children for item in _all(child))]
 
 
 def _moved(pos_m: tuple[float, float, float], x_m: float, y_m: float) -> tuple[float, float, float]:
