@@ -13,7 +13,7 @@ from mimoc.experiments.notebook import Cell, Notebook, Progress
 from mimoc.experiments.resting import LEANS, Rest, rest
 from mimoc.experiments.sitting_pictures import Sitter, caption, try_to_sit
 from mimoc.experiments.strength_over_load import GROUPS, Strength, strengths
-from mimoc.looks.drawing import encode_palette_png
+from mimoc.looks.pictures import encode_palette_png
 from mimoc.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.milestones.search import Found
 from mimoc.render.picture_grid import tile_pictures

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from mimoc.compiler import building
 from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.looks.drawing import encode_palette_png
+from mimoc.looks.pictures import encode_palette_png
 from mimoc.render.overview import overview
 from mimoc.render.picture_grid import Picture, captioned_grid
 from mimoc.render.plots.curves import Curve, Panel, draw_panels

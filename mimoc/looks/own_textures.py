@@ -10,10 +10,12 @@ import numpy as np
 from PIL import Image
 
 from mimoc.errors import TextureError
-from mimoc.looks.drawing import FloatArray, encode_png
-from mimoc.looks.patterns.tiling import TILE_PX
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.pictures import encode_png
 from mimoc.looks.wallpaper import Wallpaper
 
+TILE_PX = 256
+"""Maximum number of texels per side: that of images of a bundle."""
 MOST_PX = 20_000_000
 LONGER_SIDE_M = 1.0
 """Width and height of one repeat."""
@@ -56,10 +58,9 @@ def _files(path: Path) -> list[Path]:
 
 def _texture(file: Path, taken: set[str]) -> Wallpaper:
     image = _small(_decode(file))
-    png = encode_png(image)
     rows, columns, _ = image.shape
     tile_m = (LONGER_SIDE_M * columns / max(rows, columns), LONGER_SIDE_M * rows / max(rows, columns))
-    return Wallpaper(_name(file, taken), tile_m, lambda: png)
+    return Wallpaper(_name(file, taken), tile_m, encode_png(image))
 
 
 def _decode(file: Path) -> Image.Image:

@@ -14,7 +14,6 @@ from mimoc.body.poses import POSES, pose_of, resting_state
 from mimoc.looks.skin.carrying import skin_of
 from mimoc.looks.skin.face import newborn_share
 from mimoc.looks.skin.sculpture import sculpture
-from mimoc.looks.skin.unwrapping import unwrapped, wrapped
 from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
@@ -145,12 +144,6 @@ def test_newborns_have_a_flatter_nose_and_a_smaller_chin():
 
 def test_the_face_of_a_newborn_changes_until_six_months():
     assert [newborn_share(age) for age in (0, 3, 6, 24)] == pytest.approx([1, 0.5, 0, 0])
-
-
-def test_places_in_the_picture_of_a_face_show_their_directions():
-    directions = np.random.default_rng(0).normal(size=(200, 3))
-    again = wrapped(unwrapped(directions))
-    assert np.allclose(again, directions / np.linalg.norm(directions, axis=1, keepdims=True), atol=1e-9)
 
 
 @pytest.mark.matrix

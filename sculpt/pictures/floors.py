@@ -1,9 +1,10 @@
 """Textures of floors."""
 
 import numpy as np
+from pictures.tiling import Field, cells, grid, lit, noise, paint, plain, tones
 
-from mimoc.looks.drawing import Colour, FloatArray
-from mimoc.looks.patterns.tiling import Field, cells, grid, lit, noise, paint, plain, tones
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.appearance import Colour
 
 BOARDS = 6
 """Number of boards side by side in a tile."""

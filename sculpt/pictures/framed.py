@@ -3,7 +3,8 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from mimoc.looks.drawing import Colour, FloatArray
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.appearance import Colour
 
 WIDTH_PX, HEIGHT_PX = 256, 192
 FRAME_PX, MOUNT_PX = 12, 10

@@ -2,8 +2,10 @@
 
 import numpy as np
 import numpy.typing as npt
+from pictures.cubes import over
 
-from mimoc.looks.drawing import Colour, FloatArray, over
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.appearance import Colour
 
 TILE_PX = 256
 """Size of a tile, which is the maximum for images of a bundle."""

@@ -1,25 +1,15 @@
 """The pictures of the skin: faces, and colours of skin and cloth by how rosy and how deep in a crease they are."""
 
-import functools
-
 import numpy as np
+import numpy.typing as npt
+from pictures.cubes import HAIR, blob, blush, brow, mouth, over, within
+from pictures.expressions import FACES
+from PIL import Image
+from unwrapping import wrapped
 
 from mimoc.geometry.rotations import FloatArray
-from mimoc.looks.drawing import (
-    HAIR,
-    SKIN,
-    Colour,
-    blob,
-    blush,
-    brow,
-    encode_palette_png,
-    encode_png,
-    mouth,
-    over,
-    within,
-)
-from mimoc.looks.expressions import FACES
-from mimoc.looks.skin.unwrapping import wrapped
+from mimoc.looks.appearance import SKIN, Colour
+from mimoc.looks.pictures import png_of
 
 FACE_PX = 256
 """Sides of the picture of a face."""
@@ -41,35 +31,44 @@ BREADTH = 0.863
 """Half of the breadth of the head that the faces are drawn for, in head radii: the skin stretches them on others."""
 
 
-@functools.cache
 def paint_face(expression: str) -> bytes:
     """Return a PNG of the skin of the head with an expression, a key of `FACES`; see `unwrapping`."""
-    face, (x, y, z), image = FACES[expression], _directions(), _bare_head().copy()
+    face, (x, y, z), image = FACES[expression], _directions(), _bare_head()
     rows, columns = np.nonzero((x > 0.3) & (z < 0.5) & (np.abs(y) < 0.75))
     part = np.s_[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
     front, across, height = np.where(x[part] > 0, 1.0, 0.0), BREADTH * y[part], z[part]
     drawn = brow(image[part], np.abs(across), height, front, face)
     image[part] = mouth(drawn, across, height, front, face)
     lips = np.argwhere((x > 0) & (np.abs(y) < 0.34) & (np.abs(z + 0.5) < 0.16))
-    return encode_palette_png(image, COLOURS, tuple(lips.T))
+    return _with_palette(image, tuple(lips.T))
 
 
-@functools.cache
-def paint_skin() -> bytes:
-    """Return a PNG of the colours of skin: rosier to the right, deeper in a crease to the bottom."""
+def paint_skin() -> FloatArray:
+    """Return the colours of skin: rosier to the right, deeper in a crease to the bottom."""
     rosy, deep = _shades()
-    return encode_png(
-        over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
-    )
+    return over(over(np.full((*rosy.shape, 3), SKIN, np.float64), ROSY, 0.75 * rosy), DEEP, 0.72 * deep**1.4)
 
 
-@functools.cache
-def paint_cloth(ground: Colour, stripe: Colour) -> bytes:
-    """Return a PNG of the colours of cloth: one light and one dark stripe across, deeper in a fold to the bottom."""
+def paint_cloth(ground: Colour, stripe: Colour) -> FloatArray:
+    """Return the colours of cloth: one light and one dark stripe across, deeper in a fold to the bottom."""
     across, deep = _shades()
     wave = np.cos(2 * np.pi * across)
     image = over(np.full((*across.shape, 3), ground, np.float64), stripe, within(0.25 - wave, 0.5))
-    return encode_png(image * (1 - deep[..., None] ** 1.3 * FOLD))
+    return image * (1 - deep[..., None] ** 1.3 * FOLD)
+
+
+def _with_palette(image: FloatArray, fine: tuple[npt.NDArray[np.intp], ...]) -> bytes:
+    """Return the PNG of an image with a palette of which half is for the colours of some texels.
+
+    Args:
+        image: Of 0 to 255, shape (rows, columns, 3).
+        fine: Rows and columns of these texels.
+    """
+    whole, part = (Image.fromarray(np.rint(texels).astype(np.uint8)) for texels in (image, image[fine][None]))
+    halves = [half.quantize(COLOURS // 2, Image.Quantize.MEDIANCUT).getpalette() or [] for half in (whole, part)]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([value for half in halves for value in half[: 3 * (COLOURS // 2)]])
+    return png_of(whole.quantize(palette=palette, dither=Image.Dither.NONE))
 
 
 def _shades() -> tuple[FloatArray, FloatArray]:
@@ -79,7 +78,6 @@ def _shades() -> tuple[FloatArray, FloatArray]:
     return right, down
 
 
-@functools.cache
 def _directions() -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the direction that each texel of a face shows, in half axes of the head."""
     steps = (np.arange(FACE_PX, dtype=np.float64) + 0.5) / FACE_PX
@@ -96,9 +94,8 @@ def _thin_hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -
     return over(image, HAIR, 0.55 * within(angle - (1.27 + 0.03 * strands), 0.60))
 
 
-@functools.cache
 def _bare_head() -> FloatArray:
-    """Return what all expressions share: skin, hair, and the lids' rims; read-only."""
+    """Return what all expressions share: skin, hair, and the lids' rims."""
     x, y, z = _directions()
     front, across = np.where(x > 0, 1.0, 0.0), BREADTH * y
     image = blush(np.full((*x.shape, 3), SKIN, np.float64), across, z, front)
@@ -107,6 +104,4 @@ def _bare_head() -> FloatArray:
     side, up = (np.abs(across) - EYE_Y) / 0.142, (z - EYE_Z) / 0.092
     image = over(image, RIM, 0.40 * front * blob(side, up, 1.3, 1.5))
     lashes = np.hypot(side, up) - 1.06
-    image = over(image, LASH, 0.75 * front * np.clip(0.15 + 1.2 * up, 0, 1) * within(np.abs(lashes) - 0.07, 0.14))
-    image.flags.writeable = False
-    return image
+    return over(image, LASH, 0.75 * front * np.clip(0.15 + 1.2 * up, 0, 1) * within(np.abs(lashes) - 0.07, 0.14))

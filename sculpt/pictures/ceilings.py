@@ -1,9 +1,9 @@
 """Textures of ceilings."""
 
 import numpy as np
+from pictures.tiling import cells, grid, half_drop, lit, noise, paint, plain
 
-from mimoc.looks.drawing import FloatArray
-from mimoc.looks.patterns.tiling import cells, grid, half_drop, lit, noise, paint, plain
+from mimoc.geometry.rotations import FloatArray
 
 
 def plaster() -> FloatArray:

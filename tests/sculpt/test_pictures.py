@@ -1,34 +1,29 @@
-import io
-import os
-import subprocess
-import sys
+"""The pictures that ship with mimoc, and what paints them."""
 
+import hashlib
+import io
+
+import make_pictures
 import numpy as np
 import pytest
+from pictures.cubes import CELLS, EYE_CELL_PX, EYE_Y, EYE_Z, FACE_CELL_PX, directions
+from pictures.expressions import FACES
 from PIL import Image
+from unwrapping import unwrapped, wrapped
 
-from mimoc.looks.drawing import (
-    CELLS,
-    EYE_CELL_PX,
-    EYE_Y,
-    EYE_Z,
-    FACE_CELL_PX,
-    GRID_LAYOUT,
-    SKIN,
-    directions,
-    draw_ear,
-    draw_eye,
-    draw_face,
-    draw_stripes,
-)
-from mimoc.looks.expressions import FACES
+from mimoc.looks.appearance import EXPRESSIONS, GRID_LAYOUT, SKIN
+from mimoc.looks.pictures import FOLDER, read_picture
 
-PRINT_DIGESTS = """
-import hashlib
-from mimoc.looks.drawing import draw_ear, draw_eye, draw_face, draw_stripes
-pictures = [draw_face("happy"), draw_eye(), draw_ear(), draw_stripes((1, 2, 3), (200, 210, 220))]
-print([hashlib.sha256(picture).hexdigest() for picture in pictures])
-"""
+
+@pytest.fixture(scope="module")
+def painted() -> dict[str, bytes]:
+    """Return every picture, painted anew, by name."""
+    return dict(make_pictures.paint_pictures())
+
+
+def face(expression: str) -> bytes:
+    """Return the cube texture of a spherical head."""
+    return read_picture(f"face_round_{expression}")
 
 
 def pixels(png: bytes) -> np.ndarray:
@@ -56,37 +51,32 @@ def brightness(colour: np.ndarray) -> float:
     return float(colour.mean())
 
 
-def test_a_new_process_draws_the_same_bytes():
-    def digests(seed: str) -> str:
-        environment = {**os.environ, "PYTHONHASHSEED": seed}
-        return subprocess.run(
-            [sys.executable, "-c", PRINT_DIGESTS], env=environment, capture_output=True, text=True, check=True
-        ).stdout
-
-    assert digests("1") == digests("4242")
+def test_painting_again_gives_the_same_bytes(painted):
+    shipped = {path.stem: hashlib.sha256(path.read_bytes()).hexdigest() for path in FOLDER.iterdir()}
+    assert {name: hashlib.sha256(png).hexdigest() for name, png in painted.items()} == shipped
 
 
-def test_drawing_twice_gives_the_same_bytes():
-    assert draw_face.__wrapped__("sad") == draw_face.__wrapped__("sad")
+def test_every_expression_is_painted_in_the_order_of_the_language():
+    assert tuple(FACES) == EXPRESSIONS
 
 
 @pytest.mark.parametrize("expression", FACES)
 def test_every_face_is_a_small_picture(expression):
-    png = draw_face(expression)
+    png = face(expression)
     assert max(Image.open(io.BytesIO(png)).size) <= 256
     assert len(png) < 40_000
 
 
 def test_eye_ear_and_cloth_are_smaller_still():
-    assert len(draw_eye()) + len(draw_ear()) + len(draw_stripes((250, 200, 110), (255, 240, 200))) < 15_000
+    assert sum(len(read_picture(name)) for name in ("eye", "ear", "stripes")) < 15_000
 
 
 def test_a_png_carries_nothing_but_its_pixels():
-    assert Image.open(io.BytesIO(draw_face("neutral"))).info == {}
+    assert Image.open(io.BytesIO(face("neutral"))).info == {}
 
 
 def test_no_two_expressions_look_alike():
-    assert len({draw_face(expression) for expression in FACES}) == len(FACES)
+    assert len({face(expression) for expression in FACES}) == len(FACES)
 
 
 def test_every_direction_has_a_texel_and_every_cell_its_own_axis():
@@ -97,45 +87,51 @@ def test_every_direction_has_a_texel_and_every_cell_its_own_axis():
 
 
 def test_the_face_is_left_right_symmetric():
-    cell = cells(draw_face("happy"))
+    cell = cells(face("happy"))
     assert all(np.array_equal(cell[letter], cell[letter][::-1]) for letter in "RLFB")
     assert np.array_equal(cell["U"], cell["D"][::-1])
 
 
 def test_the_mouth_is_on_the_front_only():
-    face = FACES["neutral"]
-    lips = at(draw_face("neutral"), FACE_CELL_PX, *on_head(0, face.mouth_height))
-    behind = at(draw_face("neutral"), FACE_CELL_PX, -on_head(0, face.mouth_height)[0], 0, face.mouth_height)
+    height = FACES["neutral"].mouth_height
+    lips = at(face("neutral"), FACE_CELL_PX, *on_head(0, height))
+    behind = at(face("neutral"), FACE_CELL_PX, -on_head(0, height)[0], 0, height)
     assert brightness(lips) < brightness(np.asarray(SKIN)) - 40
     assert np.allclose(behind, SKIN, atol=2)
 
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_each_eye_has_white_below_its_lashes(side):
-    white = at(draw_face("neutral"), FACE_CELL_PX, *on_head(side * EYE_Y, EYE_Z))
-    lashes = at(draw_face("neutral"), FACE_CELL_PX, *on_head(side * EYE_Y, EYE_Z + 0.135))
+    white = at(face("neutral"), FACE_CELL_PX, *on_head(side * EYE_Y, EYE_Z))
+    lashes = at(face("neutral"), FACE_CELL_PX, *on_head(side * EYE_Y, EYE_Z + 0.135))
     assert white.min() > 235
     assert brightness(lashes) < brightness(np.asarray(SKIN)) - 30
 
 
 def test_the_forehead_is_bare_and_the_back_has_hair():
-    forehead = at(draw_face("neutral"), FACE_CELL_PX, *on_head(0, 0.5))
-    back = at(draw_face("neutral"), FACE_CELL_PX, -0.7, 0, 0.7)
+    forehead = at(face("neutral"), FACE_CELL_PX, *on_head(0, 0.5))
+    back = at(face("neutral"), FACE_CELL_PX, -0.7, 0, 0.7)
     assert np.allclose(forehead, SKIN, atol=2)
     assert brightness(back) < brightness(forehead) - 30
 
 
 def test_colours_run_on_across_the_seams_of_the_cube():
     """Directions a texel apart but in different cells differ no more than neighbours in one cell."""
-    cell = cells(draw_face("neutral"))
+    cell = cells(face("neutral"))
     seam = np.abs(cell["F"][:, -1] - cell["R"][:, 0]).max()
     assert seam < 1.5 * np.abs(np.diff(cell["R"][:, :8], axis=1)).max() + 4
 
 
 def test_the_pupil_is_at_plus_x():
-    assert brightness(at(draw_eye(), EYE_CELL_PX, 1, 0, 0)) < 40
-    assert all(at(draw_eye(), EYE_CELL_PX, *away).min() > 235 for away in [(-1, 0, 0), (0, 1, 0), (0, 0, -1)])
+    assert brightness(at(read_picture("eye"), EYE_CELL_PX, 1, 0, 0)) < 40
+    assert all(at(read_picture("eye"), EYE_CELL_PX, *away).min() > 235 for away in [(-1, 0, 0), (0, 1, 0), (0, 0, -1)])
 
 
 def test_happy_corners_of_the_mouth_stand_above_sad_ones():
     assert FACES["happy"].smile > FACES["neutral"].smile > 0 > FACES["sad"].smile
+
+
+def test_places_in_the_picture_of_a_face_show_their_directions():
+    directions = np.random.default_rng(0).normal(size=(200, 3))
+    again = wrapped(unwrapped(directions))
+    assert np.allclose(again, directions / np.linalg.norm(directions, axis=1, keepdims=True), atol=1e-9)

@@ -1,4 +1,4 @@
-"""Make the skins that ship with mimoc: `python sculpt/make.py`, or `make skin`. It needs scikit-image."""
+"""Make the skins that ship with mimoc: `python sculpt/make_skin.py`, or `make skin`. It needs scikit-image."""
 
 import argparse
 from collections.abc import Mapping

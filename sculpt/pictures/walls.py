@@ -1,10 +1,10 @@
 """Textures of walls; the top of an image is the top of the wall."""
 
 import numpy as np
+from pictures.ceilings import star
+from pictures.tiling import cells, grid, half_drop, lit, noise, paint, plain, tones
 
-from mimoc.looks.drawing import FloatArray
-from mimoc.looks.patterns.ceilings import star
-from mimoc.looks.patterns.tiling import cells, grid, half_drop, lit, noise, paint, plain, tones
+from mimoc.geometry.rotations import FloatArray
 
 
 def plaster() -> FloatArray:

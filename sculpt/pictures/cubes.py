@@ -1,23 +1,13 @@
 """Drawing of the infant's textures: face, eyes, ears and clothes."""
 
-import functools
-import io
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-from PIL import Image
+from pictures.expressions import FACES, Face
 
-from mimoc.looks.expressions import FACES, Face
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.appearance import GRID_LAYOUT, SKIN, Colour
 
-FloatArray = npt.NDArray[np.float64]
-"""Double precision, so that results that differ in the last digits between processors round to the same texels."""
-Colour = tuple[float, float, float]
-"""Red, green and blue, 0 to 255."""
-
-GRID_SIZE = "2 3"
-GRID_LAYOUT = "RLUDFB"
 FACE_CELL_PX = 85
 """Size of a cell: three in a row have 255 px, within the limit of 256 px for images of a bundle."""
 EYE_CELL_PX = 48
@@ -38,7 +28,6 @@ CELLS = {
     "B": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
 }
 
-SKIN: Colour = (244, 205, 178)
 BLUSH: Colour = (240, 150, 130)
 HAIR: Colour = (150, 108, 74)
 EAR: Colour = (243, 192, 166)
@@ -55,9 +44,8 @@ EYE_Y, EYE_Z = 0.352, -0.090
 """Centre of the eye opening in the frontal view, in head radii."""
 
 
-@functools.cache
-def draw_face(expression: str, breadth: float = 1.0) -> bytes:
-    """Return a PNG of the head's cube texture: one grid of 2 by 3 cells.
+def draw_face(expression: str, breadth: float = 1.0) -> FloatArray:
+    """Return the head's cube texture: one grid of 2 by 3 cells.
 
     Args:
         expression: A key of `FACES`.
@@ -68,24 +56,21 @@ def draw_face(expression: str, breadth: float = 1.0) -> bytes:
     x, y, z = np.moveaxis(direction, 2, 0)
     y = breadth * y
     image = brow(_bare_head(breadth), np.abs(y), z, x > 0, face)
-    return encode_png(mouth(image, y, z, x > 0, face))
+    return mouth(image, y, z, x > 0, face)
 
 
-@functools.cache
-def draw_eye() -> bytes:
-    """Return a PNG of the eyeball's cube texture, with the pupil along +x."""
+def draw_eye() -> FloatArray:
+    """Return the eyeball's cube texture, with the pupil along +x."""
     return _paint_cube(EYE_CELL_PX, _eye_colour)
 
 
-@functools.cache
-def draw_ear() -> bytes:
-    """Return a PNG of an ear's cube texture: a rim around a hollow, alike on both faces across y."""
+def draw_ear() -> FloatArray:
+    """Return an ear's cube texture: a rim around a hollow, alike on both faces across y."""
     return _paint_cube(EAR_CELL_PX, _ear_colour)
 
 
-@functools.cache
-def draw_stripes(ground: Colour, stripe: Colour) -> bytes:
-    """Return a PNG of a capsule's cube texture: stripes that run along its axis, z.
+def draw_stripes(ground: Colour, stripe: Colour) -> FloatArray:
+    """Return a capsule's cube texture: stripes that run along its axis, z.
 
     A 2D texture would do, but MuJoCo 3.5 and 3.17 lay those around a capsule in different ways.
     """
@@ -103,14 +88,13 @@ def directions(cell_px: int) -> FloatArray:
     return grid / np.linalg.norm(grid, axis=2, keepdims=True)
 
 
-def _paint_cube(cell_px: int, colour: Callable[[FloatArray], FloatArray]) -> bytes:
-    """Return the PNG of a cube texture whose colour is a function of direction, so that it has no seams."""
-    return encode_png(colour(directions(cell_px)))
+def _paint_cube(cell_px: int, colour: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Return a cube texture whose colour is a function of direction, so that it has no seams."""
+    return colour(directions(cell_px))
 
 
-@functools.cache
 def _bare_head(breadth: float) -> FloatArray:
-    """Return the parts of the head that all expressions share: skin, hair and lids; read-only.
+    """Return the parts of the head that all expressions share: skin, hair and lids.
 
     By direction from its centre: x forward, y left, z up.
     """
@@ -119,9 +103,7 @@ def _bare_head(breadth: float) -> FloatArray:
     front, side = x > 0, breadth * np.abs(y)
     image = blush(np.full(direction.shape, SKIN, np.float64), breadth * y, z, front)
     image = hair(image, x, y, z)
-    image = _eye_opening(image, side, z, front)
-    image.flags.writeable = False
-    return image
+    return _eye_opening(image, side, z, front)
 
 
 def blush(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
@@ -214,33 +196,3 @@ def within(distance: FloatArray, edge: float) -> FloatArray:
 def over(image: FloatArray, colour: Colour, coverage: FloatArray) -> FloatArray:
     """Return *image* blended with *colour*; *coverage* is its opacity, 0 to 1, shape `(rows, columns)`."""
     return image + coverage[..., None] * (np.asarray(colour, np.float64) - image)
-
-
-def encode_png(image: npt.NDArray[Any]) -> bytes:
-    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), without any metadata."""
-    buffer = io.BytesIO()
-    Image.fromarray(np.rint(image).astype(np.uint8)).save(buffer, "PNG", compress_level=6)
-    return buffer.getvalue()
-
-
-def encode_palette_png(
-    image: npt.NDArray[Any], colours: int = 64, fine: tuple[npt.NDArray[np.intp], ...] | None = None
-) -> bytes:
-    """Return the PNG of an RGB image of 0 to 255, shape (rows, columns, 3), with a palette: a third of the size.
-
-    Args:
-        image: The image.
-        colours: Number of colours.
-        fine: Rows and columns of texels whose colours half of the palette is for.
-    """
-    whole = Image.fromarray(np.rint(image).astype(np.uint8))
-    few = whole.quantize(colours, Image.Quantize.MEDIANCUT)
-    if fine is not None:
-        part = Image.fromarray(np.rint(image[fine][None]).astype(np.uint8))
-        halves = [each.quantize(colours // 2, Image.Quantize.MEDIANCUT).getpalette() or [] for each in (whole, part)]
-        palette = Image.new("P", (1, 1))
-        palette.putpalette([value for half in halves for value in half[: 3 * (colours // 2)]])
-        few = whole.quantize(palette=palette, dither=Image.Dither.NONE)
-    buffer = io.BytesIO()
-    few.save(buffer, "PNG", compress_level=6)
-    return buffer.getvalue()
