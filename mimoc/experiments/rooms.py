@@ -18,7 +18,7 @@ from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
-from mimoc.toys.builtin.library import BUILTIN
+from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.placing import ReachableFloor
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
@@ -178,7 +178,7 @@ def _places(rooms: Sequence[Inventory]) -> str:
 def _counts(rooms: Sequence[Inventory]) -> str:
     counts = [len(room.toys) for room in rooms]
     kinds = {toy.name for room in rooms for toy in room.toys}
-    drawn = f"{len(kinds)} of mimoc's {len(BUILTIN)} toys in all"
+    drawn = f"{len(kinds)} of mimoc's {len(BUILTIN_TOYS.names)} toys in all"
     return f"{min(counts)} to {max(counts)}, {mean(counts):.1f} on average; {drawn}"
 
 

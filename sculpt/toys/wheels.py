@@ -1,9 +1,10 @@
 """Visual meshes and collision shapes of wheels."""
 
+from toys.shaping import lathe
+from toys.solids import capsule
+from toys.transforms import move, pair, turn
+
 from mimoc.toys.model import Mesh, Solid
-from mimoc.toys.shaping import lathe
-from mimoc.toys.solids import capsule
-from mimoc.toys.transforms import move, pair, turn
 
 
 def wheels(

@@ -1,22 +1,20 @@
 """Toy baked goods, ice cream and a hamburger."""
 
 import math
-from functools import cache
 
 import numpy as np
+from toys.materials import THIN_SHELL
+from toys.shaping import ball, box, egg, lathe, loft, plate, ring, tube
+from toys.solids import capsule, cylinder, ellipsoid, hoop, sphere
+from toys.transforms import move, turn
 
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import THIN_SHELL
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import ball, box, egg, lathe, loft, plate, ring, tube
-from mimoc.toys.solids import capsule, cylinder, ellipsoid, hoop, sphere
-from mimoc.toys.transforms import move, turn
 
 MANY = 24
 """Corners of circles that are seen from close up."""
 
 
-@cache
 def donut() -> ToyModel:
     """Return an iced donut with sprinkles, and a hole to reach through."""
     icing = move(ring(0.32, 0.185, corners=10), (0, 0, 0.195))
@@ -29,7 +27,6 @@ def donut() -> ToyModel:
     return assemble("donut", looks, hoop(0.32, 0.18, (0, 0, 0.18)), THIN_SHELL)
 
 
-@cache
 def cookie() -> ToyModel:
     """Return a bitten cookie with chips, whose collision shape is a whole disc."""
     angles = math.tau * np.arange(36) / 36
@@ -54,7 +51,6 @@ def cookie() -> ToyModel:
     return assemble("cookie", looks, [cylinder((0, 0, 0), (0, 0, 0.15), 0.47)], THIN_SHELL)
 
 
-@cache
 def hamburger() -> ToyModel:
     """Return a hamburger with several layers."""
     leaf = [(0.49 + 0.03 * math.cos(9 * a), a) for a in (math.tau * k / 36 for k in range(36))]
@@ -80,7 +76,6 @@ def hamburger() -> ToyModel:
     return assemble("hamburger", looks, solids, THIN_SHELL)
 
 
-@cache
 def cupcake() -> ToyModel:
     """Return a cupcake in its pleated paper, with a cherry on top."""
     pleats = [1.0 if k % 2 else 0.93 for k in range(32)]
@@ -103,7 +98,6 @@ def cupcake() -> ToyModel:
     return assemble("cupcake", looks, solids, THIN_SHELL)
 
 
-@cache
 def ice_cream() -> ToyModel:
     """Return two scoops of ice cream in a standing wafer."""
     wafer = [(0.14, 0.0), (0.18, 0.36), (0.255, 0.4), (0.265, 0.52), (0.2, 0.53)]

@@ -1,18 +1,16 @@
 """Toy household objects: dishes, a bottle, a hat and furniture."""
 
-from functools import cache
+from toys.materials import FELT, PLUSH, POLYPROPYLENE, SHELL, WOOD
+from toys.shaping import Outline, box, lathe, rod, tube
+from toys.solids import block, capsule, cylinder, wall
 
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import FELT, PLUSH, POLYPROPYLENE, SHELL, WOOD
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import Outline, box, lathe, rod, tube
-from mimoc.toys.solids import block, capsule, cylinder, wall
 
 MANY = 24
 """Corners of circles that are seen from close up."""
 
 
-@cache
 def cup() -> ToyModel:
     """Return a beaker that objects can be put into."""
     side = [(0.33, 0.0), (0.44, 0.96), (0.46, 1.0), (0.4, 1.0), (0.29, 0.06), (0.0, 0.06)]
@@ -25,7 +23,6 @@ def cup() -> ToyModel:
     return assemble("cup", looks, solids, POLYPROPYLENE)
 
 
-@cache
 def mug() -> ToyModel:
     """Return a mug that can be held by its handle, and filled."""
     side = [(0.35, 0.0), (0.38, 0.03), (0.38, 0.84), (0.37, 0.86), (0.32, 0.86), (0.32, 0.06), (0.0, 0.06)]
@@ -53,7 +50,6 @@ def mug() -> ToyModel:
     return assemble("mug", looks, solids, POLYPROPYLENE)
 
 
-@cache
 def bowl() -> ToyModel:
     """Return a bowl that objects can be put into."""
     outside = [(0.22, 0.0), (0.22, 0.04), (0.32, 0.09), (0.42, 0.2), (0.48, 0.36), (0.5, 0.4)]
@@ -70,7 +66,6 @@ def bowl() -> ToyModel:
     return assemble("bowl", looks, solids, POLYPROPYLENE)
 
 
-@cache
 def bottle() -> ToyModel:
     """Return a baby's bottle."""
     body = [
@@ -98,7 +93,6 @@ def bottle() -> ToyModel:
     return assemble("bottle", looks, solids, SHELL)
 
 
-@cache
 def hat() -> ToyModel:
     """Return a sun hat on its brim, whose visual mesh is hollow and whose collision shape is not."""
     outside = [(0.5, 0.0), (0.5, 0.025), (0.31, 0.06), (0.285, 0.3), (0.24, 0.36), (0.12, 0.39), (0.0, 0.4)]
@@ -111,7 +105,6 @@ def hat() -> ToyModel:
     return assemble("hat", looks, solids, FELT)
 
 
-@cache
 def sofa() -> ToyModel:
     """Return a sofa for dolls."""
     legs = [box((0.06, 0.06, 0.08), (x, y, 0.04)) for x in (-0.2, 0.2) for y in (-0.42, 0.42)]
@@ -135,7 +128,6 @@ def sofa() -> ToyModel:
     return assemble("sofa", looks, solids, PLUSH)
 
 
-@cache
 def chair() -> ToyModel:
     """Return a chair for dolls."""
     corners = [(x, y) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]

@@ -1,21 +1,20 @@
 """Balls, a drum, a hammer and other playthings."""
 
 import math
-from functools import cache
 
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD
+from toys.materials import POLYPROPYLENE, SHELL, TENNIS_BALL, WOOD
+from toys.shaping import ball as globe
+from toys.shaping import box, lathe, loft, ring, rod, small_ball
+from toys.solids import block, capsule, cylinder, hoop, sphere
+from toys.transforms import move, pair, turn
+
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import ball as globe
-from mimoc.toys.shaping import box, lathe, loft, ring, rod, small_ball
-from mimoc.toys.solids import block, capsule, cylinder, hoop, sphere
-from mimoc.toys.transforms import move, pair, turn
 
 MANY = 24
 """Corners of circles that are seen from close up."""
 
 
-@cache
 def ball() -> ToyModel:
     """Return a ball of six panels."""
     panels = [_panel(math.tau * k / 6) for k in range(6)]
@@ -27,7 +26,6 @@ def ball() -> ToyModel:
     return assemble("ball", looks, [sphere(0.5)], TENNIS_BALL)
 
 
-@cache
 def drum() -> ToyModel:
     """Return a drum with two sticks upon it."""
     hooks = [
@@ -49,7 +47,6 @@ def drum() -> ToyModel:
     return assemble("drum", looks, solids, SHELL)
 
 
-@cache
 def hammer() -> ToyModel:
     """Return a mallet that lies on its head and on the end of its handle."""
     head, grip, length = 0.14, 0.04, 0.78
@@ -69,7 +66,6 @@ def hammer() -> ToyModel:
     return assemble("hammer", looks, solids, WOOD)
 
 
-@cache
 def key() -> ToyModel:
     """Return a key for teething, flat on the floor."""
     teeth = [box((0.07, 0.14, 0.08), (0.33, -0.1, 0.06), 0.015), box((0.07, 0.1, 0.08), (0.2, -0.08, 0.06), 0.015)]
@@ -86,7 +82,6 @@ def key() -> ToyModel:
     return assemble("key", looks, solids, POLYPROPYLENE)
 
 
-@cache
 def chess_piece() -> ToyModel:
     """Return a pawn."""
     foot = [(0.28, 0.0), (0.3, 0.02), (0.3, 0.08), (0.26, 0.12), (0.24, 0.18), (0.16, 0.26), (0.11, 0.42), (0.09, 0.6)]
@@ -104,7 +99,6 @@ def chess_piece() -> ToyModel:
     return assemble("chess_piece", looks, solids, WOOD)
 
 
-@cache
 def robot() -> ToyModel:
     """Return a robot with an antenna."""
     dial = turn(lathe([(0.055, 0.0), (0.045, 0.03)], segments=12), "y", 90)

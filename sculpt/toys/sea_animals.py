@@ -1,17 +1,16 @@
 """Toy sea animals; all face along x."""
 
 import math
-from functools import cache
 
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import PLUSH, THIN_SHELL
+from toys.materials import PLUSH, THIN_SHELL
+from toys.shaping import board, egg, lathe, ring, small_ball, tube
+from toys.solids import block, capsule, cylinder, ellipsoid, sphere
+from toys.transforms import flatten_below, move, pair, turn
+
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import Mesh, Solid, ToyModel
-from mimoc.toys.shaping import board, egg, lathe, ring, small_ball, tube
-from mimoc.toys.solids import block, capsule, cylinder, ellipsoid, sphere
-from mimoc.toys.transforms import flatten_below, move, pair, turn
 
 
-@cache
 def penguin() -> ToyModel:
     """Return a penguin on its feet."""
     body = [(0.16, 0.03), (0.25, 0.1), (0.29, 0.26), (0.27, 0.44), (0.2, 0.6), (0.14, 0.68), (0.0, 0.7)]
@@ -42,7 +41,6 @@ def penguin() -> ToyModel:
     return assemble("penguin", looks, solids, PLUSH)
 
 
-@cache
 def fish() -> ToyModel:
     """Return a bath fish with a flat belly."""
     tail = [(-0.3, 0.32), (-0.4, 0.5), (-0.52, 0.56), (-0.47, 0.33), (-0.52, 0.12), (-0.4, 0.17)]
@@ -76,7 +74,6 @@ def fish() -> ToyModel:
     return assemble("fish", looks, solids, THIN_SHELL)
 
 
-@cache
 def whale() -> ToyModel:
     """Return a spouting bath whale with a flat belly."""
     body = tube(
@@ -118,7 +115,6 @@ def whale() -> ToyModel:
     return assemble("whale", looks, solids, THIN_SHELL)
 
 
-@cache
 def octopus() -> ToyModel:
     """Return an octopus on its eight arms."""
     looks: Looks = {

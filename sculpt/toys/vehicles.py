@@ -1,18 +1,16 @@
 """Toy vehicles, boats and planes; all face along x."""
 
-from functools import cache
+from toys.materials import SHELL, WOOD
+from toys.shaping import board, box, egg, frustum, lathe, loft, plate, rod, small_ball
+from toys.solids import block, capsule, sphere
+from toys.transforms import move, pair, turn
+from toys.wheels import axles, wheels
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import SHELL, WOOD
-from mimoc.toys.builtin.wheels import axles, wheels
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import board, box, egg, frustum, lathe, loft, plate, rod, small_ball
-from mimoc.toys.solids import block, capsule, sphere
-from mimoc.toys.transforms import move, pair, turn
 
 
-@cache
 def car() -> ToyModel:
     """Return a small car with four windows."""
     tyres, hubs = wheels((-0.28, 0.28), 0.21, 0.125, 0.09)
@@ -34,7 +32,6 @@ def car() -> ToyModel:
     return assemble("car", looks, solids, SHELL)
 
 
-@cache
 def truck() -> ToyModel:
     """Return a tipper that objects can be put into."""
     tyres, hubs = wheels((-0.3, 0.3), 0.2, 0.13, 0.1)
@@ -62,7 +59,6 @@ def truck() -> ToyModel:
     return assemble("truck", looks, solids, SHELL)
 
 
-@cache
 def bus() -> ToyModel:
     """Return a bus with a row of windows."""
     tyres, hubs = wheels((-0.29, 0.29), 0.16, 0.1, 0.08)
@@ -81,7 +77,6 @@ def bus() -> ToyModel:
     return assemble("bus", looks, solids, SHELL)
 
 
-@cache
 def train() -> ToyModel:
     """Return a steam engine."""
     tyres, hubs = wheels((-0.3, -0.03, 0.24), 0.17, 0.11, 0.07, segments=12)
@@ -115,7 +110,6 @@ def train() -> ToyModel:
     return assemble("train", looks, solids, WOOD)
 
 
-@cache
 def tractor() -> ToyModel:
     """Return a tractor, whose rear wheels are the larger ones."""
     big_tyres, big_hubs = wheels((-0.22,), 0.24, 0.25, 0.14)
@@ -148,7 +142,6 @@ def tractor() -> ToyModel:
     return assemble("tractor", looks, solids, SHELL)
 
 
-@cache
 def boat() -> ToyModel:
     """Return a steamer with a flat keel."""
     deck = [(-0.5, -0.16), (-0.42, -0.2), (0.1, -0.2), (0.34, -0.12), (0.5, 0.0)]
@@ -182,7 +175,6 @@ def boat() -> ToyModel:
     return assemble("boat", looks, solids, SHELL)
 
 
-@cache
 def airplane() -> ToyModel:
     """Return a propeller plane that stands on three wheels."""
     hull = [(0.0, -0.46), (0.04, -0.45), (0.09, -0.1), (0.115, 0.1), (0.115, 0.3), (0.09, 0.39), (0.05, 0.42)]

@@ -10,10 +10,10 @@ from itertools import accumulate
 
 import numpy as np
 import numpy.typing as npt
+from toys.transforms import move, stretch, turn
 
 from mimoc.geometry.rotations import FloatArray, Vec3
 from mimoc.toys.model import IntArray, Mesh
-from mimoc.toys.transforms import frozen_mesh, move, stretch, turn
 
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 ROUND = 16
@@ -37,7 +37,7 @@ def loft(rings: Sequence[npt.ArrayLike], *, closed: bool = False) -> Mesh:
     starts = [0, *accumulate(counts)]
     following = counts[1:] + counts[:1] if closed else counts[1:]
     faces = [start + _band(low, high) for start, low, high in zip(starts, counts, following, strict=False)]
-    return frozen_mesh(np.concatenate(points), np.concatenate(faces) % starts[-1])
+    return Mesh(np.concatenate(points), np.concatenate(faces) % starts[-1])
 
 
 def lathe(profile: Outline, at: Vec3 = ORIGIN, segments: int = ROUND, *, closed: bool = False) -> Mesh:

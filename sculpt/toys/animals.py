@@ -1,17 +1,16 @@
 """Toy land animals; all face along x."""
 
 import math
-from functools import cache
 
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import PLUSH, THIN_SHELL
+from toys.materials import PLUSH, THIN_SHELL
+from toys.shaping import ball, egg, lathe, rod, small_ball, tube
+from toys.solids import block, capsule, ellipsoid, sphere
+from toys.transforms import flatten_below, move, pair, turn
+
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import ToyModel
-from mimoc.toys.shaping import ball, egg, lathe, rod, small_ball, tube
-from mimoc.toys.solids import block, capsule, ellipsoid, sphere
-from mimoc.toys.transforms import flatten_below, move, pair, turn
 
 
-@cache
 def bunny() -> ToyModel:
     """Return a plush bunny that sits upright."""
     ear = egg((0.05, 0.075, 0.2), segments=8, rows=6)
@@ -46,7 +45,6 @@ def bunny() -> ToyModel:
     return assemble("bunny", looks, solids, PLUSH)
 
 
-@cache
 def elephant() -> ToyModel:
     """Return an elephant on four legs."""
     trunk = [(0.34, 0, 0.48), (0.43, 0, 0.42), (0.47, 0, 0.32), (0.48, 0, 0.22), (0.52, 0, 0.15), (0.58, 0, 0.14)]
@@ -78,7 +76,6 @@ def elephant() -> ToyModel:
     return assemble("elephant", looks, solids, PLUSH)
 
 
-@cache
 def pig() -> ToyModel:
     """Return a pig with a curly tail."""
     legs = [(x, y) for x in (-0.24, 0.18) for y in (-0.15, 0.15)]
@@ -109,7 +106,6 @@ def pig() -> ToyModel:
     return assemble("pig", looks, solids, PLUSH)
 
 
-@cache
 def chicken() -> ToyModel:
     """Return a hen that sits."""
     beak = turn(lathe([(0.05, 0.0), (0.0, 0.12)], segments=8), "y", 95)

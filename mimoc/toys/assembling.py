@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel
+from mimoc.toys.model import FloatArray, Mesh, Part, Solid, Tint, ToyModel, join
 from mimoc.toys.solids import bounds
-from mimoc.toys.transforms import join, mesh_volume
 
 SOURCE = "made by mimoc"
 
@@ -27,7 +26,7 @@ def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3
         category: Category of Toys4K, which is also the name of the toy.
         looks: Closed meshes; where they overlap, the volume counts twice.
         solids: Collision shapes.
-        density_kg_m3: Mean density; see `mimoc.toys.builtin.materials`.
+        density_kg_m3: Mean density; including cavities.
     """
     meshes: dict[Tint, Mesh] = {tint: join(shells) for tint, shells in looks.items()}
     vertices = np.concatenate([mesh.vertices for mesh in meshes.values()])
@@ -41,16 +40,14 @@ def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3
         category=category,
         parts=parts,
         solids=tuple(_placed(solid, scale, ground) for solid in solids),
-        volume=math.fsum(mesh_volume(part.mesh) for part in parts),
+        volume=math.fsum(part.mesh.volume for part in parts),
         density_kg_m3=density_kg_m3,
         source=SOURCE,
     )
 
 
 def _sized(mesh: Mesh, scale: float, origin: FloatArray) -> Mesh:
-    vertices = (mesh.vertices - origin) * scale
-    vertices.flags.writeable = False
-    return Mesh(vertices, mesh.faces)
+    return Mesh((mesh.vertices - origin) * scale, mesh.faces)
 
 
 def _placed(solid: Solid, scale: float, origin: FloatArray) -> Solid:

@@ -5,22 +5,11 @@ import math
 import mujoco
 import numpy as np
 import pytest
+from toys.shaping import ball
+from toys.solids import block, capsule, cylinder, ellipsoid, hoop, sphere, turned, wall
 
 from mimoc.toys.model import Mesh, Solid
-from mimoc.toys.shaping import ball
-from mimoc.toys.solids import (
-    block,
-    bounds,
-    capsule,
-    cylinder,
-    ellipsoid,
-    hoop,
-    solid_volume,
-    sphere,
-    turned,
-    wall,
-)
-from mimoc.toys.transforms import mesh_volume
+from mimoc.toys.solids import bounds, solid_volume
 
 SOLIDS = [
     sphere(0.3, (1, 2, 3)),
@@ -45,7 +34,7 @@ def test_volume_and_place_are_those_of_mujoco(solid):
 def test_a_mesh_has_the_volume_within_it():
     """So the mass of a toy goes to its convex parts by their size."""
     mesh = Mesh(ball(0.5).vertices * (1, 2, 3), ball(0.5).faces)
-    assert solid_volume(Solid("mesh", (), mesh=mesh)) == mesh_volume(mesh) > 1
+    assert solid_volume(Solid("mesh", (), mesh=mesh)) == mesh.volume > 1
 
 
 def test_a_capsule_reaches_beyond_its_ends_and_a_cylinder_does_not():

@@ -1,22 +1,20 @@
 """Toy fruit and mushrooms."""
 
 import math
-from functools import cache
 
 import numpy as np
+from toys.materials import THIN_SHELL, WOOD
+from toys.shaping import egg, lathe, rod, tube
+from toys.solids import capsule, cylinder, ellipsoid, sphere
+from toys.transforms import move, turn
 
-from mimoc.toys.builtin.assembling import Looks, assemble
-from mimoc.toys.builtin.materials import THIN_SHELL, WOOD
+from mimoc.toys.assembling import Looks, assemble
 from mimoc.toys.model import Mesh, ToyModel
-from mimoc.toys.shaping import egg, lathe, rod, tube
-from mimoc.toys.solids import capsule, cylinder, ellipsoid, sphere
-from mimoc.toys.transforms import move, turn
 
 MANY = 24
 """Corners of circles that are seen from close up."""
 
 
-@cache
 def apple() -> ToyModel:
     """Return an apple with a stem and a leaf; its collision shape is round, and stable as it is wider than high."""
     skin = [(0.0, 0.06), (0.1, 0.03), (0.18, 0.0), (0.28, 0.05), (0.4, 0.2), (0.48, 0.4), (0.49, 0.55), (0.43, 0.72)]
@@ -30,7 +28,6 @@ def apple() -> ToyModel:
     return assemble("apple", looks, solids, THIN_SHELL)
 
 
-@cache
 def pear() -> ToyModel:
     """Return a pear."""
     skin = [
@@ -58,7 +55,6 @@ def pear() -> ToyModel:
     return assemble("pear", looks, solids, THIN_SHELL)
 
 
-@cache
 def banana() -> ToyModel:
     """Return a banana that lies on its side."""
     angles = np.radians(np.linspace(-66, 66, 11))
@@ -82,7 +78,6 @@ def banana() -> ToyModel:
     return assemble("banana", looks, solids, WOOD)
 
 
-@cache
 def mushroom() -> ToyModel:
     """Return a toadstool with dots."""
     cap = [(0.0, 0.42), (0.3, 0.4), (0.47, 0.42), (0.5, 0.47), (0.46, 0.6), (0.36, 0.74), (0.2, 0.84), (0.0, 0.87)]
