@@ -215,7 +215,7 @@ def _train_to_end(
             mark(reached.steps)
             reached = _train_interval(folder, session, agent, env, reached)
             policy = pack_policy(agent, env, settings, session.infant)
-            folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
+            folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
             folder.write_curve(reached.curve.to_csv())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
                 folder.write_plot(_plot(reached))

@@ -2,6 +2,7 @@ import csv
 import json
 import os
 import shlex
+import shutil
 from dataclasses import replace
 
 import pytest
@@ -218,6 +219,13 @@ def test_a_damaged_checkpoint_is_refused(learn, tmp_path):
         with pytest.raises(TrainingError, match=r"state\.zip: checkpoint is damaged; training cannot resume.*--force"):
             learn("run")
     assert learn("run", EVERY, force=True).curve.steps == EVERY
+
+
+def test_a_checkpoint_of_an_earlier_version_is_refused(learn, tmp_path):
+    policy = learn("run", EVERY).policy
+    shutil.copy(policy, tmp_path / "run" / "state.zip")  # Which has torch's weights, as checkpoints had.
+    with pytest.raises(TrainingError, match=r"state\.zip: checkpoint was saved by an earlier version .*--force"):
+        learn("run")
 
 
 @pytest.mark.parametrize(
