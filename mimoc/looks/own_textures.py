@@ -46,14 +46,14 @@ def _files(path: Path) -> list[Path]:
         path = path.expanduser()
         if not stat.S_ISDIR(os.stat(path).st_mode):
             return [path]
-        found = [path / name for name in sorted(os.listdir(path)) if name.lower().endswith(".png") and name[0] != "."]
+        files = [path / name for name in sorted(os.listdir(path)) if name.lower().endswith(".png") and name[0] != "."]
     except OSError as error:
         raise TextureError(f"{path}: cannot be read ({error.strerror}); {_ADVICE}") from None
     except (ValueError, RuntimeError):  # A null character, or the home folder of an unknown user.
         raise TextureError(f"{str(path)!r}: is not a path; {_ADVICE}") from None
-    if not found:
+    if not files:
         raise TextureError(f"{path}: the folder contains no *.png files; add some, or give another folder")
-    return found
+    return files
 
 
 def _texture(file: Path, taken: set[str]) -> Wallpaper:

@@ -55,6 +55,14 @@ def make_policy(algo: str, hyper: Mapping[str, Number], observation_space: Any, 
     return _POLICIES[algo](type(observation_space)(spaces), action_space, lambda _: 0.0, **network)
 
 
+def torch_devices() -> str:
+    """Return what torch can compute on: `CUDA 12.8, NVIDIA H200`, say, or `CPU only`."""
+    if not torch.cuda.is_available():
+        return "CPU only"
+    names = dict.fromkeys(torch.cuda.get_device_name(index) for index in range(torch.cuda.device_count()))
+    return f"CUDA {torch.version.cuda}, {', '.join(names)}"
+
+
 def interval_seed(seed: int, start_steps: int) -> int:
     """Return the seed of the training interval that starts after the given number of steps."""
     return int(np.random.SeedSequence([seed, start_steps]).generate_state(1)[0]) // 2

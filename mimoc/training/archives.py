@@ -2,11 +2,7 @@
 
 import io
 import zipfile
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 
@@ -67,8 +63,3 @@ def read_archive(path: Path) -> Archive:
     if content is None:
         raise ValueError("it cannot be read")
     return Archive(content)
-
-
-def all_finite(arrays: Iterable[Any]) -> bool:
-    """Return whether all numbers of some arrays are finite."""
-    return all(np.isfinite(np.asarray(array)).all() for array in arrays)

@@ -21,7 +21,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
-from mimoc.training.archives import all_finite, read_archive
+from mimoc.training.archives import read_archive
 from mimoc.training.hyperparameters import complete
 from mimoc.training.settings import Settings
 from mimoc.training.vector_env import normalized_names, statistics
@@ -129,17 +129,19 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, 
     if (saved_by := about["policy"]) != VERSION:
         raise _OtherVersionError if type(saved_by) is int else ValueError
     known, weights = unpack_arrays(archive.read(SCALE)), unpack_arrays(archive.read(WEIGHTS))
-    if not _is_description(about) or not all_finite([*known.values(), *weights.values()]):
+    if not _is_description(about) or not all(
+        np.isfinite(array).all() for array in (*known.values(), *weights.values())
+    ):
         raise ValueError("it describes itself in a way that mimoc never does")
     return about, known, weights
 
 
 def _is_description(about: Any) -> bool:
     """Return whether data is what `pack_policy` writes into `mimoc.json`."""
-    observes, names = about["observes"], [about["infant"], *about["commands"]]
-    for name, each in observes.items():
-        names += [name, *each["layout"]]
-        if not all(type(size) is int for size in each["shape"]):
+    names = [about["infant"], *about["commands"]]
+    for name, observation in about["observes"].items():
+        names += [name, *observation["layout"]]
+        if not all(type(size) is int for size in observation["shape"]):
             return False
     limit = about["settings"].get("steps_per_episode")
     if limit is not None and (type(limit) is not int or limit < 1):
@@ -200,32 +202,28 @@ def _statistic(numbers: np.ndarray, name: str, env: InfantEnv) -> np.ndarray:
     return numbers
 
 
-def _differing_observations(trained: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    found = [f"observation '{name}' is missing here" for name in trained.keys() - here.keys()]
-    found += [f"observation '{name}' was not there in training" for name in here.keys() - trained.keys()]
-    for name in sorted(trained.keys() & here.keys()):
-        if (then := trained[name]["shape"]) != (now := here[name]["shape"]):
-            found.append(f"'{name}' had shape {_shape(then)} in training and has {_shape(now)} here")
+def _differing_observations(trained: Mapping[str, Any], current: Mapping[str, Any]) -> list[str]:
+    differences = [f"observation '{name}' is missing here" for name in trained.keys() - current.keys()]
+    differences += [f"observation '{name}' was not there in training" for name in current.keys() - trained.keys()]
+    for name in sorted(trained.keys() & current.keys()):
+        if (then := tuple(trained[name]["shape"])) != (now := tuple(current[name]["shape"])):
+            differences.append(f"'{name}' had shape {then} in training and has {now} here")
         else:
-            found += _first_difference(f"'{name}'", trained[name]["layout"], here[name]["layout"])
-    return sorted(found)
+            differences += _first_difference(f"'{name}'", trained[name]["layout"], current[name]["layout"])
+    return sorted(differences)
 
 
-def _differing_actuators(trained: Sequence[str], here: Sequence[str]) -> list[str]:
-    if len(trained) != len(here):
-        return [f"the action commanded {len(trained)} actuators in training and commands {len(here)} here"]
-    return _first_difference("the action", trained, here)
+def _differing_actuators(trained: Sequence[str], current: Sequence[str]) -> list[str]:
+    if len(trained) != len(current):
+        return [f"the action commanded {len(trained)} actuators in training and commands {len(current)} here"]
+    return _first_difference("the action", trained, current)
 
 
-def _first_difference(what: str, trained: Sequence[str], here: Sequence[str]) -> list[str]:
-    for number, (then, now) in enumerate(zip(trained, here, strict=False)):
+def _first_difference(what: str, trained: Sequence[str], current: Sequence[str]) -> list[str]:
+    for number, (then, now) in enumerate(zip(trained, current, strict=False)):
         if then != now:
             return [f"element {number} of {what} was {then} in training and is {now} here"]
     return []
-
-
-def _shape(sizes: Sequence[int]) -> str:
-    return str(tuple(sizes))
 
 
 def _spaces(env: InfantEnv) -> Mapping[str, Any]:

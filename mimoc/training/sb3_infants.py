@@ -48,15 +48,15 @@ class InfantVecEnv(VecEnv):
         """Make the step; rewards are in single precision."""
         observation, rewards, terminated, truncated, infos = self.infants.step_each(self._actions)
         done = terminated | truncated
-        told = []
+        last_infos = []
         for infant in range(self.num_envs):
             info = infos[infant]
             if done[infant]:
                 final, info, self.reset_infos[infant] = _taken_apart(info)
                 info["terminal_observation"] = final
             info["TimeLimit.truncated"] = bool(truncated[infant] and not terminated[infant])
-            told.append(info)
-        return observation, rewards.astype(np.float32), done, told
+            last_infos.append(info)
+        return observation, rewards.astype(np.float32), done, last_infos
 
     def seek(self, steps_done: int) -> None:
         """Let growing infants go on as after a number of control steps of each; a reset must follow."""
@@ -69,18 +69,18 @@ class InfantVecEnv(VecEnv):
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         """Return an attribute of some infants."""
-        return [getattr(each, attr_name) for each in self._chosen(indices)]
+        return [getattr(infant, attr_name) for infant in self._chosen(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: VecEnvIndices = None) -> None:
         """Set an attribute of some infants to one value."""
-        for each in self._chosen(indices):
-            setattr(each, attr_name, value)
+        for infant in self._chosen(indices):
+            setattr(infant, attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: VecEnvIndices = None, **method_kwargs: Any
     ) -> list:
         """Return what a method of some infants returns."""
-        return [getattr(each, method_name)(*method_args, **method_kwargs) for each in self._chosen(indices)]
+        return [getattr(infant, method_name)(*method_args, **method_kwargs) for infant in self._chosen(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[gymnasium.Wrapper], indices: VecEnvIndices = None) -> list[bool]:
         """Return that no infant is in a wrapper of its own."""

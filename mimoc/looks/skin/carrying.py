@@ -167,11 +167,11 @@ class _Carrying:
 
 def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Return the opposite corners of the box around each body's solids, in the frame of the body, shape (3,)."""
-    found = {}
+    corners = {}
     for body in tree.bodies:
         turns = np.array([matrix_from_euler(geom.euler_deg) for geom in body.geoms])
         solids = extents((geom.type, geom.size_m) for geom in body.geoms)
         along = solids.along(turns.transpose(1, 0, 2))  # Of each axis of the body, in the frames of its solids.
         centres = np.array([geom.pos_m for geom in body.geoms])
-        found[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
-    return found
+        corners[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
+    return corners

@@ -37,8 +37,8 @@ def heights(
     far, away = np.full(len(owner), np.inf), np.zeros((len(owner), 3))
     for kind in {geom.type for geom in posed.geoms}:
         alike = np.array([*(geom.type == kind for geom in posed.geoms), False])  # The last one is of those left out.
-        here = np.flatnonzero(alike[owner])
-        far[here], away[here] = height_above(kind, sizes[here], local[here])
+        of_kind = np.flatnonzero(alike[owner])
+        far[of_kind], away[of_kind] = height_above(kind, sizes[of_kind], local[of_kind])
     away = np.einsum("nij,nj->ni", turns, away)
     return _blended(far.reshape(near.shape), away.reshape(*near.shape, 3), blend_m)
 

@@ -75,7 +75,7 @@ def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
     mesh = surface.mesh
     whole, torn = (only_used(mesh.vertices, mesh.faces[which]) for which in (surface.closed, ~surface.closed))
     share = MOST_FACES_SEEN / max(len(whole.faces) + 2 * len(torn.faces), MOST_FACES_SEEN)
-    whole, torn = (decimate(each, max(int(len(each.faces) * share), 1)) for each in (whole, torn))
+    whole, torn = (decimate(part, max(int(len(part.faces) * share), 1)) for part in (whole, torn))
     return join([whole, torn]), join([whole, from_both_sides(torn)])
 
 
