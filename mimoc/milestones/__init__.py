@@ -1,7 +1,6 @@
 """Motor milestones: from which age on an infant can do what real infants learn to do."""
 
-from mimoc.milestones.conditions import Conditions
-from mimoc.milestones.infant import Infant, compile_at
+from mimoc.milestones.infant import Conditions, Infant, compile_at
 from mimoc.milestones.report import Milestone, MilestoneReport, validate_milestones
 from mimoc.milestones.trial import Outcome, Trial, try_out
 from mimoc.milestones.trials import FURTHER, MILESTONES, TRIALS

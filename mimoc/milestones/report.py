@@ -7,7 +7,7 @@ from typing import Any, Literal
 from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
-from mimoc.milestones.conditions import Conditions
+from mimoc.milestones.infant import Conditions
 from mimoc.milestones.search import Found, Progress, age_grid, search
 from mimoc.milestones.trial import Trial
 from mimoc.milestones.trials import FURTHER, TRIALS

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from multiprocessing import get_context
 
-from mimoc.milestones.conditions import Conditions
-from mimoc.milestones.infant import Infant, compile_at
+from mimoc.milestones.infant import Conditions, Infant, compile_at
 from mimoc.milestones.trial import Outcome, try_out
 from mimoc.milestones.trials import TRIALS
 from mimoc.schema.infant import InfantSpec
@@ -103,15 +102,15 @@ def worker_pool(processes: int) -> ProcessPoolExecutor:
 def _searches(
     names: Sequence[str], ages: Sequence[float], progress: Progress | None, run: Trials
 ) -> Mapping[str, Found]:
-    found: dict[str, Found] = {}
+    results: dict[str, Found] = {}
     for done, name in enumerate(names, start=1):
         one = _Search(ages)
         while one.next_age is not None:
             one.record(run(name, one.next_age))
-        found[name] = one.found
+        results[name] = one.found
         if progress:
             progress(done * len(ages), len(names) * len(ages))
-    return found
+    return results
 
 
 def _parallel(

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.milestones.conditions import Conditions
 from mimoc.milestones.controller import Controller, servo
-from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.milestones.infant import Conditions, FloatArray, Infant
 from mimoc.milestones.predictor import INTERVAL_S, Predictor
 
 CHECKED_EVERY_S = 0.05
@@ -96,7 +95,7 @@ def try_out(trial: Trial, infant: Infant, conditions: Conditions, watch: Watch |
         outcome = simulate(attempt, conditions, watch)
         if outcome.success:
             return outcome
-        best = max(best, outcome, key=lambda each: each.seconds)
+        best = max(best, outcome, key=lambda tried: tried.seconds)
     return best
 
 

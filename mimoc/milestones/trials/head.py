@@ -5,9 +5,8 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import Infant
+from mimoc.milestones.infant import Infant, elevation_deg
 from mimoc.milestones.trial import Attempt, Trial, steady
-from mimoc.milestones.upright import elevation_deg
 from mimoc.units import deg_to_rad
 
 PRONE_S = 3.0

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 import mujoco
 
-from mimoc.milestones.infant import SIDES, Infant
+from mimoc.milestones.infant import SIDES, Infant, elevation_deg
 from mimoc.milestones.trial import Attempt, Trial
-from mimoc.milestones.upright import elevation_deg
 
 ROLLING_S, PRONE_S = 5.0, 0.5
 GATHERING_S = 1.0

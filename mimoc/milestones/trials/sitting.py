@@ -4,9 +4,8 @@ from collections.abc import Iterator, Mapping
 
 import mujoco
 
-from mimoc.milestones.infant import Infant
+from mimoc.milestones.infant import Infant, tilt_deg
 from mimoc.milestones.trial import PUSHES, Attempt, Trial, steady
-from mimoc.milestones.upright import tilt_deg
 
 SITTING_S = 10.0
 MOST_TILT_DEG = 45.0

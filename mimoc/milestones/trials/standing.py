@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import SIDES, Infant
+from mimoc.milestones.infant import SIDES, Infant, tilt_deg
 from mimoc.milestones.trial import PUSHES, Attempt, Trial, steady
-from mimoc.milestones.upright import tilt_deg
 
 STANDING_S = 10.0
 MOST_TILT_DEG = 45.0
