@@ -9,7 +9,7 @@ from mimoc.experiments.notebook import Notebook, markdown_table
 from mimoc.experiments.resting import FALLING_S, LEANS, LYING_S, Rest
 from mimoc.experiments.strength_over_load import GROUPS, Strength
 from mimoc.milestones import TRIALS, WINDOWS, Conditions
-from mimoc.milestones.search import Found
+from mimoc.milestones.search import SearchResult
 from mimoc.schema.names import Development
 
 LAWS: tuple[Development, ...] = ("maturing", "published")
@@ -39,7 +39,7 @@ class Varied:
 class Findings:
     """All that was measured."""
 
-    milestones: Mapping[Case, Found]
+    milestones: Mapping[Case, SearchResult]
     strengths: Sequence[Strength]
     rests: Sequence[Rest]
     sensitivity: Sequence[Varied]
@@ -140,7 +140,7 @@ def write(notebook: Notebook, findings: Findings) -> Path:
     return notebook.write_page("Motor development", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
-def _milestones(found: Mapping[Case, Found]) -> str:
+def _milestones(found: Mapping[Case, SearchResult]) -> str:
     rows = []
     for name in dict.fromkeys(case.trial for case in found):
         ages = [_months(_youngest(found, law, name)) for law in LAWS]
@@ -150,7 +150,7 @@ def _milestones(found: Mapping[Case, Found]) -> str:
     return markdown_table(("trial", *LAWS, "real infants", "source"), rows)
 
 
-def _youngest(found: Mapping[Case, Found], law: str, trial: str) -> float | None:
+def _youngest(found: Mapping[Case, SearchResult], law: str, trial: str) -> float | None:
     own = (result for case, result in found.items() if (case.development, case.trial) == (law, trial))
     return next(own).youngest_months
 

@@ -46,7 +46,7 @@ class Conditions:
 
 
 @dataclass(frozen=True)
-class Infant:
+class TrialInfant:
     """A model, and the hinges that its motors drive."""
 
     model: mujoco.MjModel
@@ -56,7 +56,7 @@ class Infant:
     """Its delays of senses and of commands."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "Infant":
+    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "TrialInfant":
         """Return the infant of a model."""
         return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp), delays_s)
 
@@ -116,7 +116,7 @@ class Infant:
                 return self.model.body(body).name
         return ""
 
-    def fixed(self, dofs: Collection[int]) -> "Infant":
+    def fixed(self, dofs: Collection[int]) -> "TrialInfant":
         """Return an infant some of whose degrees of freedom are held by an apparatus."""
         held = copy.copy(self.model)
         held.dof_armature[list(dofs)] = FIXED_ARMATURE
@@ -187,7 +187,7 @@ class Infant:
         return float(np.min(data.geom_xpos[geoms, 2] - solid_extents(self.model, geoms).along(up)))
 
 
-def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> Infant:
+def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> TrialInfant:
     """Return the infant of a spec at some age, alone on a flat floor, all of its muscles at its command.
 
     Raises:
@@ -204,7 +204,7 @@ def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> I
     with errors_at(spec, age_months):
         grown = quickly_aged(spec, age_months).model_copy(update={"actuation": actuation})
         model = compile_infant(grown)
-    return Infant.of(model, longest_delays_s(grown))
+    return TrialInfant.of(model, longest_delays_s(grown))
 
 
 def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import mujoco
 
-from mimoc.milestones.infant import SIDES, Infant, rise_deg
+from mimoc.milestones.infant import SIDES, TrialInfant, rise_deg
 from mimoc.milestones.trial import Attempt, Trial, steady
 
 ARM_S, ARM_HELD_S = 6.0, 3.0
@@ -17,14 +17,14 @@ RAISED_DEG = 60.0
 HIPS_DEG = -80.0
 
 
-def _arm_out(infant: Infant) -> Iterator[Attempt]:
+def _arm_out(infant: TrialInfant) -> Iterator[Attempt]:
     held = infant.fixed([*infant.trunk_dofs(), *infant.dofs_of("head")])
     for side in reversed(SIDES):
         if infant.has(f"{side}_upper_arm", f"{side}_hand"):
             yield _attempt(held, side)
 
 
-def _attempt(infant: Infant, side: str) -> Attempt:
+def _attempt(infant: TrialInfant, side: str) -> Attempt:
     shoulder, hand = (infant.model.body(f"{side}_{part}").id for part in ("upper_arm", "hand"))
     data = mujoco.MjData(infant.model)
     infant.place(data, 0.0, {"{side}_hip1": -60.0, "{side}_knee": -60.0, "{side}_elbow": -20.0}, CLEARANCE_M)
@@ -37,7 +37,7 @@ def _attempt(infant: Infant, side: str) -> Attempt:
     return Attempt(infant, data.qpos.copy(), steady(target), ARM_S, check, ARM_S - ARM_HELD_S, strategy=f"{side} arm")
 
 
-def _lifting(infant: Infant) -> Iterator[Attempt]:
+def _lifting(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield one attempt, with hips and knees as straight at the start as they go."""
     if not infant.has("left_lower_leg", "right_lower_leg"):
         return
