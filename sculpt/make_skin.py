@@ -20,8 +20,8 @@ from mimoc.body.kinematics import frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.compiler.building import builder
 from mimoc.looks.skin.carrying import boxes
-from mimoc.looks.skin.heights import height_above, heights
 from mimoc.looks.skin.sculpture import FOLDER, assembled
+from mimoc.looks.skin.surface_distance import height_above, surface_distance
 from mimoc.schema.infant import InfantSpec
 
 AGE_MONTHS = 9.0
@@ -239,7 +239,7 @@ def _layer(
         ]
     )
     blend_m = np.where(fine[near[:, 0]], 0.0015, 0.006)
-    offsets_m, _ = heights(posed, list(tree.geoms), near, blend_m, verts_m)
+    offsets_m, _ = surface_distance(posed, list(tree.geoms), near, blend_m, verts_m)
     return {
         "verts_m": verts_m.astype(np.float32),
         "faces": faces.astype(np.uint16),

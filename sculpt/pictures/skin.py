@@ -5,7 +5,7 @@ import numpy.typing as npt
 from pictures.cubes import HAIR, blob, blush, brow, mouth, over, within
 from pictures.expressions import FACES
 from PIL import Image
-from unwrapping import wrapped
+from uv_map import wrapped
 
 from mimoc.geometry.rotations import FloatArray
 from mimoc.looks.appearance import SKIN, Colour
@@ -32,7 +32,7 @@ BREADTH = 0.863
 
 
 def paint_face(expression: str) -> bytes:
-    """Return a PNG of the skin of the head with an expression, a key of `FACES`; see `unwrapping`."""
+    """Return a PNG of the skin of the head with an expression, a key of `FACES`; see `uv_map`."""
     face, (x, y, z), image = FACES[expression], _directions(), _bare_head()
     rows, columns = np.nonzero((x > 0.3) & (z < 0.5) & (np.abs(y) < 0.75))
     part = np.s_[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]

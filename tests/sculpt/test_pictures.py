@@ -9,7 +9,7 @@ import pytest
 from pictures.cubes import CELLS, EYE_CELL_PX, EYE_Y, EYE_Z, FACE_CELL_PX, directions
 from pictures.expressions import FACES
 from PIL import Image
-from unwrapping import unwrapped, wrapped
+from uv_map import unwrapped, wrapped
 
 from mimoc.looks.appearance import EXPRESSIONS, GRID_LAYOUT, SKIN
 from mimoc.looks.pictures import FOLDER, read_picture

@@ -20,7 +20,7 @@ def newborn_share(age_months: float) -> float:
     return 1 - t * t * (3 - 2 * t)
 
 
-def carry_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
+def deform_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
     """Return the vertices of a child's head in the frame of its body, shape (n, 3), [m]."""
     geoms = tree.geoms
     head = geoms["head"]

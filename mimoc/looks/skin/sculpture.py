@@ -88,7 +88,7 @@ class Sculpture:
 
 
 @cache
-def sculpture(hands: str) -> Sculpture:
+def template_mesh(hands: str) -> Sculpture:
     """Return the skin for a kind of hands: `mitten` or `five_finger`."""
     with np.load(FOLDER / f"{hands}.npz") as archive, np.load(FOLDER / "head.npz") as head:
         return assembled({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})

@@ -14,7 +14,7 @@ LEAST_SLOPE = 0.3
 """Smallest square of a blended slope that is divided by: between two fingers, the slopes cancel."""
 
 
-def heights(
+def surface_distance(
     posed: Posed, solids: Sequence[str], near: IntArray, blend_m: FloatArray, points: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the height of points above the solids near them, blended, and its slope.
