@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from statistics import fmean
 
-from mimoc.experiments.learner import Learner
+from mimoc.experiments.learner import Learner, mean_and_range
 from mimoc.experiments.notebook import markdown_table, page_texts
 from mimoc.units import ms_to_s
 
@@ -39,20 +39,16 @@ def _table(groups: Groups) -> str:
     rows = [
         (
             f"{delay_ms:g} ms",
-            _mean_and_range([each.last_time_s() for each in group]),
-            _mean_and_range([each.success_rate() for each in group]),
-            _mean_and_range([each.reach_time_s() for each in group]),
-            _mean_and_range([each.arc_length() for each in group]),
-            _mean_and_range([each.jerk() for each in group]),
-            _mean_and_range([each.detour() for each in group]),
+            mean_and_range([each.last_time_s() for each in group]),
+            mean_and_range([each.success_rate() for each in group]),
+            mean_and_range([each.reach_time_s() for each in group]),
+            mean_and_range([each.arc_length() for each in group]),
+            mean_and_range([each.jerk() for each in group]),
+            mean_and_range([each.detour() for each in group]),
         )
         for delay_ms, group in groups.items()
     ]
     return markdown_table(headings, rows)
-
-
-def _mean_and_range(values: Sequence[float]) -> str:
-    return f"{fmean(values):.3f} ({min(values):.3f} to {max(values):.3f})"
 
 
 def _verdict(groups: Groups) -> str:

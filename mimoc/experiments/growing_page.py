@@ -5,6 +5,7 @@ from math import comb
 from statistics import fmean
 
 from mimoc.experiments.growing_learner import GrowingLearner
+from mimoc.experiments.learner import mean_and_range
 from mimoc.experiments.notebook import markdown_table, page_texts
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS
 from mimoc.training import Episode
@@ -51,18 +52,14 @@ def _table(groups: Groups, untrained: Sequence[Episode]) -> str:
     rows = [
         (
             f"`{name}`",
-            _mean_and_range([each.success_rate() for each in group]),
-            _mean_and_range([each.episode_return() for each in group]),
-            *(_mean_and_range([measure(each) for each in group]) for measure in MEASURES.values()),
+            mean_and_range([each.success_rate() for each in group]),
+            mean_and_range([each.episode_return() for each in group]),
+            *(mean_and_range([measure(each) for each in group]) for measure in MEASURES.values()),
         )
         for name, group in groups.items()
     ]
     random = [fmean(getattr(each, name) for each in untrained) for name in ("success", "total_reward", "duration_s")]
     return markdown_table(headings, [*rows, ("random policy", *(f"{value:.3f}" for value in random), "-")])
-
-
-def _mean_and_range(values: Sequence[float]) -> str:
-    return f"{fmean(values):.3f} ({min(values):.3f} to {max(values):.3f})"
 
 
 def _verdict(groups: Groups) -> str:
