@@ -136,15 +136,13 @@ ADAM = ("step", "exp_avg", "exp_avg_sq")
 
 
 def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Mapping[str, np.ndarray]) -> None:
-    """Restore what an optimiser knows of all of its parameters, or of none; its settings stay."""
-    parameters = [tuple(parameter.shape) for group in optimiser.param_groups for parameter in group["params"]]
-    shapes = {f"{n}/{key}": () if key == "step" else shape for n, shape in enumerate(parameters) for key in ADAM}
-    if {name: array.shape for name, array in saved.items()} not in ({}, shapes):
+    """Restore what an optimiser knows of its parameters; its settings stay."""
+    parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
+    known = {number: part for number, part in enumerate(parameters) if f"{number}/{ADAM[0]}" in saved}
+    shapes = {f"{number}/{key}": () if key == "step" else part.shape for number, part in known.items() for key in ADAM}
+    if shapes != {name: array.shape for name, array in saved.items()}:
         raise ValueError("an optimiser of other parameters")
-    state = {
-        number: {key: torch.from_numpy(saved[f"{number}/{key}"].copy()) for key in ADAM}
-        for number in range(len(parameters) if saved else 0)
-    }
+    state = {number: {key: torch.from_numpy(saved[f"{number}/{key}"].copy()) for key in ADAM} for number in known}
     optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
 
 

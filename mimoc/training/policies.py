@@ -129,9 +129,8 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, 
     if (saved_by := about["policy"]) != VERSION:
         raise _OtherVersionError if type(saved_by) is int else ValueError
     known, weights = unpack_arrays(archive.read(SCALE)), unpack_arrays(archive.read(WEIGHTS))
-    if not _is_description(about) or not all(
-        np.isfinite(array).all() for array in (*known.values(), *weights.values())
-    ):
+    is_finite = all(np.isfinite(array).all() for array in (*known.values(), *weights.values()))
+    if not _is_description(about) or not is_finite:
         raise ValueError("it describes itself in a way that mimoc never does")
     return about, known, weights
 
