@@ -23,7 +23,8 @@ TOYS = {
 def main() -> None:
     """Write the meshes and everything else of all toys."""
     toys = make_toys()
-    FIGURES.write_text(json.dumps({toy.name: figures(toy) for toy in toys}, indent=1) + "\n", encoding="utf-8")
+    lines = [f" {json.dumps(toy.name)}: {json.dumps(figures(toy))}" for toy in toys]
+    FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
     MESHES.write_bytes(pack_arrays({name: array for toy in toys for name, array in arrays(toy).items()}))
 
 

@@ -26,7 +26,7 @@ def assemble(category: str, looks: Looks, solids: Sequence[Solid], density_kg_m3
         category: Category of Toys4K, which is also the name of the toy.
         looks: Closed meshes; where they overlap, the volume counts twice.
         solids: Collision shapes.
-        density_kg_m3: Mean density; including cavities.
+        density_kg_m3: Mean density, including cavities.
     """
     meshes: dict[Tint, Mesh] = {tint: join(shells) for tint, shells in looks.items()}
     vertices = np.concatenate([mesh.vertices for mesh in meshes.values()])
