@@ -26,7 +26,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin matrix consumers fuzz soak poses bench trainings pages viewer container apptainer opengl clean
+.PHONY: help demo test docs clusters coverage golden skin pictures toys matrix consumers fuzz soak poses bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -79,7 +79,13 @@ golden: $(TEST) ## Update the golden files; review the diff before committing it
 
 skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image); see docs/looks.md.
 	$(BIN)/pip install 'scikit-image>=0.22'
-	$(BIN)/python sculpt/make.py
+	$(BIN)/python sculpt/make_skin.py
+
+pictures: $(TEST) ## Paint the wallpapers, faces and clothes again (seconds); see docs/looks.md.
+	$(BIN)/python sculpt/make_pictures.py
+
+toys: $(TEST) ## Make the built-in toys again (seconds); see CONTRIBUTING.md.
+	$(BIN)/python sculpt/make_toys.py
 
 matrix: ## Test several versions of MuJoCo and Python, and the oldest of all else, in .matrix (9 GB, an hour).
 	@$(PYTHON) .ci/matrix.py

@@ -6,8 +6,7 @@ import clothes
 import meshing
 import numpy as np
 from fields import Array, Field, ball, ellipsoid, smooth_max, smooth_min, tube
-
-from mimoc.looks.skin.unwrapping import unwrapped, wrapped
+from uv_map import unwrapped, wrapped
 
 
 @dataclass(frozen=True)
@@ -189,7 +188,7 @@ def _lids_moved(head: Head, verts: Array, sign: float, upper: float, lower: floa
 
 
 def texcoords(head: Head, verts: Array) -> Array:
-    """Return places in the face's texture, (n, 2): see `mimoc.looks.skin.unwrapping`."""
+    """Return places in the face's texture, (n, 2): see `uv_map`."""
     return unwrapped(verts / head.half_axes)
 
 

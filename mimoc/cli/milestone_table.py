@@ -35,7 +35,7 @@ def print_milestones(report: MilestoneReport) -> None:
 
 
 def _row(each: Milestone) -> tuple[str | Text, ...]:
-    age, window = each.found.youngest_months, each.window
+    age, window = each.result.youngest_months, each.window
     colour = {"inside": "green", "no verdict": ""}.get(each.verdict, "red")
     return (
         each.trial.name,

@@ -21,8 +21,7 @@ from mimoc.compiler.constraints import commanded_joints, hold_name, holds, locke
 from mimoc.compiler.furnish import start_pose
 from mimoc.delays.presets import delays
 from mimoc.kinds import Kinds
-from mimoc.looks.appearance import face_material
-from mimoc.looks.expressions import FACES
+from mimoc.looks.appearance import EXPRESSIONS, face_material
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.objects import FreeObject
@@ -60,7 +59,7 @@ def describe(
         task=setup.entry,
         face=FaceEntry(
             geom="head",
-            materials={name: face_material(name) for name in FACES},
+            materials={name: face_material(name) for name in EXPRESSIONS},
             skin="head" if scene.skin else None,
         ),
         keypoints=tuple(PREFIX + name for name in KEYPOINTS),

@@ -10,7 +10,7 @@ from mimoc.looks.wallpaper import CEILINGS, FLOORS, OWN_WALLPAPERS, WALLS, Wallp
 from mimoc.schema.infant import InfantSpec, as_written
 from mimoc.schema.source import Source
 from mimoc.toys import TOY_SOURCES
-from mimoc.toys.builtin.build import BUILTIN_TOYS
+from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.spec import ToysSpec
 

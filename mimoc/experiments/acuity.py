@@ -6,8 +6,8 @@ from pathlib import Path
 
 from mimoc.compiler import building
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
-from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.looks.drawing import encode_palette_png
+from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
+from mimoc.looks.pictures import encode_palette_png
 from mimoc.render.picture_grid import Picture, tile_pictures
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
@@ -33,38 +33,7 @@ COLOURS = 256
 """Number of colours of the figure, which makes its file a third as large."""
 HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 
-ABOUT = """\
-A child of ten months sits in the room of seed {seed} and looks at toys on the floor with its {side} eye. The first
-row shows this view with the acuity of {ages} months and, on the right, without blur. The second row shows the same
-views with foveation of strength s = {foveation:g}, which magnifies the centre {magnification:.1f} times and cuts off
-the middles of the edges. The last row shows the middle of the view with the same acuities, rendered larger.
-
-![One scene seen with the acuity of several ages](acuity.png)
-
-Contrast sensitivity is CSF(f) = max(0, 1 - f / a) (equation 2 of the paper) at f cycles per degree, where the acuity
-a is the finest grating that is visible at that age. `profiles.csv` lists a for every half month and all three
-profiles; the figure uses `{profile}`, the default.
-
-![Contrast sensitivity, and acuity by age](csf.png)
-
-`gratings.csv` lists the contrast of gratings that remains after the filter of the infant's eyes, from 8-bit images to
-8-bit images (dots in the figure), and the contrast predicted by the law (lines)."""
-
-COMPARED = """\
-## Comparison with the paper
-
-The paper shows the unblurred view and the first two rows, and states the same law. It takes acuities from Neijzen et
-al. 2025; `mimo_v2` has the values in its code, and `tac2` is fitted to the two studies that Neijzen et al. pool.
-
-{table}
-
-Over {count} gratings, ranging from coarse ones to some that are too fine to be visible, the remaining contrast differs
-from the law by at most {error:.4f} of the full contrast.
-
-An image of H pixels with a field of view of {fovy:g} degrees can show an acuity of a only if H is at least
-2 a x {fovy:g}. {size} pixels show up to {shown:.1f} cycles per degree, so that from four months on the views in the
-first two rows look alike; the last row shows up to {shown_middle:.1f} cycles per degree and still distinguishes the
-ages."""
+TEXTS = page_texts("acuity")
 
 
 def run(notebook: Notebook) -> Path:
@@ -148,7 +117,7 @@ def _profile_panel() -> Panel:
 
 
 def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
-    about = ABOUT.format(
+    about = TEXTS["about"].format(
         seed=SEED,
         side=SIDE,
         ages=", ".join(f"{age_months:g}" for age_months in PAPER_MONTHS),
@@ -156,7 +125,7 @@ def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
         magnification=DEFAULT_FOVEATION / math.log1p(DEFAULT_FOVEATION),
         profile=PROFILE,
     )
-    compared = COMPARED.format(
+    compared = TEXTS["compared"].format(
         table=_acuity_table(),
         count=len(measured),
         error=max(abs(each.measured - each.law) for each in measured),

@@ -13,9 +13,9 @@ from mimoc.experiments.notebook import Cell, Notebook, Progress
 from mimoc.experiments.resting import LEANS, Rest, rest
 from mimoc.experiments.sitting_pictures import Sitter, caption, try_to_sit
 from mimoc.experiments.strength_over_load import GROUPS, Strength, strengths
-from mimoc.looks.drawing import encode_palette_png
+from mimoc.looks.pictures import encode_palette_png
 from mimoc.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
-from mimoc.milestones.search import Found
+from mimoc.milestones.search import SearchResult
 from mimoc.render.picture_grid import tile_pictures
 from mimoc.render.plots.age_rows import AgeRow, draw_age_rows
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
@@ -75,7 +75,7 @@ def run(notebook: Notebook) -> Path:
     sitters = [[count(try_to_sit(law, age)) for age in sitting] for law in LAWS]
     _write_sitters(notebook, sitters)
 
-    def searched(cases: Sequence[Case]) -> Mapping[Case, Found]:
+    def searched(cases: Sequence[Case]) -> Mapping[Case, SearchResult]:
         processes = 1 if quick else os.cpu_count() or 1
         return run_searches(cases, notebook.folder, processes, lambda: count(None))
 
@@ -102,7 +102,7 @@ def _counter(progress: Progress, total: int) -> Callable[[T], T]:
 
 
 def _sensitivity(
-    usual: Mapping[Case, Found], searched: Callable[[Sequence[Case]], Mapping[Case, Found]]
+    usual: Mapping[Case, SearchResult], searched: Callable[[Sequence[Case]], Mapping[Case, SearchResult]]
 ) -> list[Varied]:
     """Return the ages of milestones under other conditions, searched for from the usual ages of `maturing` on."""
     cases = {
@@ -160,7 +160,7 @@ def _write_sitters(notebook: Notebook, sitters: Sequence[Sequence[Sitter]]) -> N
     notebook.write_picture("sitting.png", encode_palette_png(tile_pictures(captioned, rows=LAWS), COLOURS))
 
 
-def _write_milestones(notebook: Notebook, found: Mapping[Case, Found]) -> None:
+def _write_milestones(notebook: Notebook, found: Mapping[Case, SearchResult]) -> None:
     notebook.write_table("attempts.csv", ATTEMPT_HEADINGS, _attempts(found))
     names = dict.fromkeys(case.trial for case in found)
     rows = [
@@ -174,7 +174,7 @@ def _write_milestones(notebook: Notebook, found: Mapping[Case, Found]) -> None:
     notebook.write_picture("milestones.png", png(draw_age_rows(rows, OLDEST_SHOWN_MONTHS, "real infants")))
 
 
-def _attempts(found: Mapping[Case, Found]) -> Iterator[tuple[Cell, ...]]:
+def _attempts(found: Mapping[Case, SearchResult]) -> Iterator[tuple[Cell, ...]]:
     for case, result in found.items():
         for age_months, outcome in result.outcomes.items():
             success = "yes" if outcome.success else "no"

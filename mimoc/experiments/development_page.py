@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mimoc.experiments.milestone_searches import Case
-from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.experiments.resting import FALLING_S, LEANS, LYING_S, Rest
 from mimoc.experiments.strength_over_load import GROUPS, Strength
 from mimoc.milestones import TRIALS, WINDOWS, Conditions
-from mimoc.milestones.search import Found
+from mimoc.milestones.search import SearchResult
 from mimoc.schema.names import Development
 
 LAWS: tuple[Development, ...] = ("maturing", "published")
@@ -39,108 +39,32 @@ class Varied:
 class Findings:
     """All that was measured."""
 
-    milestones: Mapping[Case, Found]
+    milestones: Mapping[Case, SearchResult]
     strengths: Sequence[Strength]
     rests: Sequence[Rest]
     sensitivity: Sequence[Varied]
 
 
-ABOUT = """\
-Infants of many ages, from birth to two years, try what real infants learn to do, by both laws that mimoc knows:
-`maturing`, the default, and `published`, the law of the paper (López et al. 2025), by which gears follow the volume of
-body parts and springs, damping and ranges are those of 18 months at every age. All are average children with torque
-actuation. `docs/development.md` describes the laws, `docs/milestones.md` the trials and their controller."""
-
-MILESTONES = """\
-## Milestones
-
-Youngest age from which on each trial succeeds at all older ages that were tried, in months: every half
-month at first by `maturing`, fewer ages by `published`.
-
-![Ages of milestones by both laws, beside those of real infants](milestones.png)
-
-{table}
-
-`attempts.csv` has every attempt, with the time and the reason of its failure."""
-
-STRENGTH = """\
-## Strength over load
-
-Largest torque of a motor by the gravity moment of all that hangs on its joint, stretched out level: below 1, an infant
-cannot lift it. {verdict}
-
-![Torque by gravity moment of each group, by age and law](strength.png)
-
-{table}
-
-`strength.csv` has all motors but those of the eyes. Hands and feet weigh so little that their motors lift far more than
-them; what limits ankles is the body above."""
-
-REST = """\
-## Posture at rest
-
-Without commands: angles after {lying_s:g} s on the back (0 is straight, below 0 bent); angle of the head after
-{falling_s:g} s, with the trunk held upright and leaning back by 45 degrees; and tilt of the chest {falling_s:g} s after
-sitting with the weight over a point between seat (0) and heels (1), where above 0 is forward. All angles in degrees.
-
-{table}
-
-{verdict} None of this was fitted. `rest.csv` has all ages and postures."""
-
-SITTING = """\
-## Trying to sit
-
-The end of each infant's longest attempt to sit for ten seconds against pushes of 3 % of its weight: sitting, or as
-hands, trunk or head touch the floor or tilt by 45 degrees.
-
-![Infants that try to sit, by age and law](sitting.png)"""
-
-SENSITIVITY = """\
-## How much the ages hang on
-
-Ages by `maturing` in months, under other conditions: a faster or slower servo of the controller, all torque limits
-changed by 15 %, weaker or stronger pushes while sitting and standing (the usual ones are 0.03 body weights). From the
-usual age, younger ages were tried until one failed, or older ones until one succeeded.
-
-![Ages of milestones under other conditions](sensitivity.png)
-
-{table}
-
-`sensitivity.csv` has the same ages."""
-
-LIMITS = """\
-## What this shows, and what it does not
-
-The strength curves of `maturing` **were fitted** to these milestones with this controller, as no dynamometry of infants
-exists: that milestones come in order and inside the windows of real infants is a reproduction, not a prediction. The
-steps by which joints and masses follow age come from publications or from the rule that passive torques keep their
-proportion to gravity. **Not fitted**, and so a test of the law, are: the posture at rest, which limbs stay bent and
-until when; that heads without support fall; from where on a slack sitter slumps forward; how
-the lag of the head decreases from month to month; and how long reaches take.
-
-**Much hangs on the controller.** It knows the infant's own weight and springs, has no delays unless asked for, and does
-not learn. A servo that is slower by a fifth, or stronger pushes, can move standing by months: real balance is limited
-by delay, noise and skill, of which this controller has none. An age here says from when on a milestone is possible with
-the strength of that age, not when a given policy learns it."""
+TEXTS = page_texts("development")
 
 
 def write(notebook: Notebook, findings: Findings) -> Path:
     """Write the report, and return its path."""
     sections = (
-        ABOUT,
-        MILESTONES.format(table=_milestones(findings.milestones)),
-        STRENGTH.format(verdict=_strength_verdict(findings.strengths), table=_strengths(findings.strengths)),
-        REST.format(
+        TEXTS["about"],
+        TEXTS["milestones"].format(table=_milestones(findings.milestones)),
+        TEXTS["strength"].format(verdict=_strength_verdict(findings.strengths), table=_strengths(findings.strengths)),
+        TEXTS["rest"].format(
             lying_s=LYING_S, falling_s=FALLING_S, table=_rests(findings.rests), verdict=_rest_verdict(findings.rests)
         ),
-        SITTING,
-        SENSITIVITY.format(table=_sensitivity(findings)),
-        LIMITS,
+        TEXTS["sitting"],
+        TEXTS["sensitivity"].format(table=_sensitivity(findings)),
+        TEXTS["limits"],
     )
     return notebook.write_page("Motor development", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
-def _milestones(found: Mapping[Case, Found]) -> str:
+def _milestones(found: Mapping[Case, SearchResult]) -> str:
     rows = []
     for name in dict.fromkeys(case.trial for case in found):
         ages = [_months(_youngest(found, law, name)) for law in LAWS]
@@ -150,7 +74,7 @@ def _milestones(found: Mapping[Case, Found]) -> str:
     return markdown_table(("trial", *LAWS, "real infants", "source"), rows)
 
 
-def _youngest(found: Mapping[Case, Found], law: str, trial: str) -> float | None:
+def _youngest(found: Mapping[Case, SearchResult], law: str, trial: str) -> float | None:
     own = (result for case, result in found.items() if (case.development, case.trial) == (law, trial))
     return next(own).youngest_months
 

@@ -5,75 +5,15 @@ from math import comb
 from statistics import fmean
 
 from mimoc.experiments.growing_learner import GrowingLearner
-from mimoc.experiments.notebook import markdown_table
+from mimoc.experiments.learner import mean_and_range
+from mimoc.experiments.notebook import markdown_table, page_texts
 from mimoc.runtime.growth_schedule import COURSES, STAGE_MONTHS
 from mimoc.training import Episode
 
 Groups = Mapping[str, Sequence[GrowingLearner]]
 """Trained infants by schedule of growth."""
 
-ABOUT = """\
-Children learn while they grow. Whether a simulated body should do so, too, is open. Studies disagree: some found that
-it helps a controller to learn, some that it makes no difference, some that it harms, depending on task, body and order;
-Naya-Varela, Faíña & Duro (2020, *Some experiments on the influence of problem hardness in morphological development
-based learning of neural controllers*) found that it helps the more, the harder the task. The paper (López et al. 2025,
-*MIMo grows!*) has infants of any age, but none that grows while it learns: there is no result to compare with.
-
-The average child (`development: maturing`, no sensory delays, no noise) is held upright and learns with PPO to touch
-a ball with its right hand (the task `reach`), by four schedules:
-
-{schedules}
-
-Each infant is trained for {steps:,} control steps of 10 ms, summed over all parallel environments, with each of {seeds}
-seeds. Infants of the same seed begin with the same network. In the schedules in which the age changes, it has each of
-{stages} ages, {stage:g} months apart, for equally many steps: these schedules have the same experience of ages in
-different orders. At each checkpoint, and after training, **all** infants reach for the same balls with the body of
-{oldest:g} months, without the noise by which PPO explores: {check_balls} balls at each checkpoint, {balls} after
-training.
-
-![Age, learning, tests at the oldest age, and the result of each infant](growing.png)
-
-From left to right: the schedules; time to touch in the episodes of the training, whose body and ball change with age,
-so that these curves are not comparable between schedules; time to touch at {oldest:g} months at each checkpoint, which
-is (dotted: a random policy); and the result of each infant after training. Lines are means over the seeds, bands reach
-from the lowest to the highest. A reach that fails counts with the full length of its episode.
-
-`learning.csv` has the learning curves, `checks.csv` the reaches at each checkpoint, `reaches.csv` those after
-training, and `final.csv` a row for each infant."""
-
-RESULTS = """\
-## Results
-
-At {oldest:g} months, as the mean over seeds with minimum and maximum:
-
-{table}
-
-The last column is the mean over all checkpoints: the smaller, the sooner the infant could reach with this body.
-
-{verdict}"""
-
-FAIR = """\
-## What this can show, and what it cannot
-
-All infants have had equally many control steps, but not equally many with the body they are tested with: `adult` all of
-them, each other schedule 1/{stages} of them, `grown` the last ones, `reversed` the first ones. To do as well as
-`adult` is therefore no small thing for the others, and `reversed` is tested after it has been {youngest:g} months old,
-not {oldest:g}: its result mixes what the order did with what was forgotten.
-
-The body also changes within episodes. In `grown` and `reversed`, it becomes larger or smaller by {stage:g} months at a
-time, while the ball stays where it hangs: the arm, its strength and the angles at which the hand meets the ball are
-others than at the start of the episode, by about as little as from one stage to the next. `shuffled` jumps between
-ages up to {span:g} months apart, in the midst of an episode, too: a ball hung for a larger child can then be out of a
-smaller one's reach until the episode ends, which may cost `shuffled` episodes that the other schedules do not lose.
-Each parallel environment changes its age {jumps} times in a training. Observations do not contain the age; a policy can
-only infer it from what the infant senses.
-
-Growing could pay in other ways that are not tested here: fewer falls, lighter training, skills for all ages. One
-task, one algorithm with one set of hyperparameters, one range of ages and {seeds} seeds say nothing of others. Reaching
-was chosen because an infant that is held upright can do it at each of these ages, as the ball is hung within the reach
-of the arm of that age, so that no schedule begins with a task that cannot be solved. But a random policy touches
-{random:.0%} of the balls as well, sooner or later: where a fixed body learns quickly, there is little for growth to
-win."""
+TEXTS = page_texts("growing")
 
 MEASURES = {
     "time to touch after training": GrowingLearner.time_s,
@@ -101,9 +41,9 @@ def sections(
     schedules = "\n".join(f"- `{name}`: {meaning};" for name, meaning in COURSES.items()).removesuffix(";") + "."
     random = fmean(each.success for each in untrained)
     return (
-        ABOUT.format(schedules=schedules, **known),
-        RESULTS.format(table=_table(groups, untrained), verdict=_verdict(groups), **known),
-        FAIR.format(random=random, **known),
+        TEXTS["about"].format(schedules=schedules, **known),
+        TEXTS["results"].format(table=_table(groups, untrained), verdict=_verdict(groups), **known),
+        TEXTS["fair"].format(random=random, **known),
     )
 
 
@@ -112,18 +52,14 @@ def _table(groups: Groups, untrained: Sequence[Episode]) -> str:
     rows = [
         (
             f"`{name}`",
-            _mean_and_range([each.success_rate() for each in group]),
-            _mean_and_range([each.episode_return() for each in group]),
-            *(_mean_and_range([measure(each) for each in group]) for measure in MEASURES.values()),
+            mean_and_range([each.success_rate() for each in group]),
+            mean_and_range([each.episode_return() for each in group]),
+            *(mean_and_range([measure(each) for each in group]) for measure in MEASURES.values()),
         )
         for name, group in groups.items()
     ]
     random = [fmean(getattr(each, name) for each in untrained) for name in ("success", "total_reward", "duration_s")]
     return markdown_table(headings, [*rows, ("random policy", *(f"{value:.3f}" for value in random), "-")])
-
-
-def _mean_and_range(values: Sequence[float]) -> str:
-    return f"{fmean(values):.3f} ({min(values):.3f} to {max(values):.3f})"
 
 
 def _verdict(groups: Groups) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mimoc.compiler.validation import GrowthReport, Row, grow_against_who
-from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.render.plots import draw_growth
 from mimoc.render.plots.figure import png
 
@@ -21,25 +21,7 @@ PUBLISHED_WORST = {"length_cm": "+2.4", "weight_kg": "+1.3", "head_circumference
 """Largest z-score, among boys or girls of 0, 1, 2, 4, 6, 9, 12, 18 and 24 months, of models that follow MIMo v2's
 published rules, compiled and measured in the same way; each is that of girls of one month."""
 
-ABOUT = """\
-The average child is compiled at {count} ages from birth to two years, and each compiled model is measured as a child
-is: length from crown to sole, circumference of the head and of the left upper arm, and mass of the whole body. The
-measurements are compared with WHO's Child Growth Standards; the band reaches from the 5th to the 95th percentile of
-boys and girls together.
-
-![Length, weight, head and arm circumference of the compiled infant compared with WHO's standards](growth.png)
-
-`growth.csv` has all values with their z-scores for boys, for girls and relative to the mean of both."""
-
-COMPARED = """\
-## Comparison with the paper
-
-In the paper, height, mass and head circumference of the infant are inside WHO's band at every age, within one standard
-deviation. {verdict} The last column gives the results of the rules published with the paper, compiled and measured at
-whole months. These growth curves are fitted without data on newborns, and make a one-month-old longer than nearly all
-girls of that age.
-
-{table}"""
+TEXTS = page_texts("growth")
 
 
 def run(notebook: Notebook) -> Path:
@@ -52,7 +34,10 @@ def run(notebook: Notebook) -> Path:
         (_cells(row) for row in report.rows),
     )
     notebook.write_picture("growth.png", png(draw_growth(report.series)))
-    sections = (ABOUT.format(count=len(months)), COMPARED.format(verdict=_verdict(report), table=_table(report)))
+    sections = (
+        TEXTS["about"].format(count=len(months)),
+        TEXTS["compared"].format(verdict=_verdict(report), table=_table(report)),
+    )
     return notebook.write_page("Growth", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from mimoc.experiments.infant_reaches import DELAYS, JITTER_MS, MEASURES, NOISE, OWN, Group, by_delay
-from mimoc.experiments.notebook import markdown_table
+from mimoc.experiments.notebook import markdown_table, page_texts
 from mimoc.experiments.sensed_reaching import GAINS, REACH_SHARE, TOUCHED_M
 from mimoc.experiments.smoothness import UNIT_M_S
 from mimoc.noise.presets import motor_share
@@ -14,48 +14,7 @@ from mimoc.noise.presets import motor_share
 LEAST_S = 0.4
 """What reaches of infants last at least."""
 
-ABOUT = """\
-## Reaches of infants
-
-The average child under `development: maturing`, with torque actuation, sits with its hip held and its trunk and neck
-locked, and reaches with its right arm for {count} random places in front of its shoulder, at {share:g} of the length
-of its arm, as toys are shown to infants. It does so at {ages} months, with delays of four lengths: none; those of its
-age (`physiological`, of proprioception {own} ms); and 100 and 200 ms of the senses, with those of the age for
-commands.
-
-Nothing is learned, and nothing is set by age to give the result. What makes these reaches slow and jerky is:
-
-- the body of the age: its size, strength and damping, and actuators that follow commands with 60 ms;
-- the delays, which the controller does not predict: inverse dynamics (`ReachController`) on a model of the body whose
-joints are at the angles and velocities that proprioception reports, as if they were those of now, and whose
-actuators follow at once;
-- noise of the commands ({motor} of the command at these ages), of proprioception ({deg:g} degree) and jitter of
-the delays of up to {jitter:g} ms;
-- a choice of speed, the same for all ages and delays: the gains that this controller has for an infant that sits
-freely (`low`: {strength:g}/s² up to a distance of {cap_cm:g} cm, and {viscosity:g}/s), with which the hand moves at
-{most:g} m/s at most.
-
-Noise of proprioception and jitter are guesses; strength, filters and motor noise are derived, not measured in infants.
-
-![Speed in one reach by delay, movement units and straightness by age](infants.png)
-
-A reach begins when the hand moves at {unit_cm:g} cm/s, and has arrived when the centre of its palm is within
-{touched_cm:g} cm of the place; it is given up after {most_s:g} s. A movement unit is an acceleration and the
-deceleration after it (von Hofsten 1979), here of {unit_cm:g} cm/s or more each. The table has medians over all
-reaches, those that were given up included; `infants.csv` has each reach. Left: the reach of median duration at
-{youngest:g} months.
-
-{table}"""
-
-REAL = """\
-## Comparison with real infants
-
-{table}
-
-{verdict}
-
-What is missing for closer agreement: prediction, which real infants learn over these months, vision of the hand, whose
-delay is longer than proprioception's, the trunk, and grasping."""
+TEXTS = page_texts("infant_reaches")
 
 FIGURES = (
     ("von Hofsten 1979, 1991", "3 to 7 movement units at the onset of reaching, 1 or 2 at 7 to 8 months", "read"),
@@ -78,7 +37,7 @@ def infant_sections(groups: Sequence[Group], most_s: float) -> tuple[str, str]:
         most_s: Simulated time after which a reach was given up.
     """
     ages = list(dict.fromkeys(group.age_months for group in groups))
-    about = ABOUT.format(
+    about = TEXTS["about"].format(
         count=len(groups[0].reaches),
         ages=_listed([f"{age:g}" for age in ages]),
         own=_range([group.sensory_ms for group in by_delay(groups)[OWN]]),
@@ -97,7 +56,7 @@ def infant_sections(groups: Sequence[Group], most_s: float) -> tuple[str, str]:
         table=_measured(groups),
     )
     figures = markdown_table(("source", "reaches of real infants", "certainty"), FIGURES)
-    return about, REAL.format(table=figures, verdict=_verdict(groups))
+    return about, TEXTS["real"].format(table=figures, verdict=_verdict(groups))
 
 
 def _measured(groups: Sequence[Group]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.control import GAIN_SETS, ReachGains
-from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.policies.reach_errors import ReachErrors, reach_errors
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
@@ -27,29 +27,7 @@ SEED = 1
 REPORTED_S = (0.25, 0.5, 1.0, 2.0)
 """Times at which the table reports errors."""
 
-ABOUT = """\
-The average child of {age} months sits with its trunk held. Both hands reach for random targets in their workspace, and
-both eyes look at the target of the right hand, controlled by prioritised inverse dynamics: hands first, then eyes,
-then posture. There are {trials} pairs of targets, the same for each set of gains. The infant is that of the paper
-(`development: published`), whose motors follow commands at once. The desired acceleration is proportional to the
-error, by these gains:
-
-{gains}
-
-![Distance of the hands and misalignment of the eyes over time](inverse.png)
-
-Lines are means over trials and over both hands or both eyes; bands reach from the first to the third quartile.
-`inverse.csv` has mean, median and quartiles for every control step of 10 ms."""
-
-COMPARED = """\
-## Comparison with the paper
-
-The paper shows that hands reach their targets while the eyes align, and that larger gains make this faster; it gives
-no numbers. Our measurements, as the mean with the median in brackets:
-
-{table}
-
-{verdict}"""
+TEXTS = page_texts("inverse")
 
 
 def run(notebook: Notebook) -> Path:
@@ -66,8 +44,8 @@ def run(notebook: Notebook) -> Path:
         Panel("Time [s]", "Misalignment of eyes [degrees]", _curves(found, _eyes_deg), "Eyes"),
     ]
     notebook.write_picture("inverse.png", png(draw_panels(panels)))
-    about = ABOUT.format(age=AGE_MONTHS, trials=trials, gains=_gains_table())
-    compared = COMPARED.format(table=_table(found), verdict=_verdict(found))
+    about = TEXTS["about"].format(age=AGE_MONTHS, trials=trials, gains=_gains_table())
+    compared = TEXTS["compared"].format(table=_table(found), verdict=_verdict(found))
     return notebook.write_page(
         "Inverse dynamics", (about, compared), seeds=f"Seed of the targets: {SEED}.", libraries=["matplotlib"]
     )

@@ -92,6 +92,11 @@ def detour(episode: Episode) -> float:
     return path_ratio(episode.path_m)
 
 
+def mean_and_range(values: Sequence[float]) -> str:
+    """Return the mean of values, with the least and the greatest, as text."""
+    return f"{fmean(values):.3f} ({min(values):.3f} to {max(values):.3f})"
+
+
 def _median(values: Sequence[float]) -> float:
     found = [value for value in values if not np.isnan(value)]
     return float(np.median(found)) if found else float("nan")

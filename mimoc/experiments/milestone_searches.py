@@ -13,7 +13,7 @@ from mimoc.bundle.json_files import read_json_file
 from mimoc.bundle.leftovers import remove
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.milestones import Conditions, Outcome
-from mimoc.milestones.search import Found, search, worker_pool
+from mimoc.milestones.search import SearchResult, search, worker_pool
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
@@ -38,7 +38,7 @@ class Case:
 
 def run_searches(
     cases: Sequence[Case], folder: Path, processes: int, finished: Callable[[], None]
-) -> Mapping[Case, Found]:
+) -> Mapping[Case, SearchResult]:
     """Return what is found in each case; the searches that an earlier run has finished in this folder are not repeated.
 
     Args:
@@ -50,7 +50,7 @@ def run_searches(
     Raises:
         OutputError: If a result cannot be written.
     """
-    found: dict[Case, Found] = {}
+    found: dict[Case, SearchResult] = {}
     for case, result in _all(cases, folder, processes):
         found[case] = result
         finished()
@@ -62,7 +62,7 @@ def forget_searches(folder: Path) -> None:
     remove(folder / FOLDER)
 
 
-def _all(cases: Iterable[Case], folder: Path, processes: int) -> Iterator[tuple[Case, Found]]:
+def _all(cases: Iterable[Case], folder: Path, processes: int) -> Iterator[tuple[Case, SearchResult]]:
     missing = []
     for case in cases:
         if (kept := _read(folder, case)) is not None:
@@ -74,7 +74,7 @@ def _all(cases: Iterable[Case], folder: Path, processes: int) -> Iterator[tuple[
         yield case, result
 
 
-def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[Case, Found]]:
+def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[Case, SearchResult]]:
     """Yield the results, in the order in which they come."""
     if processes == 1:
         for case in cases:
@@ -90,10 +90,10 @@ def _searched(cases: Sequence[Case], processes: int) -> Iterator[tuple[Case, Fou
             raise
 
 
-def _search(case: Case) -> Found:
+def _search(case: Case) -> SearchResult:
     spec = InfantSpec(mimoc=1, name="average_child", age_months=0, development=case.development)
 
-    def find(ages: Sequence[float]) -> Found:
+    def find(ages: Sequence[float]) -> SearchResult:
         return search(spec, case.conditions, [case.trial], ages)[case.trial]
 
     if case.near_months is None:
@@ -101,7 +101,7 @@ def _search(case: Case) -> Found:
     return walk(case.ages, case.near_months, lambda age: find([age]).outcomes[age])
 
 
-def walk(ages: Sequence[float], near_months: float, run: Callable[[float], Outcome]) -> Found:
+def walk(ages: Sequence[float], near_months: float, run: Callable[[float], Outcome]) -> SearchResult:
     """Return the age that a milestone moves to from a given age: down while it succeeds, or up until it does.
 
     Args:
@@ -120,7 +120,7 @@ def walk(ages: Sequence[float], near_months: float, run: Callable[[float], Outco
         if outcomes[age].success is wanted:
             break
     succeeded = [age for age, outcome in outcomes.items() if outcome.success]
-    return Found(min(succeeded, default=None), dict(sorted(outcomes.items())))
+    return SearchResult(min(succeeded, default=None), dict(sorted(outcomes.items())))
 
 
 def _file(folder: Path, case: Case) -> Path:
@@ -138,17 +138,17 @@ class _SearchFile(Model):
     """Ages in months, and what came of them."""
 
 
-def _write(folder: Path, case: Case, found: Found) -> None:
+def _write(folder: Path, case: Case, found: SearchResult) -> None:
     path = _file(folder, case)
     make_folder(path.parent, below=folder)
     data = _SearchFile(youngest_months=found.youngest_months, tried=tuple(found.outcomes.items()))
     write_file(path, f"{data.model_dump_json(indent=1)}\n".encode(), below=folder)
 
 
-def _read(folder: Path, case: Case) -> Found | None:
+def _read(folder: Path, case: Case) -> SearchResult | None:
     """Return the result of a search; None if there is none, or it is damaged, so that it is done again."""
     try:
         file = read_json_file(_file(folder, case), _SearchFile, below=folder)
     except UnusableFileError:
         return None
-    return None if file is None else Found(file.youngest_months, dict(file.tried))
+    return None if file is None else SearchResult(file.youngest_months, dict(file.tried))

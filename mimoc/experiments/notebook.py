@@ -5,8 +5,9 @@ import io
 import math
 import os
 import platform
+import re
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -99,6 +100,13 @@ def open_notebook(name: str, folder: str | Path, *, quick: bool, progress: Progr
     except ValueError:
         raise OutputError(f"{str(path)!r}: a folder cannot have this name; choose another folder") from None
     return Notebook(name, path, quick, progress or (lambda done, total: None))
+
+
+def page_texts(name: str) -> Mapping[str, str]:
+    """Return the texts of a page by their names in `pages/NAME.md`; `str.format` fills in their numbers."""
+    text = (Path(__file__).parent / "pages" / f"{name}.md").read_text(encoding="utf-8")
+    _, *parts = re.split(r"^<!-- (\w+) -->\n", text, flags=re.MULTILINE)
+    return {key: part.strip("\n") for key, part in zip(parts[::2], parts[1::2], strict=True)}
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

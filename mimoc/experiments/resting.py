@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.milestones import Conditions, Infant, compile_at
+from mimoc.milestones import Conditions, TrialInfant, compile_at
 from mimoc.milestones.trials.sitting import seat
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
@@ -58,13 +58,13 @@ def rest(development: Development, age_months: float) -> Rest:
     )
 
 
-def _lying(infant: Infant) -> mujoco.MjData:
+def _lying(infant: TrialInfant) -> mujoco.MjData:
     data = mujoco.MjData(infant.model)
     infant.place(data, ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
     return _after(infant, data, LYING_S)
 
 
-def _head_deg(infant: Infant, pitch_deg: float) -> float:
+def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
     """Return the angle of a head without support, the trunk held at some pitch."""
     held = infant.fixed(infant.trunk_dofs())
     data = mujoco.MjData(held.model)
@@ -72,20 +72,20 @@ def _head_deg(infant: Infant, pitch_deg: float) -> float:
     return _angle_deg(held, _after(held, data, FALLING_S), "head_tilt")
 
 
-def _slump_deg(infant: Infant, lean: float) -> float:
+def _slump_deg(infant: TrialInfant, lean: float) -> float:
     """Return the tilt of the chest of a slack infant that sat with its weight over some point."""
     data = _after(infant, seat(infant, SITTING_KNEE_DEG, lean), FALLING_S)
     forward, _, up = data.xmat[infant.pushed].reshape(3, 3)[:, 2]
     return float(np.degrees(np.arctan2(forward, up)))
 
 
-def _after(infant: Infant, data: mujoco.MjData, seconds: float) -> mujoco.MjData:
+def _after(infant: TrialInfant, data: mujoco.MjData, seconds: float) -> mujoco.MjData:
     """Let time pass without commands."""
     for _ in range(round(seconds / infant.model.opt.timestep)):
         mujoco.mj_step(infant.model, data)
     return data
 
 
-def _angle_deg(infant: Infant, data: mujoco.MjData, joint: str) -> float:
+def _angle_deg(infant: TrialInfant, data: mujoco.MjData, joint: str) -> float:
     address = infant.model.joint(f"robot:{joint}").qposadr[0]
     return float(np.degrees(data.qpos[address]))

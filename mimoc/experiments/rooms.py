@@ -10,15 +10,15 @@ import numpy.typing as npt
 
 from mimoc.compiler import building
 from mimoc.experiments.inventory import Inventory, take_inventory
-from mimoc.experiments.notebook import Notebook, markdown_table
-from mimoc.looks.drawing import encode_palette_png
+from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
+from mimoc.looks.pictures import encode_palette_png
 from mimoc.render.overview import overview
 from mimoc.render.picture_grid import Picture, captioned_grid
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
-from mimoc.toys.builtin.library import BUILTIN
+from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.placing import ReachableFloor
 
 SEEDS, QUICK_SEEDS = range(24), range(12)
@@ -58,29 +58,7 @@ ROOM_HEADINGS = (
 )
 TOY_HEADINGS = ("seed", "object", "category", "size_m", "mass_kg", "ahead_m", "left_m", "distance_m", "within_reach")
 
-ABOUT = """\
-The child of ten months in `configs/playroom.yaml` sits in {count} rooms, those of seeds {first} to {last}, which differ
-only in their seed. The camera has a wider field of view in rooms that leave little space for it.
-
-![Rooms by seed](rooms.png)
-
-`rooms.csv` has a row for each room, `toys.csv` one for each toy. Distances are measured on the floor, from the centre
-of the toy to the midpoint between the child's shoulders; when the child leans forward, its hands reach
-{reach_cm:.0f} cm from there.
-
-![Positions of all toys relative to the child, and the distribution of their distances](toys.png)
-
-Left: positions of the toys of all rooms relative to the child, which is at the centre and faces up; the circle is its
-reach. Right: cumulative distribution of the distances, and the law by which toys are placed on an empty floor. As toys
-do not overlap with each other, or with the child in any initial pose, their distances are slightly larger."""
-
-COMPARED = """\
-## Comparison with the paper
-
-{table}
-
-Building a room in memory takes {typical_ms:.0f} ms (median; the slowest took {slowest_ms:.0f} ms), not counting its
-picture."""
+TEXTS = page_texts("rooms")
 
 
 def run(notebook: Notebook) -> Path:
@@ -102,8 +80,12 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("rooms.csv", ROOM_HEADINGS, (room.row for room in rooms))
     notebook.write_table("toys.csv", TOY_HEADINGS, (row for room in rooms for row in room.toy_rows))
     notebook.write_picture("toys.png", png(draw_panels(_panels(rooms))))
-    about = ABOUT.format(count=len(seeds), first=seeds[0], last=seeds[-1], reach_cm=100 * rooms[0].reach.radius_m)
-    compared = COMPARED.format(table=_table(rooms), typical_ms=1000 * median(times_s), slowest_ms=1000 * max(times_s))
+    about = TEXTS["about"].format(
+        count=len(seeds), first=seeds[0], last=seeds[-1], reach_cm=100 * rooms[0].reach.radius_m
+    )
+    compared = TEXTS["compared"].format(
+        table=_table(rooms), typical_ms=1000 * median(times_s), slowest_ms=1000 * max(times_s)
+    )
     return notebook.write_page(
         "Rooms", (about, compared), seeds=f"Seeds: {seeds[0]} to {seeds[-1]}.", libraries=["matplotlib"]
     )
@@ -178,7 +160,7 @@ def _places(rooms: Sequence[Inventory]) -> str:
 def _counts(rooms: Sequence[Inventory]) -> str:
     counts = [len(room.toys) for room in rooms]
     kinds = {toy.name for room in rooms for toy in room.toys}
-    drawn = f"{len(kinds)} of mimoc's {len(BUILTIN)} toys in all"
+    drawn = f"{len(kinds)} of mimoc's {len(BUILTIN_TOYS.names)} toys in all"
     return f"{min(counts)} to {max(counts)}, {mean(counts):.1f} on average; {drawn}"
 
 

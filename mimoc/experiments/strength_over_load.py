@@ -1,6 +1,6 @@
 """The torque of each motor by the gravity moment of what it moves, by age and law."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -58,13 +58,6 @@ def strengths(development: Development, age_months: float) -> Iterator[Strength]
         for direction, limit in zip((-1, 1), model.actuator_forcerange[actuator], strict=True):
             torque_nm = abs(model.actuator_gear[actuator, 0] * limit)
             yield Strength(development, age_months, name, direction, float(torque_nm), _moment_nm(model, data, joint))
-
-
-def of_groups(found: Sequence[Strength]) -> dict[str, list[Strength]]:
-    """Return the strengths of the motors that stand for the groups, by group."""
-    return {
-        group: [each for each in found if (each.actuator, each.direction) == motor] for group, motor in GROUPS.items()
-    }
 
 
 def _moment_nm(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> float:

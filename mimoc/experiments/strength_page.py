@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from mimoc.experiments.effort import BEHAVIOURS, SETTLING_STEPS, STEP_MS, STEPS, Behaviour, Effort
-from mimoc.experiments.notebook import Notebook, markdown_table
+from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.units import ms_to_s
 
 TARGET_DEG = 60.0
@@ -30,57 +30,14 @@ class Findings:
     """Muscle actuation at the paper's ages, with the strength of the age and with that of 18 months."""
 
 
-ABOUT = """\
-The average child by the paper's law (`development: published`, where strength follows volume and all else stays as at
-18 months) lies on its back on a flat floor with all joints at zero, and settles for {settling_s:g} s without commands.
-Then a single actuator gets its largest command, `act:head_tilt` +1 or `act:right_hip_flex` -1, for {steps}
-control steps of {step_ms:g} ms, while all others stay at rest. We measure the angle of its joint from the joint's zero
-position, positive as the body part rises: `robot:head_tilt`, and `robot:right_hip1` with inverted sign. At the start
-no joint moves by more than 4 degrees per second; what motion there is, is creep under MuJoCo's soft friction.
-
-![Angle of head and leg over time, by age](strength.png)
-
-`strength.csv` has a row for each behaviour and age, `curves.csv` every step at the paper's ages. The ranges of the
-joints end in soft limits (head {head_end:g}, hip {leg_end:g} degrees), which strong infants exceed by up to
-{overshoot:.1f} degrees, by amounts that vary a little. `peak_deg` is the largest angle, `peak_in_range_deg` the
-largest angle clipped to the joint range."""
-
-COMPARED = """\
-## Comparison with the paper
-
-In the paper, older infants are faster and stronger. Our measurements:
-
-{laws}
-
-{ages}
-
-The paper reports the time to {target_deg:g} degrees for several relative body lengths, relative to the length at
-{full_size} months. We compare it with the child of the age at which the moving part, head or thigh, has that relative
-size: the cube root of its volume, which determines its strength, relative to that at {full_size} months. As in real
-children, head and legs do not grow in proportion. At {full_size} months, strength and masses equal MIMo's, but
-shoulders and buttocks are deeper, as children's are: the head starts 5 degrees lower and takes longer.
-
-{order}"""
-
-MUSCLES = """\
-## Muscle actuation
-
-`muscles.csv` has the same measurements with `actuation: {{model: muscle}}`, also with the strength of {full_size}
-months at all ages, as if muscles did not grow. Time to {target_deg:g} degrees, in s:
-
-{table}
-
-The order of ages above results from springs and dampers at the joints, which are the same at all ages. With muscles,
-as in MIMo, joints have no springs and a twentieth of the damping, so that a leg takes about as long at every age, and
-a small head is lifted first. This follows MIMo's law; for a strength that increases with age in this sense, use torque
-actuation."""
+TEXTS = page_texts("strength")
 
 
 def write(notebook: Notebook, findings: Findings) -> Path:
     """Write the report, and return its path."""
     overshoot_deg = max(effort.peak_deg - effort.end_deg for effort in findings.torque)
     head_deg, leg_deg = (_of(findings.torque, each)[0].end_deg for each in BEHAVIOURS)
-    about = ABOUT.format(
+    about = TEXTS["about"].format(
         settling_s=SETTLING_STEPS * ms_to_s(STEP_MS),
         steps=STEPS,
         step_ms=STEP_MS,
@@ -88,14 +45,16 @@ def write(notebook: Notebook, findings: Findings) -> Path:
         leg_end=leg_deg,
         overshoot=overshoot_deg,
     )
-    compared = COMPARED.format(
+    compared = TEXTS["compared"].format(
         laws="\n".join(f"- {law}" for law in _laws(findings)),
         ages=_ages_table(findings.shown),
         target_deg=TARGET_DEG,
         full_size=FULL_SIZE_MONTHS,
         order=_order_table(findings.sized),
     )
-    muscles = MUSCLES.format(table=_muscle_table(findings.muscle), full_size=FULL_SIZE_MONTHS, target_deg=TARGET_DEG)
+    muscles = TEXTS["muscles"].format(
+        table=_muscle_table(findings.muscle), full_size=FULL_SIZE_MONTHS, target_deg=TARGET_DEG
+    )
     sections = (about, compared, muscles)
     return notebook.write_page("Strength", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 

@@ -26,12 +26,12 @@ class Settings:
 
     def find(self, *names: str) -> str | None:
         """Return which one of several synonymous keys is present, None if none is; more than one is a problem."""
-        found = sorted((name for name in names if name in self._data), key=self.line)
-        self._read.update(found)
-        for other in found[1:]:
-            message = f"same setting as '{found[0]}' in line {self.line(found[0])}; keep only one of the two"
+        present = sorted((name for name in names if name in self._data), key=self.line)
+        self._read.update(present)
+        for other in present[1:]:
+            message = f"same setting as '{present[0]}' in line {self.line(present[0])}; keep only one of the two"
             self._problems.append(self._source.problem((other,), message, at="key"))
-        return found[0] if found else None
+        return present[0] if present else None
 
     def flag(self, *names: str) -> bool | None:
         """Return a boolean, None if the key is missing."""

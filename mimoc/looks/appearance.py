@@ -3,31 +3,23 @@
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from mimoc.looks.drawing import (
-    GRID_LAYOUT,
-    GRID_SIZE,
-    SKIN,
-    Colour,
-    draw_ear,
-    draw_eye,
-    draw_face,
-    draw_stripes,
-)
-from mimoc.looks.expressions import FACES
-from mimoc.looks.skin.painting import paint_cloth, paint_face, paint_skin
+from mimoc.looks.pictures import read_picture
 from mimoc.mjcf.materials import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
 from mimoc.mjcf.mimo.lookups import face_texture
 
+Colour = tuple[float, float, float]
+"""Red, green and blue, 0 to 255."""
+
+EXPRESSIONS = ("neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared")
+"""The facial expressions that a spec can name."""
+SKIN: Colour = (244, 205, 178)
 TOP: Colour = (247, 204, 112)
-TOP_STRIPE: Colour = (252, 236, 196)
 PANTS: Colour = (112, 160, 172)
 
+GRID_SIZE, GRID_LAYOUT = "2 3", "RLUDFB"
+"""How the sides of a cube texture lie in its picture: rows and columns, and MuJoCo's letters of the sides."""
 HEAD_CUBE = "head_solid"
 """Texture of the head's solid under a skin."""
-
-HEAD_BREADTH = 0.863
-"""Breadth of a head relative to the diameter of a circle with its circumference: .871 at birth, .859 at 24 months
-(AnthroKids)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,19 +52,17 @@ def dress(expression: str, *, round_head: bool = True) -> Appearance:
     """Return the textures and materials of an infant with an expression, and those of the other expressions.
 
     Args:
-        expression: One of `mimoc.looks.expressions.FACES`.
+        expression: One of `EXPRESSIONS`.
         round_head: Whether its head is a sphere; else it is as much narrower as children's are.
     """
-    breadth = 1.0 if round_head else HEAD_BREADTH
-    faces = {name: _cube(face_texture(name), f"assets/face_{name}.png") for name in FACES}
+    face_shape = "face_round" if round_head else "face"
+    faces = {name: _cube(face_texture(name), f"assets/face_{name}.png") for name in EXPRESSIONS}
     eye = _cube("eye", "assets/eye.png")
     ear = _cube("ear", "assets/ear.png")
     stripes = _cube("stripes", "assets/stripes.png")
     assets = {
-        **{texture.file: draw_face(name, breadth) for name, texture in faces.items()},
-        eye.file: draw_eye(),
-        ear.file: draw_ear(),
-        stripes.file: draw_stripes(TOP, TOP_STRIPE),
+        **{texture.file: read_picture(f"{face_shape}_{name}") for name, texture in faces.items()},
+        **{texture.file: read_picture(texture.name) for texture in (eye, ear, stripes)},
     }
     return Appearance((*faces.values(), eye, ear, stripes), _materials(expression), MappingProxyType(assets))
 
@@ -85,31 +75,30 @@ def dress_skin(expression: str, layers: tuple[str, ...], *, round_head: bool = T
     """Return the textures and materials of an infant with a skin; its solids show one expression only.
 
     Args:
-        expression: One of `mimoc.looks.expressions.FACES`.
+        expression: One of `EXPRESSIONS`.
         layers: Names of the layers of its skin.
         round_head: Whether its head is a sphere.
     """
     solid = dress(expression, round_head=round_head)
     shown = face_texture(expression)
-    faces = {name: FlatTexture(face_texture(name), f"assets/skin_face_{name}.png") for name in FACES}
+    faces = {name: FlatTexture(face_texture(name), f"assets/skin_face_{name}.png") for name in EXPRESSIONS}
     shades = {name: FlatTexture(material, f"assets/{material}.png") for name, material in SKIN_MATERIALS.items()}
     cubes = tuple(
         replace(cube, name=HEAD_CUBE) if cube.name == shown else cube
         for cube in solid.textures
-        if cube.name == shown or cube.name not in {each.name for each in faces.values()}
+        if cube.name == shown or cube.name not in {face.name for face in faces.values()}
     )
-    pictures = {"body": paint_skin(), "shirt": paint_cloth(TOP, TOP_STRIPE), "trousers": paint_cloth(PANTS, PANTS)}
     return Appearance(
         textures=cubes,
         materials=(
-            *(replace(each, texture=HEAD_CUBE) if each.name == "head" else each for each in solid.materials),
+            *(replace(item, texture=HEAD_CUBE) if item.name == "head" else item for item in solid.materials),
             *(Material(shade.name, UNTINTED, shade.name) for shade in shades.values()),
         ),
         assets=MappingProxyType(
             {
                 **{cube.file: solid.assets[cube.file] for cube in cubes},
-                **{texture.file: paint_face(name) for name, texture in faces.items()},
-                **{shades[name].file: picture for name, picture in pictures.items()},
+                **{texture.file: read_picture(f"skin_face_{name}") for name, texture in faces.items()},
+                **{shade.file: read_picture(shade.name) for shade in shades.values()},
             }
         ),
         flat_textures=(*faces.values(), *shades.values()),
@@ -135,7 +124,7 @@ def _materials(expression: str) -> tuple[Material, ...]:
     return (
         Material("skin", _rgba(SKIN)),
         Material("head", UNTINTED, face_texture(expression)),
-        *(Material(face_material(name), UNTINTED, face_texture(name)) for name in FACES),
+        *(Material(face_material(name), UNTINTED, face_texture(name)) for name in EXPRESSIONS),
         Material("ear", UNTINTED, "ear"),
         Material("eye_left", UNTINTED, "eye", specular=0.5, shininess=0.8),
         Material("eye_right", UNTINTED, "eye", specular=0.5, shininess=0.8),

@@ -10,10 +10,12 @@ import numpy as np
 from PIL import Image
 
 from mimoc.errors import TextureError
-from mimoc.looks.drawing import FloatArray, encode_png
-from mimoc.looks.patterns.tiling import TILE_PX
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.pictures import encode_png
 from mimoc.looks.wallpaper import Wallpaper
 
+TILE_PX = 256
+"""Maximum number of texels per side: that of images of a bundle."""
 MOST_PX = 20_000_000
 LONGER_SIDE_M = 1.0
 """Width and height of one repeat."""
@@ -44,22 +46,21 @@ def _files(path: Path) -> list[Path]:
         path = path.expanduser()
         if not stat.S_ISDIR(os.stat(path).st_mode):
             return [path]
-        found = [path / name for name in sorted(os.listdir(path)) if name.lower().endswith(".png") and name[0] != "."]
+        files = [path / name for name in sorted(os.listdir(path)) if name.lower().endswith(".png") and name[0] != "."]
     except OSError as error:
         raise TextureError(f"{path}: cannot be read ({error.strerror}); {_ADVICE}") from None
     except (ValueError, RuntimeError):  # A null character, or the home folder of an unknown user.
         raise TextureError(f"{str(path)!r}: is not a path; {_ADVICE}") from None
-    if not found:
+    if not files:
         raise TextureError(f"{path}: the folder contains no *.png files; add some, or give another folder")
-    return found
+    return files
 
 
 def _texture(file: Path, taken: set[str]) -> Wallpaper:
     image = _small(_decode(file))
-    png = encode_png(image)
     rows, columns, _ = image.shape
     tile_m = (LONGER_SIDE_M * columns / max(rows, columns), LONGER_SIDE_M * rows / max(rows, columns))
-    return Wallpaper(_name(file, taken), tile_m, lambda: png)
+    return Wallpaper(_name(file, taken), tile_m, encode_png(image))
 
 
 def _decode(file: Path) -> Image.Image:

@@ -16,8 +16,8 @@ import numpy as np
 
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.validation.compiled import ROOT
-from mimoc.milestones.infant import GRAVITY_M_S2, FloatArray, Infant, IntArray
-from mimoc.milestones.motors import Motors
+from mimoc.milestones.infant import GRAVITY_M_S2, FloatArray, IntArray, TrialInfant
+from mimoc.milestones.motors import DelayedMotors
 
 FREQUENCY_RAD_S = 14.0
 """Natural frequency w, the same for all: just below 1 / 60 ms, where the filters of activation would make it shake."""
@@ -32,7 +32,7 @@ class Servo:
     damping_nms: FloatArray
 
 
-def servo(infant: Infant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
+def servo(infant: TrialInfant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
     """Return the gains of an infant in a posture.
 
     Args:
@@ -48,7 +48,7 @@ def servo(infant: Infant, data: mujoco.MjData, factor: float = 1.0) -> Servo:
 class Controller:
     """Computes controls that keep the joints at target angles."""
 
-    def __init__(self, infant: Infant, gains: Servo, interval_s: float):
+    def __init__(self, infant: TrialInfant, gains: Servo, interval_s: float):
         """Prepare a twin of the model, whose inertia has the damping of one interval in it.
 
         Args:
@@ -65,7 +65,7 @@ class Controller:
         self._twin.opt.disableflags |= int(off)
         self._scratch = mujoco.MjData(self._twin)
         self._acceleration = np.zeros((1, infant.model.nv))
-        self._motors = Motors(infant, interval_s)
+        self._motors = DelayedMotors(infant, interval_s)
         self._loads = _loads(infant)
 
     def __call__(self, data: mujoco.MjData, target_rad: FloatArray) -> FloatArray:
@@ -119,10 +119,10 @@ class _Loads:
     """Weight of what hangs on each."""
 
 
-def _loads(infant: Infant) -> _Loads:
+def _loads(infant: TrialInfant) -> _Loads:
     """Return the driven hinges and those coupled to them, as hip_bend2 is to hip_bend1."""
     model, slots = infant.model, {int(joint): slot for slot, joint in enumerate(infant.joints)}
-    found = [(joint, slot, 1.0) for joint, slot in slots.items()]
+    loads = [(joint, slot, 1.0) for joint, slot in slots.items()]
     for start, count in zip(model.tendon_adr, model.tendon_num, strict=True):
         wraps = slice(start, start + count)
         factors = dict(zip(model.wrap_objid[wraps].tolist(), model.wrap_prm[wraps].tolist(), strict=True))
@@ -131,24 +131,24 @@ def _loads(infant: Infant) -> _Loads:
             [joint for joint in factors if joint not in slots],
         )
         if len(driven) == len(free) == 1:
-            found.append((free[0], slots[driven[0]], -factors[driven[0]] / factors[free[0]]))
-    joints, owners, ratios = zip(*found, strict=True)
+            loads.append((free[0], slots[driven[0]], -factors[driven[0]] / factors[free[0]]))
+    joints, owners, ratios = zip(*loads, strict=True)
     at = np.array(joints, np.intp)
     bodies, dofs = model.jnt_bodyid[at].astype(np.intp), model.jnt_dofadr[at].astype(np.intp)
     weights_n = GRAVITY_M_S2 * model.body_subtreemass[bodies]
     return _Loads(at, np.array(owners, np.intp), np.array(ratios), bodies, dofs, weights_n)
 
 
-def _inertia(infant: Infant, data: mujoco.MjData, joint: int) -> float:
+def _inertia(infant: TrialInfant, data: mujoco.MjData, joint: int) -> float:
     """Return the inertia about a hinge of what it has to move, in [kg m²]."""
     model = infant.model
     body = int(model.jnt_bodyid[joint])
-    own = model.body_rootid == model.body(ROOT).id
+    belongs = model.body_rootid == model.body(ROOT).id
     outer = in_subtrees(model, [body])
     hanging = _about(model, data, joint, np.flatnonzero(outer))
     if model.body(body).name.endswith("_eye"):
         return hanging
-    bearing = _about(model, data, joint, np.flatnonzero(own & ~outer))
+    bearing = _about(model, data, joint, np.flatnonzero(belongs & ~outer))
     return max(hanging, bearing / 2 if model.body(body).name.startswith(PAIRED) else 0.0)
 
 
@@ -157,6 +157,6 @@ def _about(model: mujoco.MjModel, data: mujoco.MjData, joint: int, bodies: np.nd
     axis = data.xaxis[joint]
     arms_m = data.xipos[bodies] - data.xanchor[joint]
     across_m = arms_m - np.outer(arms_m @ axis, axis)
-    own = np.einsum("bij,i->bj", data.ximat[bodies].reshape(-1, 3, 3), axis)
-    turning = np.sum(model.body_inertia[bodies] * own**2) + model.body_mass[bodies] @ np.sum(across_m**2, axis=1)
+    along = np.einsum("bij,i->bj", data.ximat[bodies].reshape(-1, 3, 3), axis)
+    turning = np.sum(model.body_inertia[bodies] * along**2) + model.body_mass[bodies] @ np.sum(across_m**2, axis=1)
     return float(turning + model.dof_armature[model.jnt_dofadr[joint]])

@@ -1,4 +1,4 @@
-"""A compiled infant on a flat floor, and what a trial has to know of it."""
+"""A compiled infant on a flat floor, under some conditions, and what a trial has to know of it."""
 
 import copy
 from collections.abc import Collection, Mapping
@@ -12,11 +12,10 @@ import numpy.typing as npt
 from mimoc.bundle.model import in_subtrees
 from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.validation.compiled import ROOT, compile_infant, solid_extents
-from mimoc.milestones.conditions import Conditions
-from mimoc.milestones.delays import longest_delays_s
+from mimoc.delays.presets import PRESETS, given_keys
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
-from mimoc.units import deg_to_rad
+from mimoc.units import deg_to_rad, ms_to_s
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -28,9 +27,26 @@ GRAVITY_M_S2 = 9.81
 SMALL_GAP_M = 1e-4
 """Penetration of the floor at the start, so that the first physics step already carries the infant."""
 
+SENSED = ("proprioception", "vestibular")
+"""The senses that tell posture and balance."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """What can be varied to see how much a result hangs on it."""
+
+    push: float = 0.03
+    """Size of the pushes while sitting and standing, in body weights."""
+    servo: float = 1.0
+    """Factor on the natural frequency of the controller."""
+    strength: float = 1.0
+    """Factor on the torque limits of all motors, on top of the infant's own."""
+    delays: bool = False
+    """Whether the infant's own delays of senses and commands apply, with a forward model that predicts over them."""
+
 
 @dataclass(frozen=True)
-class Infant:
+class TrialInfant:
     """A model, and the hinges that its motors drive."""
 
     model: mujoco.MjModel
@@ -40,7 +56,7 @@ class Infant:
     """Its delays of senses and of commands."""
 
     @classmethod
-    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "Infant":
+    def of(cls, model: mujoco.MjModel, delays_s: tuple[float, float] = (0.0, 0.0)) -> "TrialInfant":
         """Return the infant of a model."""
         return cls(model, np.unique(model.actuator_trnid[:, 0]).astype(np.intp), delays_s)
 
@@ -73,8 +89,8 @@ class Infant:
     def solids(self) -> IntArray:
         """Indices of the geoms that touch things."""
         touching = (self.model.geom_contype | self.model.geom_conaffinity) > 0
-        own = self.model.body_rootid[self.model.geom_bodyid] == self.model.body(ROOT).id
-        return np.flatnonzero(own & touching).astype(np.intp)
+        belongs = self.model.body_rootid[self.model.geom_bodyid] == self.model.body(ROOT).id
+        return np.flatnonzero(belongs & touching).astype(np.intp)
 
     @cached_property
     def pushed(self) -> int:
@@ -100,7 +116,7 @@ class Infant:
                 return self.model.body(body).name
         return ""
 
-    def fixed(self, dofs: Collection[int]) -> "Infant":
+    def fixed(self, dofs: Collection[int]) -> "TrialInfant":
         """Return an infant some of whose degrees of freedom are held by an apparatus."""
         held = copy.copy(self.model)
         held.dof_armature[list(dofs)] = FIXED_ARMATURE
@@ -171,21 +187,54 @@ class Infant:
         return float(np.min(data.geom_xpos[geoms, 2] - solid_extents(self.model, geoms).along(up)))
 
 
-def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> Infant:
+def compile_at(spec: InfantSpec, age_months: float, conditions: Conditions) -> TrialInfant:
     """Return the infant of a spec at some age, alone on a flat floor, all of its muscles at its command.
 
     Raises:
         SpecError: If the spec asks for what this version cannot build.
     """
-    own = spec.actuation
+    asked = spec.actuation
     pairs = {side: pair for pair, sides in PAIRED_GROUPS.items() for side in sides}
     strength = {
-        group: conditions.strength * own.strength.get(group, own.strength.get(pairs.get(group, group), 1.0))
+        group: conditions.strength * asked.strength.get(group, asked.strength.get(pairs.get(group, group), 1.0))
         for group in STRENGTH_GROUPS
         if group not in PAIRED_GROUPS
     }
-    actuation = own.model_copy(update={"strength": strength, "regions": None, "locked": ()})
+    actuation = asked.model_copy(update={"strength": strength, "regions": None, "locked": ()})
     with errors_at(spec, age_months):
         grown = quickly_aged(spec, age_months).model_copy(update={"actuation": actuation})
         model = compile_infant(grown)
-    return Infant.of(model, longest_delays_s(grown))
+    return TrialInfant.of(model, longest_delays_s(grown))
+
+
+def longest_delays_s(spec: InfantSpec) -> tuple[float, float]:
+    """Return the longest delays of posture senses and of commands, those of the legs: the whole state waits for them.
+
+    They are those of the spec, or physiological ones of its age if it asks for none.
+    """
+    sensory_ms = max(_longest_ms(spec, signal) for signal in SENSED)
+    return ms_to_s(sensory_ms), ms_to_s(_longest_ms(spec, "motor"))
+
+
+def _longest_ms(spec: InfantSpec, signal: str) -> float:
+    if keys := given_keys(spec.delays, signal):
+        return float(getattr(spec.delays, keys[0]))
+    preset = "physiological" if spec.delays.preset == "none" else spec.delays.preset
+    entry = PRESETS[preset](signal, spec.age_months, spec.control.timestep_ms)
+    return max(entry.ms, entry.legs_ms or 0.0)
+
+
+def tilt_deg(data: mujoco.MjData, body: int) -> float:
+    """Return the angle between a body's own upward axis and the vertical."""
+    return float(np.degrees(np.arccos(np.clip(data.xmat[body, 8], -1.0, 1.0))))
+
+
+def elevation_deg(data: mujoco.MjData, body: int) -> float:
+    """Return how far a body faces up: 90 degrees for straight up, -90 for straight down."""
+    return float(np.degrees(np.arcsin(np.clip(data.xmat[body, 6], -1.0, 1.0))))
+
+
+def rise_deg(data: mujoco.MjData, start: int, end: int) -> float:
+    """Return the elevation of the line from one body's origin to another's: 90 degrees for straight up."""
+    line_m = data.xpos[end] - data.xpos[start]
+    return float(np.degrees(np.arctan2(line_m[2], np.hypot(line_m[0], line_m[1]))))

@@ -3,21 +3,21 @@
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.milestones.infant import FloatArray, TrialInfant
 from mimoc.mujoco_layout import TIME_CONSTANT, AffineBias
 
 LEAST_NM = 1e-9
 """Torque at full activation below which an actuator counts as powerless."""
 
 
-class Motors:
+class DelayedMotors:
     """Inverts MuJoCo's actuators, the torque of which is linear in their activation.
 
     A filtered actuator gets the control whose filter arrives at the wanted activation after one interval, or comes as
     near as the range of its control allows. Of two antagonistic muscles one pulls and the other rests.
     """
 
-    def __init__(self, infant: Infant, interval_s: float):
+    def __init__(self, infant: TrialInfant, interval_s: float):
         """Find the actuators of each driven hinge of an infant, whose controls are kept for some interval."""
         model = infant.model
         self._model, self._interval_s = model, interval_s

@@ -7,11 +7,11 @@ from typing import Any, Literal
 from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
-from mimoc.milestones.conditions import Conditions
-from mimoc.milestones.search import Found, Progress, age_grid, search
+from mimoc.milestones.infant import Conditions
+from mimoc.milestones.search import Progress, SearchResult, age_grid, search
 from mimoc.milestones.trial import Trial
 from mimoc.milestones.trials import FURTHER, TRIALS
-from mimoc.milestones.windows import WINDOWS, Window
+from mimoc.milestones.windows import WINDOWS, AgeRange
 from mimoc.render.plots.milestones import Bar
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
@@ -24,8 +24,8 @@ class Milestone:
     """What was found for one trial."""
 
     trial: Trial
-    found: Found
-    window: Window | None
+    result: SearchResult
+    window: AgeRange | None
     """When real infants reach it, if that is known."""
     judged: bool
     """Whether it is compared with real infants, or only reported."""
@@ -33,7 +33,7 @@ class Milestone:
     @property
     def verdict(self) -> Verdict:
         """How the infant compares with real ones."""
-        age = self.found.youngest_months
+        age = self.result.youngest_months
         if not self.judged or self.window is None:
             return "no verdict"
         if age is None:
@@ -47,11 +47,11 @@ class Milestone:
         return {
             "name": self.trial.name,
             "title": self.trial.title,
-            "youngest_months": self.found.youngest_months,
-            "at_birth": self.found.at_birth,
+            "youngest_months": self.result.youngest_months,
+            "at_birth": self.result.at_birth,
             "verdict": self.verdict,
             "window": asdict(self.window) if self.window else None,
-            "tried": [{"age_months": age, **asdict(outcome)} for age, outcome in self.found.outcomes.items()],
+            "tried": [{"age_months": age, **asdict(outcome)} for age, outcome in self.result.outcomes.items()],
         }
 
 
@@ -69,20 +69,20 @@ class MilestoneReport:
     @property
     def passed(self) -> bool:
         """Whether every milestone that is judged is inside its window."""
-        return all(each.verdict in ("inside", "no verdict") for each in self.milestones)
+        return all(milestone.verdict in ("inside", "no verdict") for milestone in self.milestones)
 
     @property
     def bars(self) -> list[Bar]:
         """The milestones as they are plotted."""
         return [
             Bar(
-                each.trial.title,
-                (each.window.youngest_months, each.window.median_months, each.window.oldest_months)
-                if each.window
+                milestone.trial.title,
+                (milestone.window.youngest_months, milestone.window.median_months, milestone.window.oldest_months)
+                if milestone.window
                 else None,
-                each.found.youngest_months,
+                milestone.result.youngest_months,
             )
-            for each in self.milestones
+            for milestone in self.milestones
         ]
 
     def to_data(self) -> dict[str, Any]:
@@ -93,7 +93,7 @@ class MilestoneReport:
                 "actuation": self.actuation,
                 "conditions": asdict(self.conditions),
                 "passed": self.passed,
-                "milestones": [each.to_data() for each in self.milestones],
+                "milestones": [milestone.to_data() for milestone in self.milestones],
             }
         )
 
@@ -127,11 +127,11 @@ def validate_milestones(
         with errors_at(infant, age_months):
             child_of(quickly_aged(infant, age_months))
     usual = conditions or Conditions()
-    found = search(infant, usual, names, ages or age_grid(), processes, progress)
+    results = search(infant, usual, names, ages or age_grid(), processes, progress)
     further = {trial.name for trial in FURTHER}
     return MilestoneReport(
         infant.development,
         infant.actuation.model,
         usual,
-        [Milestone(TRIALS[name], found[name], WINDOWS.get(name), name not in further) for name in names],
+        [Milestone(TRIALS[name], results[name], WINDOWS.get(name), name not in further) for name in names],
     )

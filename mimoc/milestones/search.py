@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from multiprocessing import get_context
 
-from mimoc.milestones.conditions import Conditions
-from mimoc.milestones.infant import Infant, compile_at
+from mimoc.milestones.infant import Conditions, TrialInfant, compile_at
 from mimoc.milestones.trial import Outcome, try_out
 from mimoc.milestones.trials import TRIALS
 from mimoc.schema.infant import InfantSpec
@@ -29,7 +28,7 @@ def age_grid(step_months: float = FINE_MONTHS) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search found out about one trial."""
 
     youngest_months: float | None
@@ -43,7 +42,7 @@ class Found:
         return 0.0 in self.outcomes and self.outcomes[0.0].success
 
 
-def descend(ages: Sequence[float]) -> Generator[float, bool, float | None]:
+def search_downwards(ages: Sequence[float]) -> Generator[float, bool, float | None]:
     """Yield ages to try, get whether each succeeded, and return the youngest age with success at all older ones.
 
     It starts at the oldest and takes every second age until one fails, or the youngest succeeds; then it tries those
@@ -74,7 +73,7 @@ def search(
     ages: Sequence[float],
     processes: int = 1,
     progress: Progress | None = None,
-) -> Mapping[str, Found]:
+) -> Mapping[str, SearchResult]:
     """Return what is found for each trial, by name.
 
     Args:
@@ -102,16 +101,16 @@ def worker_pool(processes: int) -> ProcessPoolExecutor:
 
 def _searches(
     names: Sequence[str], ages: Sequence[float], progress: Progress | None, run: Trials
-) -> Mapping[str, Found]:
-    found: dict[str, Found] = {}
+) -> Mapping[str, SearchResult]:
+    results: dict[str, SearchResult] = {}
     for done, name in enumerate(names, start=1):
         one = _Search(ages)
         while one.next_age is not None:
             one.record(run(name, one.next_age))
-        found[name] = one.found
+        results[name] = one.result
         if progress:
             progress(done * len(ages), len(names) * len(ages))
-    return found
+    return results
 
 
 def _parallel(
@@ -121,7 +120,7 @@ def _parallel(
     names: Sequence[str],
     ages: Sequence[float],
     progress: Progress | None,
-) -> Mapping[str, Found]:
+) -> Mapping[str, SearchResult]:
     """Run the searches of all trials side by side; each waits for its own last attempt."""
     searches = {name: _Search(ages) for name in names}
     waiting: dict[Future[Outcome], str] = {}
@@ -140,7 +139,7 @@ def _parallel(
             submit(name)
         if progress:
             progress(sum(one.settled for one in searches.values()), len(names) * len(ages))
-    return {name: one.found for name, one in searches.items()}
+    return {name: one.result for name, one in searches.items()}
 
 
 class _Search:
@@ -148,7 +147,7 @@ class _Search:
 
     def __init__(self, ages: Sequence[float]):
         self._ages = ages
-        self._steps = descend(ages)
+        self._steps = search_downwards(ages)
         self._outcomes: dict[float, Outcome] = {}
         self._youngest: float | None = None
         self.next_age: float | None = next(self._steps)
@@ -171,8 +170,8 @@ class _Search:
         return sum(age > min(self._outcomes, default=self._ages[-1]) for age in self._ages)
 
     @property
-    def found(self) -> Found:
-        return Found(self._youngest, dict(sorted(self._outcomes.items())))
+    def result(self) -> SearchResult:
+        return SearchResult(self._youngest, dict(sorted(self._outcomes.items())))
 
 
 def _try_at(spec: InfantSpec, conditions: Conditions, name: str, age_months: float) -> Outcome:
@@ -180,6 +179,6 @@ def _try_at(spec: InfantSpec, conditions: Conditions, name: str, age_months: flo
 
 
 @lru_cache(maxsize=64)
-def _infant_at(spec: str, age_months: float, conditions: Conditions) -> Infant:
+def _infant_at(spec: str, age_months: float, conditions: Conditions) -> TrialInfant:
     """Return an infant, compiled once by each process; specs themselves cannot be hashed."""
     return compile_at(InfantSpec.model_validate_json(spec), age_months, conditions)

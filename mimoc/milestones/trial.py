@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from mimoc.milestones.conditions import Conditions
 from mimoc.milestones.controller import Controller, servo
-from mimoc.milestones.infant import FloatArray, Infant
+from mimoc.milestones.infant import Conditions, FloatArray, TrialInfant
 from mimoc.milestones.predictor import INTERVAL_S, Predictor
 
 CHECKED_EVERY_S = 0.05
@@ -46,7 +45,7 @@ PUSHES = (
 class Attempt:
     """One way to try: a posture to start from, what to go for, and what must be true from when on."""
 
-    infant: Infant
+    infant: TrialInfant
     """The infant, with what an apparatus holds of it fixed."""
     start: FloatArray
     """`qpos` at the start."""
@@ -78,11 +77,11 @@ class Trial:
 
     name: str
     title: str
-    attempts: Callable[[Infant], Iterable[Attempt]] = field(repr=False)
+    attempts: Callable[[TrialInfant], Iterable[Attempt]] = field(repr=False)
     """The ways to try it, which an infant tries in turn until one succeeds."""
 
 
-def try_out(trial: Trial, infant: Infant, conditions: Conditions, watch: Watch | None = None) -> Outcome:
+def try_out(trial: Trial, infant: TrialInfant, conditions: Conditions, watch: Watch | None = None) -> Outcome:
     """Return the outcome of the first attempt that succeeds, or of the one that lasted longest.
 
     Args:
@@ -96,7 +95,7 @@ def try_out(trial: Trial, infant: Infant, conditions: Conditions, watch: Watch |
         outcome = simulate(attempt, conditions, watch)
         if outcome.success:
             return outcome
-        best = max(best, outcome, key=lambda each: each.seconds)
+        best = max(best, outcome, key=lambda tried: tried.seconds)
     return best
 
 

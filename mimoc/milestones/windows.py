@@ -9,7 +9,7 @@ Certainty = Literal["read", "from memory"]
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class AgeRange:
     """Ages at which infants reach a milestone, in months."""
 
     youngest_months: float
@@ -28,10 +28,10 @@ class Window:
 WHO = "WHO Multicentre Growth Reference Study Group 2006, Acta Paediatr Suppl 450: 86-95"
 PERCENTILES = "1st to 99th percentile"
 
-WINDOWS: Mapping[str, Window] = {
-    "prone_head": Window(1.5, 3.0, 2.0, "usual ages", "Denver II (Frankenburg et al. 1992)", "from memory"),
-    "arm_out": Window(3.5, 5.0, 4.0, "usual ages of first reaches", "Bhat & Galloway 2007; von Hofsten 1991", "read"),
-    "no_head_lag": Window(
+WINDOWS: Mapping[str, AgeRange] = {
+    "prone_head": AgeRange(1.5, 3.0, 2.0, "usual ages", "Denver II (Frankenburg et al. 1992)", "from memory"),
+    "arm_out": AgeRange(3.5, 5.0, 4.0, "usual ages of first reaches", "Bhat & Galloway 2007; von Hofsten 1991", "read"),
+    "no_head_lag": AgeRange(
         3.0,
         6.0,
         4.5,
@@ -39,8 +39,8 @@ WINDOWS: Mapping[str, Window] = {
         "Gerber, Wilks & Erdie-Lalena 2010 (3 and 4-5 months: read); Denver II (90 % by 6)",
         "from memory",
     ),
-    "sit": Window(3.8, 9.2, 5.9, PERCENTILES, f"{WHO}: sitting without support", "read"),
-    "hands_and_knees": Window(
+    "sit": AgeRange(3.8, 9.2, 5.9, PERCENTILES, f"{WHO}: sitting without support", "read"),
+    "hands_and_knees": AgeRange(
         5.2,
         13.5,
         6.5,
@@ -48,8 +48,8 @@ WINDOWS: Mapping[str, Window] = {
         f"{WHO}: hands-and-knees crawling (read); Alberta Infant Motor Scale (Piper & Darrah 1994): still at 6-7",
         "from memory",
     ),
-    "stand": Window(6.9, 16.9, 10.8, PERCENTILES, f"{WHO}: standing alone", "read"),
-    "half_squat": Window(
+    "stand": AgeRange(6.9, 16.9, 10.8, PERCENTILES, f"{WHO}: standing alone", "read"),
+    "half_squat": AgeRange(
         3.0,
         7.0,
         4.5,
@@ -57,8 +57,8 @@ WINDOWS: Mapping[str, Window] = {
         "Denver test (Frankenburg & Dodds 1967)",
         "from memory",
     ),
-    "supine_head": Window(4.0, 9.0, 6.0, "usual ages", "van Iersel & Hadders-Algra 2021", "read"),
-    "pull_to_stand": Window(4.8, 11.4, 7.4, PERCENTILES, f"{WHO}: standing with assistance", "read"),
-    "roll_over": Window(3.0, 6.0, 5.0, "usual ages", "Gerber, Wilks & Erdie-Lalena 2010", "read"),
+    "supine_head": AgeRange(4.0, 9.0, 6.0, "usual ages", "van Iersel & Hadders-Algra 2021", "read"),
+    "pull_to_stand": AgeRange(4.8, 11.4, 7.4, PERCENTILES, f"{WHO}: standing with assistance", "read"),
+    "roll_over": AgeRange(3.0, 6.0, 5.0, "usual ages", "Gerber, Wilks & Erdie-Lalena 2010", "read"),
 }
 """By name of the trial. WHO's medians are from memory, the other figures of WHO were read."""

@@ -64,12 +64,12 @@ class ReachPolicy:
         `hand_error_m` is the median distance of hands from their targets just before others are drawn; `fell_after_s`
         is the simulated time after which an infant that sat freely fell over.
         """
-        found: dict[str, float] = {}
+        metrics: dict[str, float] = {}
         if self._errors_m:
-            found["hand_error_m"] = float(np.median(self._errors_m))
+            metrics["hand_error_m"] = float(np.median(self._errors_m))
         if self._fell_after_s is not None:
-            found["fell_after_s"] = self._fell_after_s
-        return found
+            metrics["fell_after_s"] = self._fell_after_s
+        return metrics
 
     def _bind(self) -> None:
         env = self._env

@@ -47,7 +47,7 @@ def reach_errors(
     """
     step_s = ms_to_s(env.manifest.step_ms)
     steps = round(seconds / step_s)
-    found = []
+    trials_errors = []
     for trial in range(trials):
         observation, _ = env.reset(seed=trial)
         policy = ReachPolicy(env, gains, seconds + step_s)
@@ -57,7 +57,7 @@ def reach_errors(
             observation, *_ = env.step(action)
             errors.append(policy.errors())
             action = policy(generator, observation)
-        found.append(([hands for hands, _ in errors], [eyes for _, eyes in errors]))
+        trials_errors.append(([hands for hands, _ in errors], [eyes for _, eyes in errors]))
         progress(trial + 1, trials)
-    hands_m, eyes_rad = (np.array(errors) for errors in zip(*found, strict=True))
+    hands_m, eyes_rad = (np.array(errors) for errors in zip(*trials_errors, strict=True))
     return ReachErrors(step_s * np.arange(steps + 1, dtype=np.float64), hands_m, eyes_rad)

@@ -1,11 +1,16 @@
-"""Toys: shapes, collision geoms, mass, choice and placement; each source of toys is a folder."""
+"""Toys: shapes, collision geoms, mass, choice and placement; each source of toys is a module or a folder."""
 
 from mimoc.kinds import Kinds, ToySource
 
 TOY_SOURCES: Kinds[ToySource] = Kinds(
     "source of toys",
     {
-        "builtin": "mimoc.toys.builtin",
-        "toys4k": "mimoc.toys.toys4k",
+        "builtin": ToySource("builtin", "The toys that come with mimoc.", "mimoc.toys.builtin"),
+        "toys4k": ToySource(
+            "toys4k",
+            "The toys of the Toys4K data set, or other meshes in a folder.",
+            "mimoc.toys.toys4k.build",
+            needs_root=True,
+        ),
     },
 )

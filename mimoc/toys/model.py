@@ -1,5 +1,6 @@
 """The shape of a toy, before it gets a size, a colour and a position."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,12 +20,28 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
-    """A triangle mesh whose faces point outwards."""
+    """A triangle mesh whose faces point outwards; its arrays become read-only."""
 
     vertices: FloatArray
     """Shape (n, 3)."""
     faces: IntArray
     """Shape (m, 3)."""
+
+    def __post_init__(self) -> None:
+        self.vertices.flags.writeable = self.faces.flags.writeable = False
+
+    @property
+    def volume(self) -> float:
+        """Volume inside a closed mesh; where shells overlap, it counts once for each shell."""
+        a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
+        return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6)
+
+
+def join(meshes: Sequence[Mesh]) -> Mesh:
+    """Return several meshes joined into one."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
+    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
 
 
 @dataclass(frozen=True, slots=True)

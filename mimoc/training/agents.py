@@ -1,6 +1,7 @@
 """Stable-Baselines3's PPO and SAC, as mimoc configures them."""
 
 from collections.abc import Callable, Mapping
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,14 @@ def make_policy(algo: str, hyper: Mapping[str, Number], observation_space: Any, 
     return _POLICIES[algo](type(observation_space)(spaces), action_space, lambda _: 0.0, **network)
 
 
+def torch_devices() -> str:
+    """Return what torch can compute on: `CUDA 12.8, NVIDIA H200`, say, or `CPU only`."""
+    if not torch.cuda.is_available():
+        return "CPU only"
+    names = dict.fromkeys(torch.cuda.get_device_name(index) for index in range(torch.cuda.device_count()))
+    return f"CUDA {torch.version.cuda}, {', '.join(names)}"
+
+
 def interval_seed(seed: int, start_steps: int) -> int:
     """Return the seed of the training interval that starts after the given number of steps."""
     return int(np.random.SeedSequence([seed, start_steps]).generate_state(1)[0]) // 2
@@ -73,26 +82,74 @@ def has_learnt(agent: BaseAlgorithm) -> bool:
     return agent._n_updates > 0  # pyright: ignore[reportAttributeAccessIssue] - Of on- and off-policy algorithms.
 
 
-def set_weights(agent: BaseAlgorithm, weights: Mapping[str, Any]) -> None:
-    """Restore the agent's weights and optimiser states.
+def weights_of(module: torch.nn.Module) -> dict[str, np.ndarray]:
+    """Return the weights of a network, by their names in it."""
+    return {name: tensor.numpy(force=True) for name, tensor in module.state_dict().items()}
+
+
+def set_weights(module: torch.nn.Module, weights: Mapping[str, np.ndarray]) -> None:
+    """Set the weights of a network.
 
     Raises:
-        ValueError: If they are those of another agent.
+        RuntimeError: If they are those of another network.
     """
-    modules = dict(weights)
-    variables = modules.pop(VARIABLES, {})
-    agent.set_parameters(modules, device="cpu")
+    module.load_state_dict({name: torch.from_numpy(array.copy()) for name, array in weights.items()})
+
+
+def agent_state(agent: BaseAlgorithm) -> dict[str, np.ndarray]:
+    """Return weights, states of optimisers and other variables that an agent learns, to go on from.
+
+    Names are those of networks' weights (`policy/log_std`), of what an optimiser knows of a parameter, by its number
+    (`policy.optimizer/0/exp_avg`), and of variables (`log_ent_coef`).
+    """
+    modules, variables = _learnt(agent)
+    state = {name: getattr(agent, name).numpy(force=True) for name in variables}
+    for name, module in modules.items():
+        if isinstance(module, torch.optim.Optimizer):
+            known = module.state_dict()["state"].items()
+            state |= {f"{name}/{number}/{key}": part[key].numpy(force=True) for number, part in known for key in ADAM}
+        else:
+            state |= {f"{name}/{key}": array for key, array in weights_of(module).items()}
+    return state
+
+
+def restore_agent(agent: BaseAlgorithm, state: Mapping[str, np.ndarray]) -> None:
+    """Restore what `agent_state` has returned.
+
+    Raises:
+        KeyError, RuntimeError, ValueError: If it is the state of another agent.
+    """
+    modules, variables = _learnt(agent)
+    for name, module in modules.items():
+        part = {key.removeprefix(f"{name}/"): array for key, array in state.items() if key.startswith(f"{name}/")}
+        if isinstance(module, torch.optim.Optimizer):
+            _restore_optimiser(module, part)
+        else:
+            set_weights(module, part)
     with torch.no_grad():
-        for name in _variables(agent):
-            getattr(agent, name).copy_(variables[name])  # In place: an optimiser holds a reference to it.
+        for name in variables:  # In place: an optimiser holds a reference to it.
+            getattr(agent, name).copy_(torch.from_numpy(state[name].copy()))
 
 
-VARIABLES = "pytorch_variables"
-"""Name of these tensors in Stable-Baselines3's files."""
+ADAM = ("step", "exp_avg", "exp_avg_sq")
+"""What PyTorch's Adam, which all agents learn with, knows of a parameter."""
 
 
-def _variables(agent: BaseAlgorithm) -> list[str]:
-    return agent._get_torch_save_params()[1]
+def _restore_optimiser(optimiser: torch.optim.Optimizer, saved: Mapping[str, np.ndarray]) -> None:
+    """Restore what an optimiser knows of its parameters; its settings stay."""
+    parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
+    known = {number: part for number, part in enumerate(parameters) if f"{number}/{ADAM[0]}" in saved}
+    shapes = {f"{number}/{key}": () if key == "step" else part.shape for number, part in known.items() for key in ADAM}
+    if shapes != {name: array.shape for name, array in saved.items()}:
+        raise ValueError("an optimiser of other parameters")
+    state = {number: {key: torch.from_numpy(saved[f"{number}/{key}"].copy()) for key in ADAM} for number in known}
+    optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
+
+
+def _learnt(agent: BaseAlgorithm) -> tuple[dict[str, torch.nn.Module | torch.optim.Optimizer], list[str]]:
+    """Return the networks and optimisers of an agent by name, and the names of its other variables."""
+    names, variables = agent._get_torch_save_params()
+    return {name: attrgetter(name)(agent) for name in names}, variables
 
 
 def _network(hyper: Mapping[str, Number]) -> dict[str, Any]:

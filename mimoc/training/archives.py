@@ -2,13 +2,8 @@
 
 import io
 import zipfile
-from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from mimoc.bundle.arrays import unpack_arrays
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 
 MOST_BYTES = 2**29
@@ -68,17 +63,3 @@ def read_archive(path: Path) -> Archive:
     if content is None:
         raise ValueError("it cannot be read")
     return Archive(content)
-
-
-def all_finite(arrays: Iterable[Any]) -> bool:
-    """Return whether all numbers of some arrays are finite."""
-    return all(np.isfinite(np.asarray(array)).all() for array in arrays)
-
-
-def read_arrays(content: bytes) -> Mapping[str, np.ndarray]:
-    """Return the arrays in a file of NumPy's, read-only views into it.
-
-    Raises:
-        BundleError: If it is damaged, or holds anything but numbers.
-    """
-    return unpack_arrays(content)

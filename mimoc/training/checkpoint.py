@@ -5,31 +5,30 @@ import json
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.vec_env import VecNormalize
 
+from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.json_files import parse_json
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.bounded import Count, NotNegative
-from mimoc.training.agents import set_weights
-from mimoc.training.archives import Archive, read_arrays
+from mimoc.training.agents import agent_state, restore_agent
+from mimoc.training.archives import Archive
 from mimoc.training.curve import Curve
-from mimoc.training.policies import DAMAGED, SCALE
-from mimoc.training.tensors import read_tensors
-from mimoc.training.vector_env import set_statistics
+from mimoc.training.policies import DAMAGED, OF_TORCH, SCALE, WEIGHTS
+from mimoc.training.vector_env import set_statistics, statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"
 _VECTORS = ("actions", "rewards", "dones", "timeouts")
 _DICTIONARIES = ("observations", "next_observations")
 
-
 UNUSABLE = "checkpoint is damaged; training cannot resume; start over with --force"
+OUTDATED = "checkpoint was saved by an earlier version of mimoc; training cannot resume; start over with --force"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,20 +49,16 @@ class _State(Model):
     wall_s: NotNegative
 
 
-def pack(policy: bytes, agent: BaseAlgorithm, progress: Progress) -> bytes:
-    """Return the content of a checkpoint file.
-
-    Args:
-        policy: The policy file from `pack_policy`, which includes optimisers and statistics.
-        agent: The agent, for its replay buffer.
-        progress: Progress of the training.
-    """
-    content = io.BytesIO(policy)
-    with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
+def pack(agent: BaseAlgorithm, env: VecNormalize, progress: Progress) -> bytes:
+    """Return the content of a checkpoint file: all that an agent has learnt, statistics, replay buffer and progress."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
         archive.writestr(STATE, json.dumps({"steps": progress.steps, "wall_s": progress.wall_s}))
-        archive.writestr(CURVE, progress.curve.to_csv())
+        archive.writestr(CURVE, progress.curve.to_csv(), zipfile.ZIP_DEFLATED)
+        archive.writestr(WEIGHTS, pack_arrays(agent_state(agent)))
+        archive.writestr(SCALE, pack_arrays(statistics(env)), zipfile.ZIP_DEFLATED)
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            archive.writestr(REPLAY, _pack_replay_buffer(buffer), zipfile.ZIP_STORED)
+            archive.writestr(REPLAY, pack_arrays(_replay(buffer)))
     return content.getvalue()
 
 
@@ -73,14 +68,14 @@ def restore(content: bytes, agent: BaseAlgorithm, env: VecNormalize) -> Progress
     Raises:
         TrainingError: If the file is damaged or belongs to another agent.
     """
+    archive = _opened(content)
     try:
-        archive = Archive(content)
         progress = _progress(archive)
-        set_weights(agent, {name[: -len(".pth")]: _tensors(archive, name) for name in _weights(archive)})
-        set_statistics(env, read_arrays(archive.read(SCALE)))
+        restore_agent(agent, unpack_arrays(archive.read(WEIGHTS)))
+        set_statistics(env, unpack_arrays(archive.read(SCALE)))
         agent.num_timesteps = progress.steps
         if isinstance(buffer := getattr(agent, "replay_buffer", None), DictReplayBuffer):
-            _restore_replay_buffer(buffer, read_arrays(archive.read(REPLAY)))
+            _restore_replay_buffer(buffer, unpack_arrays(archive.read(REPLAY)))
     except (*DAMAGED, UnusableFileError):
         raise TrainingError(UNUSABLE) from None
     return progress
@@ -92,10 +87,22 @@ def read_progress(content: bytes) -> Progress:
     Raises:
         TrainingError: If the file is damaged.
     """
+    archive = _opened(content)
     try:
-        return _progress(Archive(content))
+        return _progress(archive)
     except (*DAMAGED, UnusableFileError):
         raise TrainingError(UNUSABLE) from None
+
+
+def _opened(content: bytes) -> Archive:
+    """Return the archive of a checkpoint file."""
+    try:
+        archive = Archive(content)
+    except DAMAGED:
+        raise TrainingError(UNUSABLE) from None
+    if OF_TORCH in archive.names():
+        raise TrainingError(OUTDATED)
+    return archive
 
 
 def _progress(archive: Archive) -> Progress:
@@ -103,22 +110,13 @@ def _progress(archive: Archive) -> Progress:
     return Progress(state.steps, state.wall_s, Curve.from_csv(archive.read(CURVE).decode()))
 
 
-def _weights(archive: Archive) -> list[str]:
-    return [name for name in archive.names() if name.endswith(".pth")]
-
-
-def _tensors(archive: Archive, name: str) -> Any:
-    return read_tensors(archive.read(name)) or {}
-
-
-def _pack_replay_buffer(buffer: DictReplayBuffer) -> bytes:
-    """Return the used part of a replay buffer as the content of an .npz file."""
-    used, content = buffer.buffer_size if buffer.full else buffer.pos, io.BytesIO()
-    arrays: dict[str, Any] = {name: getattr(buffer, name)[:used] for name in _VECTORS}
+def _replay(buffer: DictReplayBuffer) -> dict[str, np.ndarray]:
+    """Return the used part of a replay buffer."""
+    used = buffer.buffer_size if buffer.full else buffer.pos
+    arrays = {name: getattr(buffer, name)[:used] for name in _VECTORS}
     for kind in _DICTIONARIES:
         arrays |= {f"{kind}.{name}": part[:used] for name, part in getattr(buffer, kind).items()}
-    np.savez(content, pos=buffer.pos, full=buffer.full, **arrays)
-    return content.getvalue()
+    return {"pos": np.array(buffer.pos), "full": np.array(buffer.full), **arrays}
 
 
 def _restore_replay_buffer(buffer: DictReplayBuffer, saved: Mapping[str, np.ndarray]) -> None:

@@ -86,13 +86,13 @@ class Curve:
 
     def columns(self) -> dict[str, npt.NDArray[np.float64]]:
         """Return all fields by name, each of shape (n,)."""
-        return {each.name: self.column(each.name) for each in fields(Row)}
+        return {column.name: self.column(column.name) for column in fields(Row)}
 
     def to_csv(self) -> str:
         """Return the curve as CSV in full precision; NaN is an empty cell."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(each.name for each in fields(Row))
+        writer.writerow(column.name for column in fields(Row))
         writer.writerows(["" if math.isnan(value) else repr(value) for value in astuple(row)] for row in self.rows)
         return text.getvalue()
 
@@ -128,20 +128,20 @@ def summarize(
     return Row(
         steps=steps,
         episodes=len(episodes),
-        episode_return=_mean(each.total_reward for each in episodes),
-        success_rate=_mean(each.success for each in episodes),
-        episode_steps=_mean(each.steps for each in episodes),
-        time_to_success_s=_mean(each.steps * step_s for each in episodes if each.success),
+        episode_return=_mean(episode.total_reward for episode in episodes),
+        success_rate=_mean(episode.success for episode in episodes),
+        episode_steps=_mean(episode.steps for episode in episodes),
+        time_to_success_s=_mean(episode.steps * step_s for episode in episodes if episode.success),
         wall_s=wall_s,
         unfinished=len(unfinished),
-        unfinished_return=_mean(each.reward_so_far for each in unfinished),
-        unfinished_steps=_mean(each.steps for each in unfinished),
+        unfinished_return=_mean(episode.reward_so_far for episode in unfinished),
+        unfinished_steps=_mean(episode.steps for episode in unfinished),
     )
 
 
 def _mean(values: Iterable[float]) -> float:
-    found = list(values)
-    return math.fsum(found) / len(found) if found else math.nan
+    numbers = list(values)
+    return math.fsum(numbers) / len(numbers) if numbers else math.nan
 
 
 def _possible(row: Row) -> Row:
@@ -153,11 +153,9 @@ def _possible(row: Row) -> Row:
 
 
 def _row(cells: dict[str, str]) -> Row:
-    columns = [each for each in fields(Row) if each.name in cells or each.default is MISSING]
-    numbers = {each.name: float(cells[each.name] or "nan") for each in columns}
-    counts = {name: int(cells[name]) for name in COUNTS if name in numbers}
-    found: dict[str, Any] = {**numbers, **counts}
-    return Row(**found)
+    names = [column.name for column in fields(Row) if column.name in cells or column.default is MISSING]
+    numbers = {name: int(cells[name]) if name in COUNTS else float(cells[name] or "nan") for name in names}
+    return Row(**dict[str, Any](numbers))
 
 
 COUNTS = ("steps", "episodes", "unfinished")

@@ -63,7 +63,7 @@ def complete(algo: str, chosen: Mapping[str, Number]) -> dict[str, Number]:
     known = HYPERPARAMETERS[algo]
     for name in chosen.keys() - known.keys():
         raise UnknownNameError(f"hyperparameter of {algo}", name, known)
-    return {name: _checked(name, chosen.get(name, each.default), each) for name, each in sorted(known.items())}
+    return {name: _checked(name, chosen.get(name, one.default), one) for name, one in sorted(known.items())}
 
 
 def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
@@ -73,15 +73,15 @@ def parse(algo: str, assignments: list[str]) -> dict[str, Number]:
         UnknownNameError: If there is no such algorithm, or it has no such hyperparameter.
         TrainingError: If a text is not an assignment, or a value is out of range.
     """
-    found: dict[str, Number] = {}
+    chosen: dict[str, Number] = {}
     for text in assignments:
         name, _, value = text.partition("=")
         try:
-            found[name] = float(value)
+            chosen[name] = float(value)
         except ValueError:
             raise TrainingError(f"'{text}' is not an assignment; write NAME=NUMBER, such as gamma=0.99") from None
-    completed = complete(algo, found)
-    return {name: completed[name] for name in found}
+    completed = complete(algo, chosen)
+    return {name: completed[name] for name in chosen}
 
 
 def _checked(name: str, value: Number, known: Hyperparameter) -> Number:

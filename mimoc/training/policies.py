@@ -11,26 +11,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.policies import BasePolicy
 from stable_baselines3.common.vec_env import VecNormalize
 
+from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.errors import MimocError, PolicyError, UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
-from mimoc.training.agents import make_policy
-from mimoc.training.archives import all_finite, read_archive, read_arrays
+from mimoc.training.agents import make_policy, set_weights, weights_of
+from mimoc.training.archives import read_archive
 from mimoc.training.hyperparameters import complete
 from mimoc.training.settings import Settings
-from mimoc.training.tensors import read_tensors
 from mimoc.training.vector_env import normalized_names, statistics
 
-ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "policy.pth"
+ABOUT, SCALE, WEIGHTS = "mimoc.json", "scale.npz", "weights.npz"
 """The files in a policy archive that mimoc reads: description, statistics of the observations, and weights. The others
 are for Stable-Baselines3, whose `load` accepts the archive too and unpickles them; mimoc never does."""
-VERSION = 1
+OF_TORCH = "policy.pth"
+"""The weights, for Stable-Baselines3."""
+VERSION = 2
+"""Of what mimoc reads; policies of version 1 had no `weights.npz`."""
 DAMAGED = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError, OSError, RuntimeError, RecursionError, MimocError),
     *(KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError),
@@ -82,11 +84,10 @@ def pack_policy(agent: BaseAlgorithm, vector_env: VecNormalize, settings: Settin
         "observes": describe_observations(env),
         "commands": commanded_actuators(env),
     }
-    scale, known = io.BytesIO(), dict[str, Any](statistics(vector_env))
-    np.savez(scale, **known)
     with zipfile.ZipFile(content, "a", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(ABOUT, json.dumps(about, indent=1))
-        archive.writestr(SCALE, scale.getvalue())
+        archive.writestr(SCALE, pack_arrays(statistics(vector_env)))
+        archive.writestr(WEIGHTS, pack_arrays(weights_of(agent.policy)), zipfile.ZIP_STORED)
     return content.getvalue()
 
 
@@ -105,6 +106,8 @@ def load_policy(path: str | Path) -> PolicyMaker:
     try:
         about, statistics_, network = _read(path)
         hyper = complete(about["settings"]["algo"], about["settings"]["hyper"])
+    except _OtherVersionError:
+        raise PolicyError(f"{path}: was saved by another version of mimoc; train it again") from None
     except DAMAGED:
         raise PolicyError(f"{path}: {_DAMAGED}") from None
     return lambda env: _bind(path, about, hyper, statistics_, network, env)
@@ -120,24 +123,24 @@ def commanded_actuators(env: InfantEnv) -> list[str]:
     return [actuator.name for actuator in env.manifest.actuation.actuators if actuator.commanded]
 
 
-def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, torch.Tensor]]:
+def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray], dict[str, np.ndarray]]:
     archive = read_archive(path)
     about = json.loads(archive.read(ABOUT))
-    if about["policy"] != VERSION:
-        raise PolicyError(f"{path}: this policy was saved by an incompatible version of mimoc")
-    known, weights = dict(read_arrays(archive.read(SCALE))), read_tensors(archive.read(WEIGHTS))
-    are_tensors = all(isinstance(each, torch.Tensor) for each in weights.values())
-    if not _is_description(about) or not are_tensors or not all_finite([*known.values(), *weights.values()]):
+    if (saved_by := about["policy"]) != VERSION:
+        raise _OtherVersionError if type(saved_by) is int else ValueError
+    known, weights = unpack_arrays(archive.read(SCALE)), unpack_arrays(archive.read(WEIGHTS))
+    is_finite = all(np.isfinite(array).all() for array in (*known.values(), *weights.values()))
+    if not _is_description(about) or not is_finite:
         raise ValueError("it describes itself in a way that mimoc never does")
     return about, known, weights
 
 
 def _is_description(about: Any) -> bool:
     """Return whether data is what `pack_policy` writes into `mimoc.json`."""
-    observes, names = about["observes"], [about["infant"], *about["commands"]]
-    for name, each in observes.items():
-        names += [name, *each["layout"]]
-        if not all(type(size) is int for size in each["shape"]):
+    names = [about["infant"], *about["commands"]]
+    for name, observation in about["observes"].items():
+        names += [name, *observation["layout"]]
+        if not all(type(size) is int for size in observation["shape"]):
             return False
     limit = about["settings"].get("steps_per_episode")
     if limit is not None and (type(limit) is not int or limit < 1):
@@ -150,7 +153,7 @@ def _bind(
     about: dict[str, Any],
     hyper: Mapping[str, Any],
     known: Mapping[str, np.ndarray],
-    weights: Mapping[str, torch.Tensor],
+    weights: Mapping[str, np.ndarray],
     env: InfantEnv,
 ) -> Policy:
     """Return the policy for an environment; raise a PolicyError if it does not fit."""
@@ -165,7 +168,7 @@ def _bind(
     network = make_policy(about["settings"]["algo"], hyper, env.observation_space, env.action_space)
     names = normalized_names(env.observation_space)
     try:
-        network.load_state_dict(weights)
+        set_weights(network, weights)
         means = {f"{name}.mean": _statistic(known[f"{name}.mean"], name, env) for name in names}
         floor = hyper["observation_floor"]
         variances = {name: np.maximum(_statistic(known[f"{name}.var"], name, env), 0.0) for name in names}
@@ -177,14 +180,18 @@ def _bind(
     return TrainedPolicy(network, scale, float(hyper["observation_clip"]), names, limit)
 
 
+class _OtherVersionError(Exception):
+    """A policy was saved by another version of mimoc."""
+
+
 _DAMAGED = "not a policy trained by mimoc, or it is damaged"
 
 
-def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, torch.Tensor], env: InfantEnv) -> bool:
+def _has_room(hyper: Mapping[str, Any], weights: Mapping[str, np.ndarray], env: InfantEnv) -> bool:
     """Return whether there are as many weights as the layers of a network have at least, before it is made."""
     width, layers = int(hyper["width"]), int(hyper["layers"])
     inputs = sum(math.prod(space.shape) for space in _spaces(env).values() if len(space.shape) == 1)
-    return width * (inputs + width * (layers - 1)) <= sum(tensor.numel() for tensor in weights.values())
+    return width * (inputs + width * (layers - 1)) <= sum(array.size for array in weights.values())
 
 
 def _statistic(numbers: np.ndarray, name: str, env: InfantEnv) -> np.ndarray:
@@ -194,32 +201,28 @@ def _statistic(numbers: np.ndarray, name: str, env: InfantEnv) -> np.ndarray:
     return numbers
 
 
-def _differing_observations(trained: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    found = [f"observation '{name}' is missing here" for name in trained.keys() - here.keys()]
-    found += [f"observation '{name}' was not there in training" for name in here.keys() - trained.keys()]
-    for name in sorted(trained.keys() & here.keys()):
-        if (then := trained[name]["shape"]) != (now := here[name]["shape"]):
-            found.append(f"'{name}' had shape {_shape(then)} in training and has {_shape(now)} here")
+def _differing_observations(trained: Mapping[str, Any], current: Mapping[str, Any]) -> list[str]:
+    differences = [f"observation '{name}' is missing here" for name in trained.keys() - current.keys()]
+    differences += [f"observation '{name}' was not there in training" for name in current.keys() - trained.keys()]
+    for name in sorted(trained.keys() & current.keys()):
+        if (then := tuple(trained[name]["shape"])) != (now := tuple(current[name]["shape"])):
+            differences.append(f"'{name}' had shape {then} in training and has {now} here")
         else:
-            found += _first_difference(f"'{name}'", trained[name]["layout"], here[name]["layout"])
-    return sorted(found)
+            differences += _first_difference(f"'{name}'", trained[name]["layout"], current[name]["layout"])
+    return sorted(differences)
 
 
-def _differing_actuators(trained: Sequence[str], here: Sequence[str]) -> list[str]:
-    if len(trained) != len(here):
-        return [f"the action commanded {len(trained)} actuators in training and commands {len(here)} here"]
-    return _first_difference("the action", trained, here)
+def _differing_actuators(trained: Sequence[str], current: Sequence[str]) -> list[str]:
+    if len(trained) != len(current):
+        return [f"the action commanded {len(trained)} actuators in training and commands {len(current)} here"]
+    return _first_difference("the action", trained, current)
 
 
-def _first_difference(what: str, trained: Sequence[str], here: Sequence[str]) -> list[str]:
-    for number, (then, now) in enumerate(zip(trained, here, strict=False)):
+def _first_difference(what: str, trained: Sequence[str], current: Sequence[str]) -> list[str]:
+    for number, (then, now) in enumerate(zip(trained, current, strict=False)):
         if then != now:
             return [f"element {number} of {what} was {then} in training and is {now} here"]
     return []
-
-
-def _shape(sizes: Sequence[int]) -> str:
-    return str(tuple(sizes))
 
 
 def _spaces(env: InfantEnv) -> Mapping[str, Any]:

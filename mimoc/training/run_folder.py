@@ -11,23 +11,40 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from mimoc.bundle.files import check_unlinked, make_folder, write_file
 from mimoc.bundle.io import LOCK, Bundle, read_bundle, write_bundle
-from mimoc.bundle.json_files import one_line
+from mimoc.bundle.json_files import one_line, read_json_file
 from mimoc.bundle.leftovers import remove
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
-from mimoc.errors import BundleError, OutputError, TrainingError
+from mimoc.errors import BundleError, MimocError, OutputError, TrainingError
+from mimoc.schema.base import Model
+from mimoc.schema.bounded import Plain, bounded
 from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
-from mimoc.training.run_file import RunFile, read_run_file
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
 RUN, STATE, POLICY, CURVE, PICTURE = "run.json", "state.zip", "policy.zip", "curve.csv", "curve.png"
 CHECKPOINTS, BUNDLE = "checkpoints", "bundle"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "torch", "stable_baselines3")
+
+
+class RunFile(Model):
+    """What `run.json` contains: what the result of a training depends on, and what it was done with."""
+
+    run: Literal[1]
+    """Version of this kind of file."""
+    command: str = ""
+    """Command that trains another infant with these settings."""
+    settings: Settings
+    bundle: str
+    """Digest of the lock of its infant."""
+    sessions: tuple[Mapping[str, str], ...]
+    """Versions of the software of each session with other ones than the session before."""
+    origin: Mapping[str, Plain] | None = None
+    """What the run belongs to, such as the name of a cohort and of a job."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,33 +67,16 @@ class RunFolder:
         Raises:
             OutputError: If a file cannot be written.
         """
-        write_file(self.path / CHECKPOINTS / f"{steps:010d}.zip", policy)
-        self.write_policy(policy)
-        write_file(self.path / STATE, state)
+        for name, content in ((f"{CHECKPOINTS}/{steps:010d}.zip", policy), (POLICY, policy), (STATE, state)):
+            self.write(name, content)
 
-    def write_policy(self, policy: bytes) -> None:
-        """Write the latest policy, which may be later than the checkpoint.
-
-        Raises:
-            OutputError: If the file cannot be written.
-        """
-        write_file(self.path / POLICY, policy)
-
-    def write_curve(self, csv: str) -> None:
-        """Write the learning curve.
+    def write(self, name: str, content: bytes) -> None:
+        """Write a file: the latest policy, which may be later than the checkpoint, the curve, or its plot.
 
         Raises:
-            OutputError: If the file cannot be written.
+            OutputError: If it cannot be written.
         """
-        write_file(self.path / CURVE, csv.encode())
-
-    def write_plot(self, png: bytes) -> None:
-        """Write the plot of the learning curve.
-
-        Raises:
-            OutputError: If the file cannot be written.
-        """
-        write_file(self.path / PICTURE, png)
+        write_file(self.path / name, content)
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +104,8 @@ def read_training_run(path: Path) -> TrainingRun:
     if run is None:
         raise TrainingError(f"{path}: not the folder of a training run; name one written by 'mimoc train -o'")
     try:
-        told = _content(path / CURVE)
-        curve = Curve() if told is None else Curve.from_csv(told.decode())
+        csv = _content(path / CURVE)
+        curve = Curve() if csv is None else Curve.from_csv(csv.decode())
     except (ValueError, TrainingError):
         raise TrainingError(f"{path / CURVE}: file is damaged; run the same 'mimoc train' again to renew it") from None
     return TrainingRun(run.settings, run.command, run.sessions, run.origin or {}, curve)
@@ -172,7 +172,7 @@ def _check_is_run_folder(path: Path) -> None:
     if os.path.lexists(path) and not path.is_dir():
         raise TrainingError(f"{path}: this is a file; name a new folder")
     try:
-        inside = {each.name for each in path.iterdir() if each not in _leftovers(path)} if path.is_dir() else set()
+        inside = {file.name for file in path.iterdir() if file not in _leftovers(path)} if path.is_dir() else set()
     except OSError as error:
         raise TrainingError(f"{path}: cannot be read ({error.strerror}); choose another folder") from None
     if inside - {CHECKPOINTS} and RUN not in inside:
@@ -183,10 +183,12 @@ def _read_run(path: Path) -> RunFile | None:
     if not os.path.lexists(path / RUN):
         return None
     try:
-        if (run := read_run_file(path / RUN)) is None:
+        if (run := read_json_file(path / RUN, RunFile)) is None:
             raise UnusableFileError("cannot be read")
-    except UnusableFileError as error:
-        raise TrainingError(f"{path / RUN}: file is damaged ({error}); name another folder") from None
+        Settings.choose(**bounded(run.settings.data()))
+    except (UnusableFileError, ValueError, MimocError) as error:
+        reason = error if isinstance(error, UnusableFileError) else one_line(f"settings: {error}")
+        raise TrainingError(f"{path / RUN}: file is damaged ({reason}); name another folder") from None
     return run
 
 
@@ -277,5 +279,5 @@ def _digest(bundle: Bundle) -> str:
 
 
 def _versions() -> dict[str, str]:
-    found = {name: version(name) for name in LIBRARIES}
-    return {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine(), **found}
+    libraries = {name: version(name) for name in LIBRARIES}
+    return {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine(), **libraries}

@@ -1,7 +1,9 @@
 """Settings of a training run, which together with the bundle determine its result."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from hashlib import sha256
 from types import MappingProxyType
 from typing import Any, Self
 
@@ -83,6 +85,11 @@ class Settings:
     def data(self) -> dict[str, Any]:
         """Return the settings as a dictionary for JSON."""
         return asdict(self)
+
+    def digest(self) -> str:
+        """Return a name for all trainings with these settings, however long they are: their episodes are the same."""
+        data = {name: value for name, value in self.data().items() if name != "steps"}
+        return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
     def differences(self, other: Self) -> list[str]:
         """Return the settings that differ from *other*, each as a phrase; `steps` may differ."""

@@ -4,6 +4,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -43,110 +44,90 @@ def tracked(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> 
 
 def _writers(agent: BaseAlgorithm, folder: Path, settings: Mapping[str, Any]) -> Iterator[KVWriter]:
     with suppress(ImportError):  # An installation from before it was part of `mimoc[train]`.
-        yield _TensorBoard(make_folder(folder / TENSORBOARD, below=folder), agent.num_timesteps)
-    for name, made in {"wandb": _Wandb, "mlflow": _Mlflow}.items():
+        yield _tensorboard(make_folder(folder / TENSORBOARD, below=folder), agent.num_timesteps)
+    for name, begin in {"wandb": _wandb, "mlflow": _mlflow}.items():
         if ASKED_BY[name] in os.environ:
             with suppress(ImportError):
-                module = import_module(name)
-                yield _Remote(name, lambda made=made, module=module: made(module, folder, settings))
+                yield _remote(name, partial(begin, import_module(name), folder, settings))
 
 
-class _Remote(KVWriter):
-    """A tracker that may be far away: if it fails later on, it is told no more, and the training goes on."""
+class _Writer(KVWriter):
+    """A tracker that gets numbers by step; if one that may be far away fails, it gets no more, and training goes on."""
 
-    def __init__(self, name: str, made: Callable[[], KVWriter]):
-        """Begin a run.
+    def __init__(self, write: Callable[[dict[str, float], int], None], end: Callable[[], None], remote: str = ""):
+        """Begin.
 
-        Raises:
-            MimocError: If that fails.
+        Args:
+            write: Keeps the numbers of a step.
+            end: Ends the run.
+            remote: Name of a tracker that may be far away.
         """
-        self._name, self._works = name, True
-        try:
-            self._writer = made()
-        except Exception as error:  # Each tracker fails with errors of its own.
-            variable = ASKED_BY[name]
-            raise MimocError(
-                f"{name} fails ({_line(error)}); set it up, or unset {variable} to train without"
-            ) from None
+        self._write, self._end, self._remote, self._works = write, end, remote, True
 
     def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
-        """Send numbers."""
-        self._try(lambda: self._writer.write(key_values, key_excluded, step))
+        """Keep what can be drawn as a curve."""
+        numbers = {name: float(value) for name, value in key_values.items() if hasattr(value, "__float__")}
+        self._try(partial(self._write, numbers, step))
 
     def close(self) -> None:
         """End the run."""
-        self._try(self._writer.close)
+        self._try(self._end)
 
-    def _try(self, tell: Callable[[], None]) -> None:
+    def _try(self, call: Callable[[], None]) -> None:
         if self._works:
             try:
-                tell()
-            except Exception as error:
+                call()
+            except Exception as error:  # Each tracker fails with errors of its own.
+                if not self._remote:
+                    raise
                 self._works = False
-                warnings.warn(f"{self._name} fails ({_line(error)}) and is told no more of this training", stacklevel=2)
+                message = f"{self._remote} fails ({_line(error)}) and is told no more of this training"
+                warnings.warn(message, stacklevel=2)
 
 
-class _TensorBoard(KVWriter):
-    """Event files; what was written after the checkpoint that a run is resumed from is dropped."""
+def _tensorboard(folder: Path, steps: int) -> _Writer:
+    """Return TensorBoard's; what was written after the checkpoint that a run is resumed from is dropped."""
+    import tensorboard  # noqa: F401 - What is imported next needs it.
+    from torch.utils.tensorboard import SummaryWriter
 
-    def __init__(self, folder: Path, steps: int):
-        """Open a file."""
-        import tensorboard  # noqa: F401 - What is imported next needs it.
-        from torch.utils.tensorboard import SummaryWriter
+    events = SummaryWriter(str(folder), purge_step=steps)
 
-        self._writer = SummaryWriter(str(folder), purge_step=steps)
+    def write(numbers: dict[str, float], step: int) -> None:
+        for name, value in numbers.items():
+            events.add_scalar(name, value, step)
+        events.flush()
 
-    def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
-        """Write numbers."""
-        for name, value in _numbers(key_values).items():
-            self._writer.add_scalar(name, value, step)
-        self._writer.flush()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._writer.close()
+    return _Writer(write, events.close)
 
 
-class _Wandb(KVWriter):
-    """A run of Weights & Biases, in the project that its variable names."""
+def _remote(name: str, begin: Callable[[], tuple[Callable[..., Any], Callable[..., Any]]]) -> _Writer:
+    """Return a tracker that may be far away.
 
-    def __init__(self, wandb: Any, folder: Path, settings: Mapping[str, Any]):
-        """Begin a run."""
-        check_unlinked(folder / "wandb", below=folder)  # Where it writes.
-        self._run = wandb.init(dir=str(folder), name=folder.name, config=dict(settings))
-
-    def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
-        """Send numbers."""
-        self._run.log(_numbers(key_values), step=step)
-
-    def close(self) -> None:
-        """End the run."""
-        self._run.finish()
+    Raises:
+        MimocError: If it cannot begin.
+    """
+    try:
+        write, end = begin()
+    except Exception as error:  # Each tracker fails with errors of its own.
+        advice = f"set it up, or unset {ASKED_BY[name]} to train without"
+        raise MimocError(f"{name} fails ({_line(error)}); {advice}") from None
+    return _Writer(lambda numbers, step: write(numbers, step=step), end, name)
 
 
-class _Mlflow(KVWriter):
-    """A run of MLflow, at the place that its variable names."""
+def _wandb(wandb: Any, folder: Path, settings: Mapping[str, Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Begin a run of Weights & Biases, in the project that its variable names."""
+    check_unlinked(folder / "wandb", below=folder)  # Where it writes.
+    run = wandb.init(dir=str(folder), name=folder.name, config=dict(settings))
+    return run.log, run.finish
 
-    def __init__(self, mlflow: Any, folder: Path, settings: Mapping[str, Any]):
-        """Begin a run."""
-        self._mlflow = mlflow
-        mlflow.start_run(run_name=folder.name)
-        mlflow.log_params(dict(settings))
 
-    def write(self, key_values: dict[str, Any], key_excluded: dict[str, tuple[str, ...]], step: int = 0) -> None:
-        """Send numbers."""
-        self._mlflow.log_metrics(_numbers(key_values), step=step)
-
-    def close(self) -> None:
-        """End the run."""
-        self._mlflow.end_run()
+def _mlflow(mlflow: Any, folder: Path, settings: Mapping[str, Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Begin a run of MLflow, at the place that its variable names."""
+    mlflow.start_run(run_name=folder.name)
+    mlflow.log_params(dict(settings))
+    return mlflow.log_metrics, mlflow.end_run
 
 
 def _line(error: Exception) -> str:
     """Return what an error says, in one line that is not too long."""
     return " ".join(str(error).split())[:200] or type(error).__name__
-
-
-def _numbers(key_values: Mapping[str, Any]) -> dict[str, float]:
-    """Return what can be drawn as a curve."""
-    return {name: float(value) for name, value in key_values.items() if hasattr(value, "__float__")}

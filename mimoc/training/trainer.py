@@ -17,6 +17,8 @@ from mimoc.bundle.variants import Variant, opened
 from mimoc.compiler import pipeline
 from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
+from mimoc.recording.folder import check_recordable
+from mimoc.recording.recorder import Recording
 from mimoc.render.plots.figure import require_matplotlib
 from mimoc.render.plots.learning import curves_png
 from mimoc.runtime.env import InfantEnv
@@ -28,9 +30,8 @@ from mimoc.training.growth import growth_of, growth_settings, seek
 from mimoc.training.hyperparameters import Number
 from mimoc.training.learnable import check_learnable, episode_limit
 from mimoc.training.policies import pack_policy
-from mimoc.training.recorded import check_recordable, recorded
 from mimoc.training.recorder import Recorder, RewardWatch
-from mimoc.training.run_folder import POLICY, STATE, RunFolder, open_run_folder
+from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
 from mimoc.training.settings import Settings
 from mimoc.training.tracking import tracked
 from mimoc.training.vector_env import make_vector_env
@@ -142,7 +143,7 @@ def train(
     with closing(open_one()) as infant:
         check_learnable(infant)
         settings = choose(episode_limit(infant, steps_per_episode))
-        check_recordable(record, bundle, settings, processes)
+        _check_recordable(record, bundle, settings, processes)
         open_envs = partial(make_vector_env, open_one, settings, growth_of(bundle, settings), threads, processes)
         session = _Session(settings, infant, open_envs, record, progress or _ignore, on_row or _ignore)
         with open_run_folder(out, settings, bundle, force=force, origin=origin) as folder:
@@ -178,8 +179,9 @@ def _open_one(
 
 def _class_names(task: Any, senses: Mapping[str, Any]) -> dict[str, str]:
     """Return the class of each object that was passed, as `module:Class`."""
-    objects = {f"senses.{name}": sense for name, sense in senses.items()} | ({} if task is None else {"task": task})
-    return {name: f"{type(each).__module__}:{type(each).__qualname__}" for name, each in objects.items()}
+    classes = {f"senses.{name}": type(sense) for name, sense in senses.items()}
+    classes |= {} if task is None else {"task": type(task)}
+    return {name: f"{kind.__module__}:{kind.__qualname__}" for name, kind in classes.items()}
 
 
 def _read_progress(folder: RunFolder) -> Progress:
@@ -194,7 +196,7 @@ def _trained(folder: RunFolder, session: _Session) -> Training:
     before = reached = _read_progress(folder)
     if before.steps < session.settings.steps:
         together = _opened(session)
-        with _one_thread(), together as (agent, env), recorded(session.record, env, session.settings) as mark:
+        with _one_thread(), together as (agent, env), _recorded(session, env) as mark:
             reached = _train_to_end(folder, session, agent, env, mark)
     _write_curve(folder, reached)
     return Training(reached.curve, folder.path / POLICY, before.steps)
@@ -215,10 +217,10 @@ def _train_to_end(
             mark(reached.steps)
             reached = _train_interval(folder, session, agent, env, reached)
             policy = pack_policy(agent, env, settings, session.infant)
-            folder.write_checkpoint(reached.steps, policy, pack(policy, agent, reached))
-            folder.write_curve(reached.curve.to_csv())
+            folder.write_checkpoint(reached.steps, policy, pack(agent, env, reached))
+            folder.write(CURVE, reached.curve.to_csv().encode())
             if reached.wall_s > plotted_s + PLOT_EVERY_S:
-                folder.write_plot(_plot(reached))
+                folder.write(PICTURE, _plot(reached))
                 plotted_s = reached.wall_s
     return reached
 
@@ -229,31 +231,59 @@ def _train_interval(
     """Train from one checkpoint to the next; if that is cut short, write what was learnt until then."""
     settings = session.settings
     step_s, total = ms_to_s(session.infant.manifest.step_ms), settings.steps
-    report = partial(_report, session.report, total)
-    recorder = Recorder(before, step_s, report, session.on_row, session.watch)
+    recorder = Recorder(
+        before, step_s, lambda done: session.report(min(done, total), total), session.on_row, session.watch
+    )
     start_interval(agent, settings.seed)
     try:
         agent.learn(settings.end_of_interval(before.steps) - before.steps, recorder, reset_num_timesteps=False)
     except BaseException:  # Ctrl-C, or an error in a task of the user's own.
         with suppress(Exception):  # That one is what matters.
             if has_learnt(agent):
-                folder.write_policy(pack_policy(agent, env, settings, session.infant))
+                folder.write(POLICY, pack_policy(agent, env, settings, session.infant))
             _write_curve(folder, recorder.progress())
         raise
     return recorder.progress()
 
 
-def _report(report: ProgressCallback, total: int, done: int) -> None:
-    report(min(done, total), total)
-
-
 def _write_curve(folder: RunFolder, progress: Progress) -> None:
-    folder.write_curve(progress.curve.to_csv())
-    folder.write_plot(_plot(progress))
+    folder.write(CURVE, progress.curve.to_csv().encode())
+    folder.write(PICTURE, _plot(progress))
 
 
 def _plot(progress: Progress) -> bytes:
     return curves_png({"": [progress.curve.columns()]})
+
+
+def _check_recordable(record: str | Path | None, bundle: Bundle, settings: Settings, processes: bool | None) -> None:
+    """Check that a training can be recorded in a folder, if there is one, before anything is written.
+
+    Raises:
+        TrainingError: If the environments are not all in one process.
+        RecordingError: If the folder holds anything but a recording of these infants.
+    """
+    if record is not None and processes is not None:
+        raise TrainingError(
+            "a training is recorded with all environments together; leave out --processes and --one-process, or the"
+            " recording"
+        )
+    if record is not None:
+        check_recordable(Path(record).expanduser(), [bundle] * settings.envs)
+
+
+@contextmanager
+def _recorded(session: _Session, env: VecNormalize) -> Iterator[Callable[[int], None]]:
+    """Record the infants of a training, if there is a folder for it.
+
+    Yield the function to call at the start of each interval with the control steps before it: what was recorded of the
+    interval before its process was killed is replaced, since all of it comes again.
+    """
+    if session.record is None:
+        yield lambda steps: None
+        return
+    together: Any = env.unwrapped
+    with Recording(together.infants.infants, session.record) as recording:
+        yield partial(recording.mark, session.settings.digest())
 
 
 @contextmanager

@@ -9,8 +9,7 @@ from mimoc.body import assemble, grow
 from mimoc.compiler.building import builder
 from mimoc.compiler.compose import compose, place_senses
 from mimoc.fits import measure
-from mimoc.looks.appearance import HEAD_FEATURES
-from mimoc.looks.expressions import FACES
+from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES
 from mimoc.schema import InfantSpec
 
 MITTEN = assemble("mitten", False)
@@ -79,7 +78,7 @@ def test_the_infant_alone_stands_on_the_ground(infants):
         assert infant.data.body("left_foot").xpos[1] > 0
 
 
-@pytest.mark.parametrize("expression", FACES)
+@pytest.mark.parametrize("expression", EXPRESSIONS)
 def test_the_expression_changes_the_face_and_nothing_else(expression):
     neutral, other = builder(spec()).infant, builder(spec(body={"expression": expression})).infant
     assert other.appearance.assets[f"assets/face_{expression}.png"]

@@ -7,14 +7,14 @@ import io
 import json
 import os
 import pickle
+import re
 import struct
 import zipfile
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
-import torch
 
 Members = dict[str, bytes]
 Craft = Callable[[Members], None]
@@ -67,45 +67,42 @@ def _about(*keys: str, value: Any) -> Craft:
     return craft
 
 
-def _weights(change: Callable[[dict[str, torch.Tensor]], Any]) -> Craft:
+def _arrays(member: str, change: Callable[[dict[str, Any]], Any]) -> Craft:
+    """Return what changes the arrays in a member."""
+
     def craft(members: Members) -> None:
-        weights = torch.load(io.BytesIO(members["policy.pth"]))
+        with np.load(io.BytesIO(members[member])) as file:
+            arrays: dict[str, Any] = dict(file)
         content = io.BytesIO()
-        torch.save(change(weights) or weights, content)
-        members["policy.pth"] = content.getvalue()
+        np.savez(content, **(change(arrays) or arrays))
+        members[member] = content.getvalue()
 
     return craft
+
+
+_weights, _statistics = partial(_arrays, "weights.npz"), partial(_arrays, "scale.npz")
 
 
 def _inside(change: Callable[[bytes], bytes], compression: int = zipfile.ZIP_STORED) -> Craft:
-    """Return what changes the pickle that is in the file of the weights."""
+    """Return what changes an array in the file of the weights, as it stands there."""
 
     def craft(members: Members) -> None:
-        inner = unpacked(members["policy.pth"])
-        name = next(name for name in inner if name.endswith("/data.pkl"))
-        members["policy.pth"] = packed({**inner, name: change(inner[name])}, compression)
+        inner = unpacked(members["weights.npz"])
+        name = next(iter(inner))
+        members["weights.npz"] = packed({**inner, name: change(inner[name])}, compression)
 
     return craft
 
 
-def _statistics(change: Callable[[dict[str, np.ndarray]], Any]) -> Craft:
-    def craft(members: Members) -> None:
-        with np.load(io.BytesIO(members["scale.npz"])) as file:
-            arrays: dict[str, Any] = dict(file)
-        change(arrays)
-        content = io.BytesIO()
-        np.savez(content, **arrays)
-        members["scale.npz"] = content.getvalue()
-
-    return craft
-
-
-def _stored_twice(pickled: bytes) -> bytes:
-    """Return a pickle that says of each part that it is longer than it is."""
-    at = pickled.index(b"X\x03\0\0\0cpu") + 8 + 2
-    assert pickled[at : at + 1] in (b"K", b"M"), pickled[at : at + 8]
-    size = {b"K": 2, b"M": 3}[pickled[at : at + 1]]
-    return pickled[:at] + b"J" + struct.pack("<i", 2**30) + pickled[at + size :]
+def _longer(array: bytes) -> bytes:
+    """Return an array that says that it has four billion numbers."""
+    header = array[10 : 10 + int.from_bytes(array[8:10], "little")]
+    shape = re.search(rb"'shape': \(([^)]*)\)", header)
+    assert shape
+    longer = (
+        header.replace(shape[0], b"'shape': (4294967296,)").rstrip().ljust(len(header) - 1)[: len(header) - 1] + b"\n"
+    )
+    return array[:10] + longer + array[10 + len(header) :]
 
 
 ALLOCATES = b"\x80\x04\x96" + struct.pack("<Q", 2**36) + b"."
@@ -118,10 +115,10 @@ BOMB = bytes(2**24 + 1)
 
 CRAFTED: dict[str, tuple[Craft, str]] = {
     # What would run code.
-    "code in place of the weights": (_member("policy.pth", CODE), DAMAGED),
+    "code in place of the weights": (_member("weights.npz", CODE), DAMAGED),
     "code in the archive of the weights": (_inside(lambda _: CODE), DAMAGED),
     "code by another protocol": (_inside(lambda _: NEW_CODE), DAMAGED),
-    "code among the weights": (_weights(lambda weights: {**weights, "x": Runs()}), DAMAGED),
+    "code among the weights": (_weights(lambda weights: {**weights, "x": np.array([Runs()], object)}), DAMAGED),
     "code among the statistics": (
         _statistics(lambda arrays: arrays.update(x=np.array([Runs()], object))),
         DAMAGED,
@@ -132,12 +129,12 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     # What would exhaust.
     "a description that unpacks to 16 MB": (_member("mimoc.json", BOMB), DAMAGED),
     "statistics that unpack to 16 MB": (_member("scale.npz", BOMB), DAMAGED),
-    "weights that unpack to 16 MB": (_member("policy.pth", BOMB), DAMAGED),
-    "weights that are packed": (_inside(lambda pickled: pickled, zipfile.ZIP_DEFLATED), DAMAGED),
+    "weights that unpack to 16 MB": (_member("weights.npz", BOMB), DAMAGED),
+    "weights that are packed": (_inside(lambda array: array, zipfile.ZIP_DEFLATED), DAMAGED),
     "a pickle that allocates 64 GB": (_inside(lambda _: ALLOCATES), DAMAGED),
     "a pickle that remembers four billion things": (_inside(lambda _: REMEMBERS), DAMAGED),
     "a pickle of deep lists": (_inside(lambda _: b"\x80\x02" + b"]" * 10**6 + b"a" * (10**6 - 1) + b"."), DAMAGED),
-    "weights that are longer than the file": (_inside(_stored_twice), DAMAGED),
+    "weights that are longer than the file": (_inside(_longer), DAMAGED),
     "layers of 16,384 units": (_about("settings", "hyper", "width", value=2**14), DAMAGED),
     "a description of deep lists": (_member("mimoc.json", b"[" * 10**6), DAMAGED),
     # What is damaged.
@@ -151,12 +148,21 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     "a layout that is missing": (_about("observes", "*", value={"shape": [1]}), DAMAGED),
     "commands that are numbers": (_about("commands", value=[1, 2]), DAMAGED),
     "a name that moves the cursor": (_about("infant", value="\x1b[2J"), DAMAGED),
-    "a later version": (_about("policy", value=2), DAMAGED),
+    "a later version": (_about("policy", value=3), "was saved by another version of mimoc; train it again"),
+    "a version that is text": (_about("policy", value="2"), DAMAGED),
     "weights of another shape": (_weights(lambda weights: {name: part[:1] for name, part in weights.items()}), DAMAGED),
-    "weights in a list": (_weights(lambda weights: list(weights.values())), DAMAGED),
-    "weights that are numbers": (_weights(lambda weights: OrderedDict.fromkeys(weights, 1.0)), DAMAGED),
+    "weights without names": (
+        _weights(lambda weights: {f"arr_{n}": part for n, part in enumerate(weights.values())}),
+        DAMAGED,
+    ),
+    "weights that are numbers": (_weights(lambda weights: dict.fromkeys(weights, np.float32(1))), DAMAGED),
+    "weights that are text": (_weights(lambda weights: dict.fromkeys(weights, np.array(["x"]))), DAMAGED),
+    "weights in column order": (
+        _weights(lambda weights: {n: np.asfortranarray(part) for n, part in weights.items()}),
+        DAMAGED,
+    ),
     "weights that are not there": (_weights(lambda weights: {"log_std": weights["log_std"]}), DAMAGED),
-    "weights of NaN": (_weights(lambda weights: {name: part * torch.nan for name, part in weights.items()}), DAMAGED),
+    "weights of NaN": (_weights(lambda weights: {name: part * np.nan for name, part in weights.items()}), DAMAGED),
     "statistics of another shape": (
         _statistics(lambda arrays: arrays.update({name: np.zeros(3) for name in arrays})),
         DAMAGED,
@@ -167,7 +173,7 @@ CRAFTED: dict[str, tuple[Craft, str]] = {
     ),
     "statistics that are not there": (_statistics(dict.clear), DAMAGED),
     "weights that overflow": (
-        _weights(lambda weights: {name: torch.full_like(part, 3e38) for name, part in weights.items()}),
+        _weights(lambda weights: {name: np.full_like(part, 3e38) for name, part in weights.items()}),
         "this policy gives commands that are not finite; train it again",
     ),
 }

@@ -55,23 +55,23 @@ def _spoiled(members: Members, generator: np.random.Generator) -> bytes:
     if kind == 0:
         return changed_bytes(generator, packed(members, pick(generator, (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))))
     if kind == 1:
-        name, other = (pick(generator, ["mimoc.json", "scale.npz", "policy.pth"]) for _ in range(2))
+        name, other = (pick(generator, ["mimoc.json", "scale.npz", "weights.npz"]) for _ in range(2))
         members[name] = members[other]
     elif kind == 2:
         data = changed_data(generator, json.loads(members["mimoc.json"]))
         members["mimoc.json"] = json.dumps(data).encode(errors="surrogateescape")
     elif kind == 3:
-        name = pick(generator, ["mimoc.json", "scale.npz", "policy.pth"])
+        name = pick(generator, ["mimoc.json", "scale.npz", "weights.npz"])
         members[name] = changed_bytes(generator, members[name])
     else:
-        _spoil_within(members, generator, pick(generator, ["scale.npz", "policy.pth"]))
+        _spoil_within(members, generator, pick(generator, ["scale.npz", "weights.npz"]))
     return packed(members)
 
 
 def _spoil_within(members: Members, generator: np.random.Generator, name: str) -> None:
     """Change a member of a member, whose checksum fits again."""
     inner = unpacked(members[name])
-    inside = pick(generator, sorted(inner) + [each for each in inner if each.endswith(".pkl")] * 5)
+    inside = pick(generator, sorted(inner))
     inner[inside] = changed_bytes(generator, inner[inside])
     with zipfile.ZipFile(io.BytesIO(members[name])) as archive:
         compression = archive.infolist()[0].compress_type
@@ -80,7 +80,7 @@ def _spoil_within(members: Members, generator: np.random.Generator, name: str) -
 
 FUZZER = Fuzzer(
     name="policies",
-    about="policies, changed in archive, description, statistics, weights and their pickle",
+    about="policies, changed in archive, description, statistics and weights",
     prepare=prepare,
     attempt=attempt,
     short=60,

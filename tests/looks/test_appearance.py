@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.body import grow_reference
-from mimoc.looks.appearance import HEAD_FEATURES, dress, face_material
-from mimoc.looks.expressions import FACES
+from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, dress, face_material
 from mimoc.mjcf.materials import Appearance
 from mimoc.mjcf.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
@@ -54,7 +53,7 @@ def test_geoms_and_features_name_materials_that_exist():
     assert {feature.material for feature in HEAD_FEATURES} <= names
 
 
-@pytest.mark.parametrize("expression", FACES)
+@pytest.mark.parametrize("expression", EXPRESSIONS)
 def test_every_texture_has_its_file_and_every_file_its_texture(expression):
     appearance = dress(expression)
     textures = {texture.name for texture in appearance.textures}
@@ -72,14 +71,16 @@ def test_only_the_face_depends_on_the_expression():
 
 
 def test_there_is_a_material_for_each_expression_of_the_language():
-    assert set(FACES) == set(get_args(Expression))
+    assert get_args(Expression) == EXPRESSIONS
     shown = {material.name: material.texture for material in dress("neutral").materials}
-    assert {name: shown[face_material(name)] for name in FACES} == {name: face_texture(name) for name in FACES}
+    assert {name: shown[face_material(name)] for name in EXPRESSIONS} == {
+        name: face_texture(name) for name in EXPRESSIONS
+    }
 
 
 def test_no_two_faces_look_alike():
-    pictures = [dress("neutral").assets[f"assets/face_{name}.png"] for name in FACES]
-    assert len(set(pictures)) == len(FACES) == 7
+    pictures = [dress("neutral").assets[f"assets/face_{name}.png"] for name in EXPRESSIONS]
+    assert len(set(pictures)) == len(EXPRESSIONS) == 7
 
 
 def test_mujoco_reads_the_pictures_as_they_were_drawn():

@@ -43,7 +43,7 @@ def test_one_file_is_one_texture(tmp_path):
     (texture,) = read_textures(save(tmp_path / "My Floor!.PNG", chequers(64, 8)))
     assert texture.name == "own_my_floor"
     assert texture.tile_m == (1.0, 1.0)
-    assert np.array_equal(pixels(texture.draw())[..., 0], chequers(64, 8))
+    assert np.array_equal(pixels(texture.png)[..., 0], chequers(64, 8))
 
 
 def test_a_folder_is_read_by_name_and_the_rest_of_it_left_alone(tmp_path):
@@ -60,31 +60,31 @@ def test_names_that_become_one_are_numbered(tmp_path):
 
 def test_a_large_picture_is_made_small_and_stays_seamless(tmp_path):
     (texture,) = read_textures(save(tmp_path / "a.png", chequers(1000, 125)))
-    image = pixels(texture.draw()).astype(int)
+    image = pixels(texture.png).astype(int)
     assert image.shape == (256, 256, 3)
     assert np.abs(image[:, 0] - 255 + image[:, -1]).max() <= 1, "eight chequers: what is black left is white right"
 
 
 def test_a_long_picture_keeps_its_shape(tmp_path):
     (texture,) = read_textures(save(tmp_path / "a.png", np.zeros((100, 5000), np.uint8)))
-    assert pixels(texture.draw()).shape == (5, 256, 3)
+    assert pixels(texture.png).shape == (5, 256, 3)
     assert texture.tile_m == pytest.approx((1.0, 5 / 256))
 
 
 @pytest.mark.parametrize("mode", ["1", "L", "LA", "P", "RGB", "RGBA"])
 def test_every_kind_of_png_becomes_rgb(tmp_path, mode):
     (texture,) = read_textures(save(tmp_path / "a.png", chequers(32, 4), mode))
-    assert np.array_equal(pixels(texture.draw())[..., 1], chequers(32, 4))
+    assert np.array_equal(pixels(texture.png)[..., 1], chequers(32, 4))
 
 
 def test_sixteen_bits_are_scaled_and_not_cut_off(tmp_path):
     grey = np.full((8, 8), 0x8000, np.uint16)
-    assert pixels(read_textures(save(tmp_path / "a.png", grey))[0].draw())[0, 0, 0] == 0x80
+    assert pixels(read_textures(save(tmp_path / "a.png", grey))[0].png)[0, 0, 0] == 0x80
 
 
 def test_what_is_transparent_becomes_white(tmp_path):
     (texture,) = read_textures(save(tmp_path / "a.png", np.zeros((8, 8, 4), np.uint8)))
-    assert (pixels(texture.draw()) == 255).all()
+    assert (pixels(texture.png) == 255).all()
 
 
 def test_nothing_but_the_picture_is_kept(tmp_path):
@@ -92,8 +92,8 @@ def test_nothing_but_the_picture_is_kept(tmp_path):
     info.add_text("Author", "me, 1 January")
     told = save(tmp_path / "a.png", chequers(32, 4), pnginfo=info, dpi=(72, 72))
     plain = save(tmp_path / "b.png", chequers(32, 4))
-    assert read_textures(told)[0].draw() == read_textures(plain)[0].draw()
-    assert Image.open(io.BytesIO(read_textures(told)[0].draw())).info == {}
+    assert read_textures(told)[0].png == read_textures(plain)[0].png
+    assert Image.open(io.BytesIO(read_textures(told)[0].png)).info == {}
 
 
 def broken(folder: Path) -> dict[str, Path]:

@@ -13,8 +13,7 @@ from mimoc.body.kinematics import frames, frames_in_world
 from mimoc.body.poses import POSES, pose_of, resting_state
 from mimoc.looks.skin.carrying import skin_of
 from mimoc.looks.skin.face import newborn_share
-from mimoc.looks.skin.sculpture import sculpture
-from mimoc.looks.skin.unwrapping import unwrapped, wrapped
+from mimoc.looks.skin.sculpture import template_mesh
 from mimoc.mjcf.skin import NAME_BYTES, SkinLayer, encode_skn, single
 
 HANDS = ("mitten", "five_finger")
@@ -126,7 +125,7 @@ def test_who_misses_an_eye_has_its_lids_closed():
     def opening_m(**body) -> float:
         """Return how far apart the lids of the left eye are."""
         tree = child(9, **body)
-        head, reference = skin_of(tree).layers[-1], sculpture("mitten").head
+        head, reference = skin_of(tree).layers[-1], template_mesh("mitten").head
         place = reference.eye_m * (1, -1, 1)
         rim = np.linalg.norm(reference.verts_m - place, axis=1) < RIM * reference.eye_radius_m
         middle = rim & (np.abs(reference.verts_m[:, 1] - place[1]) < 0.003)
@@ -136,7 +135,7 @@ def test_who_misses_an_eye_has_its_lids_closed():
 
 
 def test_newborns_have_a_flatter_nose_and_a_smaller_chin():
-    reference = sculpture("mitten").head
+    reference = template_mesh("mitten").head
     older, newborn = reference.verts_m / reference.half_axes_m, reference.newborn_m / reference.half_axes_m
     middle = np.abs(older[:, 1]) < 0.2
     for part in (middle & (np.abs(older[:, 2] + 0.27) < 0.1), middle & (older[:, 2] < -0.7)):
@@ -145,12 +144,6 @@ def test_newborns_have_a_flatter_nose_and_a_smaller_chin():
 
 def test_the_face_of_a_newborn_changes_until_six_months():
     assert [newborn_share(age) for age in (0, 3, 6, 24)] == pytest.approx([1, 0.5, 0, 0])
-
-
-def test_places_in_the_picture_of_a_face_show_their_directions():
-    directions = np.random.default_rng(0).normal(size=(200, 3))
-    again = wrapped(unwrapped(directions))
-    assert np.allclose(again, directions / np.linalg.norm(directions, axis=1, keepdims=True), atol=1e-9)
 
 
 @pytest.mark.matrix

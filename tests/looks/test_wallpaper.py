@@ -1,10 +1,5 @@
-import hashlib
 import io
 import math
-import os
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pytest
@@ -15,17 +10,9 @@ from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS, Wallpaper
 TILES = [*FLOORS.values(), *CEILINGS.values(), *WALLS.values()]
 ALL = [*TILES, *PICTURES.values()]
 
-PRINT_DIGESTS = """
-import hashlib
-from mimoc.looks.wallpaper import CEILINGS, FLOORS, PICTURES, WALLS
-for table in (FLOORS, CEILINGS, WALLS, PICTURES):
-    for paper in table.values():
-        print(hashlib.sha256(paper.draw()).hexdigest())
-"""
-
 
 def pixels(paper: Wallpaper) -> np.ndarray:
-    return np.asarray(Image.open(io.BytesIO(paper.draw())).convert("RGB"), float)
+    return np.asarray(Image.open(io.BytesIO(paper.png)).convert("RGB"), float)
 
 
 def by_name(paper: Wallpaper) -> str:
@@ -39,15 +26,15 @@ def test_there_is_a_choice():
 
 
 def test_no_two_textures_share_a_name_or_look_alike():
-    assert len({paper.name for paper in ALL}) == len({paper.draw() for paper in ALL}) == len(ALL)
+    assert len({paper.name for paper in ALL}) == len({paper.png for paper in ALL}) == len(ALL)
 
 
 @pytest.mark.parametrize("paper", ALL, ids=by_name)
 def test_a_texture_is_a_small_picture_without_metadata(paper):
-    image = Image.open(io.BytesIO(paper.draw()))
+    image = Image.open(io.BytesIO(paper.png))
     assert max(image.size) == 256
     assert image.info == {}
-    assert len(paper.draw()) <= 60_000
+    assert len(paper.png) <= 60_000
 
 
 @pytest.mark.parametrize("paper", TILES, ids=by_name)
@@ -69,7 +56,7 @@ def test_a_tile_runs_on_across_its_edges(paper, axis):
 @pytest.mark.parametrize("paper", ALL, ids=by_name)
 def test_a_blurred_eye_still_sees_something(paper):
     """Even at 64 texels a tile, which is what a newborn makes out from very near, light and dark differ."""
-    grey = np.asarray(Image.open(io.BytesIO(paper.draw())).convert("L").reduce(4), float)
+    grey = np.asarray(Image.open(io.BytesIO(paper.png)).convert("L").reduce(4), float)
     assert np.percentile(grey, 98) - np.percentile(grey, 2) > 8
 
 
@@ -80,18 +67,3 @@ def test_a_picture_has_a_frame_and_the_shape_it_hangs_in(paper):
     assert np.ptp(edge, axis=0).max() < 12
     assert edge.mean() < image.mean() - 30
     assert paper.tile_m[0] / paper.tile_m[1] == pytest.approx(image.shape[1] / image.shape[0])
-
-
-def test_a_new_process_draws_the_same_bytes():
-    environment = {**os.environ, "PYTHONHASHSEED": "4242"}
-    run = subprocess.run(
-        [sys.executable, "-c", PRINT_DIGESTS], env=environment, capture_output=True, text=True, check=True
-    )
-    assert run.stdout.split() == [hashlib.sha256(paper.draw()).hexdigest() for paper in ALL]
-
-
-def test_drawing_everything_takes_no_time():
-    start = time.process_time()
-    for paper in ALL:
-        paper.draw.__wrapped__()  # type: ignore[attr-defined]
-    assert (time.process_time() - start) / len(ALL) < 0.06, "15 ms on a machine that does nothing else"

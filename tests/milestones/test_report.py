@@ -4,13 +4,13 @@ import pytest
 
 from mimoc.cli.milestone_table import print_milestones
 from mimoc.milestones import TRIALS, WINDOWS, Conditions, Milestone, MilestoneReport, Outcome, validate_milestones
-from mimoc.milestones.search import Found
+from mimoc.milestones.search import SearchResult
 from mimoc.render.plots.milestones import plot_milestones
 
 
 def report(*ages_months):
     """Return a report on sitting, whose window is 3.8 to 9.2 months, and pulling to stand, which is not judged."""
-    found = [Found(age, {0.0: Outcome(age == 0.0, 1.0)}) for age in ages_months]
+    found = [SearchResult(age, {0.0: Outcome(age == 0.0, 1.0)}) for age in ages_months]
     names = ("sit", "pull_to_stand")
     milestones = [
         Milestone(TRIALS[name], one, WINDOWS[name], name == "sit") for name, one in zip(names, found, strict=True)
@@ -54,6 +54,6 @@ def test_the_data_has_every_attempt():
 
 @pytest.mark.parametrize("name", ["pull_to_stand", "supine_head"])
 def test_a_newborn_does_not_get_up_nor_lift_its_head_from_its_back(name):
-    found = validate_milestones(names=[name], ages=[0, 12]).milestones[0].found
+    found = validate_milestones(names=[name], ages=[0, 12]).milestones[0].result
     assert found.youngest_months == 12
     assert not found.at_birth

@@ -5,12 +5,12 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.milestones.search import age_grid, descend
+from mimoc.milestones.search import age_grid, search_downwards
 
 
 def searched(ages, succeeds):
     """Return the youngest age that a search finds, and the ages that it tried."""
-    steps, tried = descend(ages), []
+    steps, tried = search_downwards(ages), []
     age = next(steps)
     try:
         while True:

@@ -132,7 +132,7 @@ def run(small_one, tmp_path_factory) -> Path:
         Row(2048, 7, 1.25, 0.375, 80.0, 0.5, 3.0),
     ]
     with open_run_folder(folder, settings, small_one, force=False) as opened:
-        opened.write_curve(Curve(tuple(rows)).to_csv())
+        opened.write("curve.csv", Curve(tuple(rows)).to_csv().encode())
     return folder
 
 

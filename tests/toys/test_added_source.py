@@ -1,6 +1,7 @@
 """A source of toys is one record: what mimoc knows of its own, it knows of one that others add."""
 
 import pytest
+import trimesh
 from pydantic import Field
 from support.registered import registered
 
@@ -9,10 +10,9 @@ from mimoc.compiler.explain import explain
 from mimoc.errors import SpecError, UnknownToysError, suggestion
 from mimoc.kinds import ToySource
 from mimoc.schema.base import Model
-from mimoc.toys.builtin.assembling import assemble
+from mimoc.toys.assembling import assemble
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.shaping import box
-from mimoc.toys.solids import block
+from mimoc.toys.model import Mesh, Solid
 
 SPEC = {"mimoc": 1, "name": "x", "age_months": 9, "senses": {"proprioception": {}}}
 
@@ -32,8 +32,9 @@ def build_bricks(spec, folder) -> Toybox:
         raise UnknownToysError({name: f"'{name}' is no brick; {suggestion(name, lengths)}" for name in unknown})
 
     def load(name):
-        size = (lengths[name], 1.0, 1.0)
-        return assemble(name, {"main": [box(size)]}, [block(size)], spec.bricks.density_kg_m3)
+        brick = trimesh.creation.box((lengths[name], 1.0, 1.0))
+        looks = {"main": [Mesh(brick.vertices, brick.faces)]}
+        return assemble(name, looks, [Solid("box", (lengths[name] / 2, 0.5, 0.5))], spec.bricks.density_kg_m3)
 
     return Toybox(tuple(sorted(spec.subset or lengths)), load, ("the bricks are made of wood",))
 

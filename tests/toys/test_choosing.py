@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from mimoc.toys.builtin.build import BUILTIN_TOYS
+from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.choosing import BRIGHTNESS, SATURATION, Toy, Toybox, choose_toys
 from mimoc.toys.spec import ToysSpec
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.mjcf.objects import FreeObject
-from mimoc.toys.builtin.build import BUILTIN_TOYS
+from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.choosing import Toy, choose_toys
 from mimoc.toys.objects import make_object
 from mimoc.toys.spec import ToysSpec

@@ -1,6 +1,5 @@
 """An infant that reaches in episodes of a third of a second, and trainings that take a second."""
 
-import io
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,6 +9,7 @@ import pytest
 import torch
 
 import mimoc
+from mimoc.bundle.arrays import unpack_arrays
 from mimoc.render.plots.learning import curves_png
 from mimoc.training import trainer
 
@@ -85,7 +85,9 @@ def learned() -> Callable[[Path], Any]:
 
     def read(policy: Path) -> Any:
         with zipfile.ZipFile(policy) as archive:
-            return torch.load(io.BytesIO(archive.read("policy.pth"))), archive.read("scale.npz")
+            weights = unpack_arrays(archive.read("weights.npz"))
+            tensors = {name: torch.from_numpy(array.copy()) for name, array in weights.items()}
+            return tensors, archive.read("scale.npz")
 
     return read
 

@@ -105,11 +105,19 @@ def test_a_file_that_is_not_a_policy_is_refused(tmp_path, content):
         mimoc.load_policy(tmp_path / "policy.zip")
 
 
-@pytest.mark.parametrize("member", ["mimoc.json", "scale.npz", "policy.pth"])
+@pytest.mark.parametrize("member", ["mimoc.json", "scale.npz", "weights.npz"])
 @pytest.mark.parametrize("content", [None, b"{}", b"junk"])
 def test_a_damaged_policy_is_refused(policy, tmp_path, member, content):
     with pytest.raises(PolicyError, match="not a policy trained by mimoc, or it is damaged"):
         mimoc.load_policy(rewritten(policy, tmp_path / "policy.zip", **{member: content}))
+
+
+def test_a_policy_of_an_earlier_version_is_to_be_trained_again(policy, tmp_path):
+    with zipfile.ZipFile(policy) as archive:
+        about = archive.read("mimoc.json").replace(b'"policy": 2', b'"policy": 1')
+    earlier = rewritten(policy, tmp_path / "policy.zip", **{"mimoc.json": about, "weights.npz": None})
+    with pytest.raises(PolicyError, match="was saved by another version of mimoc; train it again"):
+        mimoc.load_policy(earlier)
 
 
 def test_a_policy_can_be_moved(bundle, policy, tmp_path):

@@ -2,13 +2,17 @@ import csv
 import json
 import os
 import shlex
+import shutil
+import zipfile
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from stable_baselines3 import PPO
 
 import mimoc
 import mimoc.training
+from mimoc.bundle.arrays import pack_arrays, unpack_arrays
 from mimoc.bundle.io import LOCK
 from mimoc.errors import BundleError, MimocError, TrainingError, UnknownNameError
 from mimoc.training.checkpoint import read_progress
@@ -218,6 +222,26 @@ def test_a_damaged_checkpoint_is_refused(learn, tmp_path):
         with pytest.raises(TrainingError, match=r"state\.zip: checkpoint is damaged; training cannot resume.*--force"):
             learn("run")
     assert learn("run", EVERY, force=True).curve.steps == EVERY
+
+
+@pytest.mark.parametrize("name", ["policy.optimizer/0/step", "policy.optimizer/0/exp_avg", "policy/log_std"])
+def test_a_checkpoint_of_other_shapes_is_refused(learn, tmp_path, name):
+    learn("run", EVERY)
+    with zipfile.ZipFile(tmp_path / "run" / "state.zip") as archive:
+        members = {member: archive.read(member) for member in archive.namelist()}
+    weights = {**unpack_arrays(members["weights.npz"]), name: np.zeros((3, 5), np.float32)}
+    with zipfile.ZipFile(tmp_path / "run" / "state.zip", "w") as archive:
+        for member, content in {**members, "weights.npz": pack_arrays(weights)}.items():
+            archive.writestr(member, content)
+    with pytest.raises(TrainingError, match=r"state\.zip: checkpoint is damaged"):
+        learn("run")
+
+
+def test_a_checkpoint_of_an_earlier_version_is_refused(learn, tmp_path):
+    policy = learn("run", EVERY).policy
+    shutil.copy(policy, tmp_path / "run" / "state.zip")  # Which has torch's weights, as checkpoints had.
+    with pytest.raises(TrainingError, match=r"state\.zip: checkpoint was saved by an earlier version .*--force"):
+        learn("run")
 
 
 @pytest.mark.parametrize(

@@ -50,9 +50,9 @@ def read_actuation(settings: Settings) -> dict[str, Any]:
             settings.note(
                 switch.key, f"true has no counterpart; '{groups}' is locked, and locked joints are not actuated"
             )
-    found: dict[str, Any] = {"model": model} if model else {}
+    section: dict[str, Any] = {"model": model} if model else {}
     if acts - locked != set(SINGLE_GROUPS) - locked:
-        found["regions"] = named(acts - locked)
+        section["regions"] = named(acts - locked)
     if locked:
-        found["locked"] = named(locked)
-    return found
+        section["locked"] = named(locked)
+    return section

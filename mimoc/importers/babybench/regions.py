@@ -53,7 +53,7 @@ def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> lis
         prefix: Prefix of the keys, such as `act_`.
         beside: Keys with the same prefix that are not switches.
     """
-    found = []
+    switched = []
     for key in settings.keys(prefix):
         name = key.removeprefix(prefix).lower()
         if key in beside:
@@ -61,22 +61,22 @@ def switches(settings: Settings, prefix: str, beside: Iterable[str] = ()) -> lis
         if name not in REGIONS:
             settings.note(key, f"no counterpart; mimoc has no region '{shown(name)}', {suggestion(name, REGIONS)}")
         elif (on := settings.flag(key)) is not None:
-            found.append(Switch(key, on, REGIONS[name]))
-    return found
+            switched.append(Switch(key, on, REGIONS[name]))
+    return switched
 
 
 def enabled_groups(
-    found: Iterable[Switch], *, default: bool, merge: Callable[[Iterable[bool]], bool]
+    switched: Iterable[Switch], *, default: bool, merge: Callable[[Iterable[bool]], bool]
 ) -> frozenset[str]:
     """Return the single groups that are enabled by switches.
 
     Args:
-        found: The switches.
+        switched: The switches.
         default: Value of a group without a switch.
         merge: How to combine the switches of a group's parts: `any` or `all`.
     """
-    found = tuple(found)
-    return frozenset(group for group in SINGLE_GROUPS if merge(_values(group, found, default)))
+    switched = tuple(switched)
+    return frozenset(group for group in SINGLE_GROUPS if merge(_values(group, switched, default)))
 
 
 def named(groups: Iterable[str]) -> list[str]:
@@ -91,17 +91,17 @@ def named(groups: Iterable[str]) -> list[str]:
 
 
 def note_coarser_groups(
-    settings: Settings, found: Iterable[Switch], on: frozenset[str], whats: dict[bool, str]
+    settings: Settings, switched: Iterable[Switch], on: frozenset[str], whats: dict[bool, str]
 ) -> None:
     """Add a note for each region whose switch differs from the value of the group that contains it.
 
     Args:
         settings: The configuration.
-        found: The switches.
+        switched: The switches.
         on: The enabled groups.
         whats: Description of an enabled and of a disabled group.
     """
-    for switch in found:
+    for switch in switched:
         against = [group for group in switch.region.groups if (group in on) != switch.on]
         if against and switch.region.rank == 0:
             group = " and ".join(named(against))
@@ -110,12 +110,12 @@ def note_coarser_groups(
             settings.note(switch.key, message)
 
 
-def _values(group: str, found: Iterable[Switch], default: bool) -> list[bool]:
-    here = [switch for switch in found if group in switch.region.groups]
-    whole = [switch for switch in here if switch.region.rank > 0]
+def _values(group: str, switched: Iterable[Switch], default: bool) -> list[bool]:
+    of_group = [switch for switch in switched if group in switch.region.groups]
+    whole = [switch for switch in of_group if switch.region.rank > 0]
     rank = max((switch.region.rank for switch in whole), default=0)
     values = [switch.on for switch in whole if switch.region.rank == rank] or [default]
-    return values + [switch.on for switch in here if switch.region.rank == 0]
+    return values + [switch.on for switch in of_group if switch.region.rank == 0]
 
 
 def _sides_of(name: str) -> dict[str, str]:
@@ -125,15 +125,15 @@ def _sides_of(name: str) -> dict[str, str]:
 
 
 def _regions() -> dict[str, Region]:
-    found = {}
+    regions = {}
     for rank, table in ((1, _WHOLE), (0, _PARTS)):
         for group, names in table.items():
             for name in names:
-                found[name] = Region(PAIRED_GROUPS.get(group, (group,)), rank)
+                regions[name] = Region(PAIRED_GROUPS.get(group, (group,)), rank)
                 if group in PAIRED_GROUPS:
                     sided = {form: (f"{side}_{group.removesuffix('s')}",) for form, side in _sides_of(name).items()}
-                    found |= {form: Region(groups, 2 * rank) for form, groups in sided.items()}
-    return found
+                    regions |= {form: Region(groups, 2 * rank) for form, groups in sided.items()}
+    return regions
 
 
 REGIONS = _regions()

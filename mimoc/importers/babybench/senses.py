@@ -41,8 +41,8 @@ def read_senses(settings: Settings) -> dict[str, Any]:
         "touch": _touch,
         "vision": _vision,
     }
-    found = {name: read_sense(settings) for name, read_sense in readers.items()}
-    return {name: sense for name, sense in found.items() if sense is not None}
+    senses = {name: read_sense(settings) for name, read_sense in readers.items()}
+    return {name: sense for name, sense in senses.items() if sense is not None}
 
 
 def _switch(settings: Settings, *names: str) -> bool | None:
@@ -107,10 +107,10 @@ def _skin(settings: Settings) -> list[str] | None:
     """Return the groups with skin, None if all have skin."""
     beside = {"touch_function", "touch_quantity", "touch_scale", "touch_scales"}
     beside |= {"touch_response", "touch_response_function", "touch_active", "touch_on", "touch_enabled"}
-    found = switches(settings, "touch_", beside)
-    bare = enabled_groups(found, default=True, merge=any)
-    note_coarser_groups(settings, found, bare, {True: "which has skin", False: "which has none"})
-    return named(bare) if found and bare != set(SINGLE_GROUPS) else None
+    regions = switches(settings, "touch_", beside)
+    bare = enabled_groups(regions, default=True, merge=any)
+    note_coarser_groups(settings, regions, bare, {True: "which has skin", False: "which has none"})
+    return named(bare) if regions and bare != set(SINGLE_GROUPS) else None
 
 
 def _vision(settings: Settings) -> dict[str, Any] | None:

@@ -11,9 +11,9 @@ from mimoc.body.kinematics import Posed, frames, pose
 from mimoc.body.tree import BodyTree
 from mimoc.geometry.primitives import extents
 from mimoc.geometry.rotations import FloatArray, matrix_from_euler
-from mimoc.looks.skin.face import carry_head
-from mimoc.looks.skin.heights import LEAST_SLOPE, heights
-from mimoc.looks.skin.sculpture import HEAD, LAYERS, SculptedLayer, Sculpture, sculpture
+from mimoc.looks.skin.face import deform_head
+from mimoc.looks.skin.sculpture import HEAD, LAYERS, SculptedLayer, Sculpture, template_mesh
+from mimoc.looks.skin.surface_distance import LEAST_SLOPE, surface_distance
 from mimoc.mjcf.skin import Skin, SkinLayer
 
 ROUNDS = 2
@@ -36,7 +36,7 @@ def skin_of(tree: BodyTree) -> Skin:
 def skins(pickled: bytes) -> Skin:
     """Return the skin of a body, which is pickled so that it can be told from others."""
     tree: BodyTree = pickle.loads(pickled)
-    return Skin((*LAYERS, HEAD), lambda: layers_of(tree, sculpture(tree.hands)))
+    return Skin((*LAYERS, HEAD), lambda: layers_of(tree, template_mesh(tree.hands)))
 
 
 def layers_of(tree: BodyTree, sculpted: Sculpture) -> tuple[SkinLayer, ...]:
@@ -105,7 +105,7 @@ class _Carrying:
     def head(self) -> SkinLayer:
         tree, sculpted = self.tree, self.sculpted.head
         origin, turn = self.placed[HEAD]
-        verts_m = carry_head(sculpted, tree)
+        verts_m = deform_head(sculpted, tree)
         return SkinLayer(
             HEAD,
             origin + verts_m @ turn.T,
@@ -157,8 +157,9 @@ class _Carrying:
     def _on_solids(self, layer: SculptedLayer, verts_m: FloatArray, sizes: FloatArray, lost: FloatArray) -> FloatArray:
         """Return vertices at their sculpted heights above the child's solids."""
         wanted, most = layer.offsets_m * sizes, FARTHEST * self.scale * self.sculpted.head_radius_m
+        solids, blend_m = self.sculpted.solids, layer.blend_m * sizes
         for _ in range(ROUNDS):
-            height, slope = heights(self.posed, self.sculpted.solids, layer.solids, layer.blend_m * sizes, verts_m)
+            height, slope = surface_distance(self.posed, solids, layer.solids, blend_m, verts_m)
             steep = np.maximum(np.einsum("ni,ni->n", slope, slope), LEAST_SLOPE)
             move = np.clip((wanted - height) / steep, -most, most) * (1 - lost)
             verts_m = verts_m + move[:, None] * slope
@@ -167,11 +168,11 @@ class _Carrying:
 
 def boxes(tree: BodyTree) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Return the opposite corners of the box around each body's solids, in the frame of the body, shape (3,)."""
-    found = {}
+    corners = {}
     for body in tree.bodies:
         turns = np.array([matrix_from_euler(geom.euler_deg) for geom in body.geoms])
         solids = extents((geom.type, geom.size_m) for geom in body.geoms)
         along = solids.along(turns.transpose(1, 0, 2))  # Of each axis of the body, in the frames of its solids.
         centres = np.array([geom.pos_m for geom in body.geoms])
-        found[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
-    return found
+        corners[body.name] = (centres - along.T).min(axis=0), (centres + along.T).max(axis=0)
+    return corners

@@ -20,25 +20,25 @@ def newborn_share(age_months: float) -> float:
     return 1 - t * t * (3 - 2 * t)
 
 
-def carry_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
+def deform_head(sculpted: SculptedHead, tree: BodyTree) -> FloatArray:
     """Return the vertices of a child's head in the frame of its body, shape (n, 3), [m]."""
     geoms = tree.geoms
     head = geoms["head"]
     share = newborn_share(tree.age_months)
     shape_m = sculpted.verts_m + share * (sculpted.newborn_m - sculpted.verts_m)
-    found = shape_m * (np.array(half_axes(head)) / sculpted.half_axes_m)
+    verts_m = shape_m * (np.array(half_axes(head)) / sculpted.half_axes_m)
     eyes = {body.name: np.array(body.pos_m) for body in tree.bodies}
     for side, sign in SIDES:
         place = eyes.get(f"{side}_eye")
         if place is None:
-            found = found + sculpted.closing_m[side] * (np.array(half_axes(head)) / sculpted.half_axes_m)
+            verts_m = verts_m + sculpted.closing_m[side] * (np.array(half_axes(head)) / sculpted.half_axes_m)
         else:
-            found = _around_eye(found, shape_m, sculpted, head, sign, place, geoms[f"{side}_eye1"].size_m[0])
-    return found + np.array(head.pos_m)
+            verts_m = _around_eye(verts_m, shape_m, sculpted, head, sign, place, geoms[f"{side}_eye1"].size_m[0])
+    return verts_m + np.array(head.pos_m)
 
 
 def _around_eye(
-    found: FloatArray,
+    verts_m: FloatArray,
     shape_m: FloatArray,
     sculpted: SculptedHead,
     head: Geom,
@@ -47,10 +47,10 @@ def _around_eye(
     radius_m: float,
 ) -> FloatArray:
     """Return vertices of which those near an eye are as far from its middle as they were sculpted, by its size."""
-    own = sculpted.eye_m * (1, sign, 1)
-    from_eye = shape_m - own
+    middle_m = sculpted.eye_m * (1, sign, 1)
+    from_eye = shape_m - middle_m
     t = (BESIDE_EYE - np.linalg.norm(from_eye, axis=1) / sculpted.eye_radius_m) / (BESIDE_EYE - AT_EYE)
     t = np.clip(t, 0, 1)
     near = (t * t * (3 - 2 * t))[:, None]
     on_ball = place - np.array(head.pos_m) + from_eye * (radius_m / sculpted.eye_radius_m)
-    return found + near * (on_ball - found)
+    return verts_m + near * (on_ball - verts_m)

@@ -88,53 +88,55 @@ class Sculpture:
 
 
 @cache
-def sculpture(hands: str) -> Sculpture:
+def template_mesh(hands: str) -> Sculpture:
     """Return the skin for a kind of hands: `mitten` or `five_finger`."""
     with np.load(FOLDER / f"{hands}.npz") as archive, np.load(FOLDER / "head.npz") as head:
         return assembled({name: archive[name] for name in archive.files}, {name: head[name] for name in head.files})
 
 
-def assembled(found: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
+def assembled(arrays: Mapping[str, npt.NDArray[Any]], head: Mapping[str, npt.NDArray[Any]]) -> Sculpture:
     """Return a sculpture from its arrays, by their names in the files."""
-    parts = tuple(map(str, found["parts"]))
+    parts = tuple(map(str, arrays["parts"]))
     return Sculpture(
         parts=parts,
-        parents=MappingProxyType({part: str(name) for part, name in zip(parts, found["parents"], strict=True) if name}),
-        origins_m=_real(found["origins_m"]),
-        turns=_real(found["turns"]),
-        low_m=_real(found["low_m"]),
-        high_m=_real(found["high_m"]),
-        solids=tuple(map(str, found["solids"])),
-        angles_rad=MappingProxyType(dict(zip(map(str, found["joints"]), found["angles_rad"].tolist(), strict=True))),
-        head_radius_m=float(found["head_radius_m"]),
-        layers=MappingProxyType({name: _layer(found, name) for name in LAYERS}),
+        parents=MappingProxyType(
+            {part: str(name) for part, name in zip(parts, arrays["parents"], strict=True) if name}
+        ),
+        origins_m=_real(arrays["origins_m"]),
+        turns=_real(arrays["turns"]),
+        low_m=_real(arrays["low_m"]),
+        high_m=_real(arrays["high_m"]),
+        solids=tuple(map(str, arrays["solids"])),
+        angles_rad=MappingProxyType(dict(zip(map(str, arrays["joints"]), arrays["angles_rad"].tolist(), strict=True))),
+        head_radius_m=float(arrays["head_radius_m"]),
+        layers=MappingProxyType({name: _layer(arrays, name) for name in LAYERS}),
         head=_head(head),
     )
 
 
-def _layer(found: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
+def _layer(arrays: Mapping[str, npt.NDArray[Any]], name: str) -> SculptedLayer:
     return SculptedLayer(
-        verts_m=_real(found[f"{name}/verts_m"]),
-        faces=_whole(found[f"{name}/faces"]),
-        texcoords=_real(found[f"{name}/texcoords"]),
-        bones=_whole(found[f"{name}/bones"]),
-        weights=_real(found[f"{name}/weights"]) / 255,
-        solids=_whole(found[f"{name}/solids"]),
-        offsets_m=_real(found[f"{name}/offsets_m"]),
-        blend_m=_real(found[f"{name}/blend_m"]),
+        verts_m=_real(arrays[f"{name}/verts_m"]),
+        faces=_whole(arrays[f"{name}/faces"]),
+        texcoords=_real(arrays[f"{name}/texcoords"]),
+        bones=_whole(arrays[f"{name}/bones"]),
+        weights=_real(arrays[f"{name}/weights"]) / 255,
+        solids=_whole(arrays[f"{name}/solids"]),
+        offsets_m=_real(arrays[f"{name}/offsets_m"]),
+        blend_m=_real(arrays[f"{name}/blend_m"]),
     )
 
 
-def _head(found: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
+def _head(arrays: Mapping[str, npt.NDArray[Any]]) -> SculptedHead:
     return SculptedHead(
-        verts_m=_real(found["verts_m"]),
-        newborn_m=_real(found["newborn_m"]),
-        closing_m=MappingProxyType({side: _real(found[f"closing_{side}_m"]) for side in ("left", "right")}),
-        faces=_whole(found["faces"]),
-        texcoords=_real(found["texcoords"]),
-        half_axes_m=_real(found["half_axes_m"]),
-        eye_m=_real(found["eye_m"]),
-        eye_radius_m=float(found["eye_radius_m"]),
+        verts_m=_real(arrays["verts_m"]),
+        newborn_m=_real(arrays["newborn_m"]),
+        closing_m=MappingProxyType({side: _real(arrays[f"closing_{side}_m"]) for side in ("left", "right")}),
+        faces=_whole(arrays["faces"]),
+        texcoords=_real(arrays["texcoords"]),
+        half_axes_m=_real(arrays["half_axes_m"]),
+        eye_m=_real(arrays["eye_m"]),
+        eye_radius_m=float(arrays["eye_radius_m"]),
     )
 
 

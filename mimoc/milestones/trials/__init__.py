@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 
 from mimoc.milestones.trial import Trial
-from mimoc.milestones.trials.arm import ARM_OUT
 from mimoc.milestones.trials.hands_and_knees import HANDS_AND_KNEES, ROCKING
 from mimoc.milestones.trials.head import HEAD_LAG, PRONE_HEAD, SUPINE_HEAD
-from mimoc.milestones.trials.leg_lift import LEG_LIFT
+from mimoc.milestones.trials.limbs import ARM_OUT, LEG_LIFT
 from mimoc.milestones.trials.pulling_up import PULL_TO_STAND
 from mimoc.milestones.trials.rolling import ROLL_OVER
 from mimoc.milestones.trials.sitting import SITTING

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import SIDES, FloatArray, Infant
+from mimoc.milestones.infant import SIDES, FloatArray, TrialInfant
 from mimoc.milestones.trial import Attempt, Trial, steady
 
 HELD_S = 10.0
@@ -20,11 +20,11 @@ ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
 BISECTIONS = 12
 
 
-def _still(infant: Infant) -> Iterator[Attempt]:
+def _still(infant: TrialInfant) -> Iterator[Attempt]:
     yield from _attempts(infant, lambda start: steady(start))
 
 
-def _rocking(infant: Infant) -> Iterator[Attempt]:
+def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to swing forward and back over the hands, by hips and shoulders against each other."""
     names = infant.joint_names
     sway = np.zeros(len(names))
@@ -39,7 +39,7 @@ def _rocking(infant: Infant) -> Iterator[Attempt]:
 
 
 def _attempts(
-    infant: Infant, target: Callable[[FloatArray], Callable[[mujoco.MjData, float], FloatArray]]
+    infant: TrialInfant, target: Callable[[FloatArray], Callable[[mujoco.MjData, float], FloatArray]]
 ) -> Iterator[Attempt]:
     if not infant.has(*SUPPORTS):
         return
@@ -62,7 +62,7 @@ def _attempts(
             )
 
 
-def kneel(infant: Infant, elbow_deg: float, thigh_deg: float) -> mujoco.MjData:
+def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjData:
     """Return an infant on hands and knees, its shanks flat on the floor and its arms upright.
 
     The pitch of the trunk that brings hands and knees to the floor together is found by bisection.

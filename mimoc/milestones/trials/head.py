@@ -5,9 +5,8 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import Infant
+from mimoc.milestones.infant import TrialInfant, elevation_deg
 from mimoc.milestones.trial import Attempt, Trial, steady
-from mimoc.milestones.upright import elevation_deg
 from mimoc.units import deg_to_rad
 
 PRONE_S = 3.0
@@ -22,7 +21,7 @@ SUPINE_RAISED_DEG = 45.0
 BISECTIONS = 12
 
 
-def _prone(infant: Infant) -> Iterator[Attempt]:
+def _prone(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to keep a head up that somebody else lifted: with arms at the sides, then on the forearms."""
     head = infant.model.body("head").id
 
@@ -40,7 +39,7 @@ def _prone(infant: Infant) -> Iterator[Attempt]:
         yield Attempt(infant, data.qpos.copy(), steady(data.qpos[infant.angles]), PRONE_S, check, strategy=arms)
 
 
-def _on_forearms(infant: Infant) -> mujoco.MjData:
+def _on_forearms(infant: TrialInfant) -> mujoco.MjData:
     """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
     data = mujoco.MjData(infant.model)
     low, high = 30.0, 95.0
@@ -64,7 +63,7 @@ FOREARMS_DEG = {
 }
 
 
-def _raised(infant: Infant) -> Iterator[Attempt]:
+def _raised(infant: TrialInfant) -> Iterator[Attempt]:
     held = infant.fixed(infant.trunk_dofs())
     tilt = int(infant.model.joint("robot:head_tilt").qposadr[0])
     data = mujoco.MjData(infant.model)
@@ -85,7 +84,7 @@ def _raised(infant: Infant) -> Iterator[Attempt]:
     yield Attempt(held, lying, steady(infant.turned(data, {"head_tilt": 10.0})), RAISED_S, check, apparatus=raise_trunk)
 
 
-def _supine(infant: Infant) -> Iterator[Attempt]:
+def _supine(infant: TrialInfant) -> Iterator[Attempt]:
     head = infant.model.body("head").id
     data = mujoco.MjData(infant.model)
     infant.place(data, -90.0, {"{side}_hip1": -50.0, "{side}_knee": -70.0})

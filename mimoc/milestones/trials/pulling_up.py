@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import Infant
+from mimoc.milestones.infant import TrialInfant
 from mimoc.milestones.trial import Attempt, Trial
 from mimoc.milestones.trials.standing import FEET, VERTICAL, stance
 
@@ -18,7 +18,7 @@ LEAST_HEIGHT = 0.9
 """Height of the hips from which on the infant is up, by that of standing with knees as straight as they go."""
 
 
-def _pulling_up(infant: Infant) -> Iterator[Attempt]:
+def _pulling_up(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield one attempt to rise from a squat.
 
     The rail, at the height of the shoulders, gives balance: it turns the trunk and carries it forward with the feet

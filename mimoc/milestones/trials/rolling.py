@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 import mujoco
 
-from mimoc.milestones.infant import SIDES, Infant
+from mimoc.milestones.infant import SIDES, TrialInfant, elevation_deg
 from mimoc.milestones.trial import Attempt, Trial
-from mimoc.milestones.upright import elevation_deg
 
 ROLLING_S, PRONE_S = 5.0, 0.5
 GATHERING_S = 1.0
@@ -32,7 +31,7 @@ TRUNK_DEG = {"hip_rot1": 18.0, "head_swivel": 60.0}
 """The twist of trunk and head when rolling to the left."""
 
 
-def _rolling(infant: Infant) -> Iterator[Attempt]:
+def _rolling(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield attempts to roll to the left and to the right."""
     if not infant.has("left_hand", "right_hand", "left_foot", "right_foot"):
         return
@@ -40,7 +39,7 @@ def _rolling(infant: Infant) -> Iterator[Attempt]:
         yield _attempt(infant, near, far)
 
 
-def _attempt(infant: Infant, near: str, far: str) -> Attempt:
+def _attempt(infant: TrialInfant, near: str, far: str) -> Attempt:
     data = mujoco.MjData(infant.model)
     infant.place(data, -90.0, LYING_DEG)
     turn = 1.0 if near == "left" else -1.0

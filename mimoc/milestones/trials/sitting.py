@@ -4,9 +4,8 @@ from collections.abc import Iterator, Mapping
 
 import mujoco
 
-from mimoc.milestones.infant import Infant
+from mimoc.milestones.infant import TrialInfant, tilt_deg
 from mimoc.milestones.trial import PUSHES, Attempt, Trial, steady
-from mimoc.milestones.upright import tilt_deg
 
 SITTING_S = 10.0
 MOST_TILT_DEG = 45.0
@@ -22,7 +21,7 @@ month-old infant sits; that takes control without noise and delay. Further forwa
 BISECTIONS = 12
 
 
-def _sitting(infant: Infant) -> Iterator[Attempt]:
+def _sitting(infant: TrialInfant) -> Iterator[Attempt]:
     if not infant.has("left_foot", "right_foot"):
         return
     forbidden = infant.parts_without(SEAT[1:]) - {infant.model.body("hip").id}
@@ -40,7 +39,7 @@ def _sitting(infant: Infant) -> Iterator[Attempt]:
             )
 
 
-def seat(infant: Infant, knee_deg: float, lean: float) -> mujoco.MjData:
+def seat(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     """Return an infant sitting with seat and heels on the floor, its centre of mass over some point between them.
 
     The tilt of the pelvis, and the hips that bring the heels to the floor, are found by bisection.
@@ -60,7 +59,7 @@ def seat(infant: Infant, knee_deg: float, lean: float) -> mujoco.MjData:
 LEAST_PITCH_DEG, MOST_PITCH_DEG = -30.0, 40.0
 
 
-def _lower_heels(infant: Infant, data: mujoco.MjData, pitch_deg: float, knee_deg: float) -> None:
+def _lower_heels(infant: TrialInfant, data: mujoco.MjData, pitch_deg: float, knee_deg: float) -> None:
     """Place an infant with the thighs as low as brings the heels to the floor together with the seat."""
     low, high = infant.range_deg("left_hip1")
     for _ in range(BISECTIONS):
@@ -78,7 +77,7 @@ def _lean(data: mujoco.MjData) -> float:
     return float((data.subtree_com[1, 0] - seat_m) / (heels_m - seat_m))
 
 
-def slumped(infant: Infant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
+def slumped(infant: TrialInfant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
     """Return whether arms, trunk or head touch the floor, or the trunk or the head is tilted too far."""
     if part := infant.touching(data, forbidden):
         return f"{part} touches the floor"

@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.milestones.infant import SIDES, Infant
+from mimoc.milestones.infant import SIDES, TrialInfant, tilt_deg
 from mimoc.milestones.trial import PUSHES, Attempt, Trial, steady
-from mimoc.milestones.upright import tilt_deg
 
 STANDING_S = 10.0
 MOST_TILT_DEG = 45.0
@@ -18,7 +17,7 @@ LEANS = (0.2, 0.3, 0.4)
 """Where the centre of mass stands over the feet in the postures that are tried: 0 over the ankle, 1 over the toes."""
 
 
-def _standing(infant: Infant) -> Iterator[Attempt]:
+def _standing(infant: TrialInfant) -> Iterator[Attempt]:
     if not infant.has(*FEET):
         return
     forbidden = infant.parts_without(FEET)
@@ -36,14 +35,14 @@ def _standing(infant: Infant) -> Iterator[Attempt]:
             )
 
 
-def fallen(infant: Infant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
+def fallen(infant: TrialInfant, data: mujoco.MjData, forbidden: frozenset[int]) -> str:
     """Return whether a body that must not touch the floor does, or the trunk is tilted too far."""
     if part := infant.touching(data, forbidden):
         return f"{part} touches the floor"
     return "trunk tilted" if tilt_deg(data, infant.pushed) > MOST_TILT_DEG else ""
 
 
-def stance(infant: Infant, knee_deg: float, lean: float) -> mujoco.MjData:
+def stance(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     """Return an infant standing with flat soles on the floor, its centre of mass over some point of its feet.
 
     The hips bend half as far as the knees, or as far as a young hip is bent anyway; the ankles, and with them the lean
@@ -70,13 +69,13 @@ def _standing_angles(hip: float, knee: float, ankle: float) -> Mapping[str, floa
     return {"{side}_hip1": hip, "{side}_knee": knee, "{side}_foot1": ankle, "{side}_elbow": -15.0}
 
 
-def _lean(infant: Infant, data: mujoco.MjData) -> float:
+def _lean(infant: TrialInfant, data: mujoco.MjData) -> float:
     """Return where the centre of mass stands over the feet: 0 over the ankles, 1 over the joints of the toes."""
     ankle, toes = (np.mean([data.body(f"{side}_{part}").xpos[0] for side in SIDES]) for part in ("foot", "toes"))
     return float((data.subtree_com[1, 0] - ankle) / (toes - ankle))
 
 
-def _half_squat(infant: Infant) -> Iterator[Attempt]:
+def _half_squat(infant: TrialInfant) -> Iterator[Attempt]:
     """Yield one attempt, with hands that keep the trunk upright and let it only sink or rise."""
     if not infant.has(*FEET):
         return

@@ -88,7 +88,7 @@ def crib(length_m: float, reach_m: tuple[float, float] = (0.0, 0.0)) -> Crib:
         Furniture(
             geoms=(*_bed(*inner), *_posts(*inner, rail), *_rails(*inner, rail), *_bars(*inner, rail)),
             materials=_materials(inner),
-            textures=(WorldTexture(SHEET.name, f"assets/{SHEET.name}.png", SHEET.draw()),),
+            textures=(WorldTexture(SHEET.name, f"assets/{SHEET.name}.png", SHEET.png),),
         ),
     )
 

@@ -78,7 +78,7 @@ def draw_room(size_m: tuple[Range, Range, Range], seed: int, wallpapers: Wallpap
                 *(WorldMaterial(geom.material, UNTINTED, picture.name) for geom, picture in hung),
                 SHADE,
             ),
-            textures=tuple(WorldTexture(name, f"assets/{name}.png", used[name].draw()) for name in sorted(used)),
+            textures=tuple(WorldTexture(name, f"assets/{name}.png", used[name].png) for name in sorted(used)),
             lights=lights,
         ),
     )

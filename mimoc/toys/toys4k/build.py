@@ -21,8 +21,8 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
         ToyError: If there are no toys.
         UnknownToysError: If some of the selected names do not exist.
     """
-    found = find_toys(expand_root(str(spec.root), folder))
-    if wrong := unknown(found, spec.subset):
+    toys = find_toys(expand_root(str(spec.root), folder))
+    if wrong := unknown(toys, spec.subset):
         raise UnknownToysError(wrong)
     notes = () if has_coacd() else (HULLS_ONLY,)
-    return Toybox(choose(found, spec.subset), cache(partial(load_toy, found, cache=MeshCache())), notes)
+    return Toybox(choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)

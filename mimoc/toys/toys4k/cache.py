@@ -107,5 +107,4 @@ def _checked(mesh: Mesh) -> Mesh:
         raise ValueError("not a mesh")
     if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
         raise ValueError("not a mesh")
-    mesh.vertices.flags.writeable = mesh.faces.flags.writeable = False
     return mesh

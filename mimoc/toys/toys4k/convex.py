@@ -10,7 +10,6 @@ from mimoc.errors import ToyError
 from mimoc.geometry.rotations import FloatArray, matrix_from_axis, quaternion_from_matrix
 from mimoc.toys.model import IntArray, Mesh, Solid
 from mimoc.toys.toys4k.subprocesses import WorkerError, WorkerTimeoutError, run_worker
-from mimoc.toys.transforms import mesh_volume
 
 MOST_PARTS = 10
 MOST_CORNERS = 64
@@ -62,14 +61,14 @@ def convex_parts(mesh: Mesh, *, simple: bool) -> list[Mesh]:
     np.savez(content, vertices=mesh.vertices, faces=mesh.faces)
     preprocessing = "auto" if simple else "on"
     try:
-        found = run_worker("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
+        result = run_worker("decompose", content.getvalue(), preprocessing, MOST_PARTS, MOST_CORNERS, limit_s=LIMIT_S)
     except WorkerTimeoutError as error:
         raise ToyError(f"{error} into convex parts; give it fewer and larger surfaces") from None
     except WorkerError:
         return whole
-    corners = np.split(found["corners"], np.cumsum(found["counts"])[:-1])
-    parts = [hull(each) for each in corners if np.isfinite(each).all() and not is_thin(each, THIN / 10)]
-    parts = [part for part in parts if mesh_volume(part) > LEAST_VOLUME]
+    corners = np.split(result["corners"], np.cumsum(result["counts"])[:-1])
+    parts = [hull(points) for points in corners if np.isfinite(points).all() and not is_thin(points, THIN / 10)]
+    parts = [part for part in parts if part.volume > LEAST_VOLUME]
     return parts if len(parts) <= MOST_PARTS and _reaches_as_far(parts, mesh) else whole
 
 

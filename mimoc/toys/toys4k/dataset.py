@@ -59,41 +59,39 @@ def find_toys(root: Path) -> Toys4K:
     """
     try:
         real = Path(os.path.realpath(root))
-        found = dict(sorted(_objects_in(real), reverse=True))  # Of objects with the same name, the first is kept.
+        paths = dict(sorted(_objects_in(real), reverse=True))  # Of objects with the same name, the first is kept.
     except (OSError, ValueError) as error:
         where, reason = getattr(error, "filename", None) or root, getattr(error, "strerror", None) or error
         raise ToyError(f"{where}: cannot be read ({reason}); give the folder that Toys4K was unpacked to") from None
-    if not found:
+    if not paths:
         raise ToyError(f"{root}: contains no meshes of toys; give a folder with {FOLDER_STRUCTURE}")
-    linked_away = {name: path for name, path in sorted(found.items()) if not lies_in(path, real)}
-    objects = {name: path for name, path in sorted(found.items()) if name not in linked_away}
+    linked_away = {name: path for name, path in sorted(paths.items()) if not lies_in(path, real)}
+    objects = {name: path for name, path in sorted(paths.items()) if name not in linked_away}
     categories = defaultdict[str, list[str]](list)
     for name in objects:
         categories[category_of(name)].append(name)
     return Toys4K(real, objects, {name: tuple(categories[name]) for name in sorted(categories)}, linked_away)
 
 
-def choose(found: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
+def choose(toys: Toys4K, subset: Collection[str]) -> tuple[str, ...]:
     """Return the selected objects, sorted: a subset names categories or single objects, and an empty one means all.
 
     Raises:
         ToyError: If a name does not exist; the message has a line for each such name.
     """
-    wrong = unknown(found, subset)
+    wrong = unknown(toys, subset)
     if wrong:
         raise ToyError("\n".join(wrong.values()), next(iter(wrong)))
-    if not subset and not found.objects:
-        raise ToyError(
-            "\n".join(_linked_away(found, name) for name in found.linked_away), next(iter(found.linked_away))
-        )
-    names = {name for each in subset for name in found.categories.get(each, (each,))}
-    return tuple(sorted(names or found.objects))
+    if not subset and not toys.objects:
+        raise ToyError("\n".join(_linked_away(toys, name) for name in toys.linked_away), next(iter(toys.linked_away)))
+    names = {name for chosen in subset for name in toys.categories.get(chosen, (chosen,))}
+    return tuple(sorted(names or toys.objects))
 
 
-def unknown(found: Toys4K, subset: Collection[str]) -> dict[str, str]:
+def unknown(toys: Toys4K, subset: Collection[str]) -> dict[str, str]:
     """Return what is wrong with each name of a subset that is neither a category nor an object."""
-    known = found.categories.keys() | found.objects.keys()
-    return {name: _reason_against(found, name) for name in subset if name not in known}
+    known = toys.categories.keys() | toys.objects.keys()
+    return {name: _reason_against(toys, name) for name in subset if name not in known}
 
 
 def read_mesh(path: Path, root: Path) -> bytes:
@@ -163,17 +161,17 @@ def _shown(folder: Path) -> list[Path]:
     return sorted(path for path in folder.iterdir() if not path.name.startswith("."))
 
 
-def _reason_against(found: Toys4K, name: str) -> str:
-    beyond = [each for each in found.linked_away if name in (each, category_of(each))]
+def _reason_against(toys: Toys4K, name: str) -> str:
+    beyond = [linked for linked in toys.linked_away if name in (linked, category_of(linked))]
     if beyond:
-        return _linked_away(found, beyond[0])
-    known = found.categories.keys() | found.objects.keys()
+        return _linked_away(toys, beyond[0])
+    known = toys.categories.keys() | toys.objects.keys()
     advice = suggestion(name, known)
     if advice.startswith("choose"):  # The list of all objects is too long to help.
-        advice = suggestion(name, found.categories)
-    return f"'{name}' is neither a category nor an object in {found.root}; {advice}"
+        advice = suggestion(name, toys.categories)
+    return f"'{name}' is neither a category nor an object in {toys.root}; {advice}"
 
 
-def _linked_away(found: Toys4K, name: str) -> str:
-    path = found.linked_away[name].relative_to(found.root)
-    return f"'{name}' ({path}) is a link to a file outside {found.root}; copy the file there"
+def _linked_away(toys: Toys4K, name: str) -> str:
+    path = toys.linked_away[name].relative_to(toys.root)
+    return f"'{name}' ({path}) is a link to a file outside {toys.root}; copy the file there"

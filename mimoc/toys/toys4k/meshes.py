@@ -12,23 +12,23 @@ OWN_SOURCE = "the folder of toys"
 SOURCE = "Toys4K (Stojanov et al. 2021), not to be passed on"
 
 
-def load_toy(found: Toys4K, name: str, cache: MeshCache | None = None) -> ToyModel:
+def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyModel:
     """Return the toy of an object of Toys4K.
 
     Args:
-        found: The objects of the folder.
+        toys: The objects of the folder.
         name: Name of the object.
         cache: Cache of processed meshes.
 
     Raises:
         ToyError: If the object does not exist or its mesh cannot be used; the error names the object.
     """
-    if name not in found.objects:
-        raise ToyError(unknown(found, [name]).get(name, f"'{name}' is a category; name one of its objects"), name)
-    path = found.objects[name]
-    file = legible(path.relative_to(found.root).as_posix())
+    if name not in toys.objects:
+        raise ToyError(unknown(toys, [name]).get(name, f"'{name}' is a category; name one of its objects"), name)
+    path = toys.objects[name]
+    file = legible(path.relative_to(toys.root).as_posix())
     try:
-        shape = _shape(read_mesh(path, found.root), path.suffix[1:].lower(), cache)
+        shape = _shape(read_mesh(path, toys.root), path.suffix[1:].lower(), cache)
     except ToyError as error:
         raise ToyError(f"'{name}' ({file}) {error}; exclude it with 'subset', or repair the file", name) from None
     return ToyModel(

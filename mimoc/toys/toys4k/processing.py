@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from mimoc.errors import ToyError
-from mimoc.toys.model import FloatArray, Mesh, Solid
+from mimoc.toys.model import FloatArray, Mesh, Solid, join
 from mimoc.toys.toys4k.cleaning import clean, only_used
 from mimoc.toys.toys4k.convex import MOST_FACES, box_of, convex_parts, hull, is_soup, is_thin, thin_box
 from mimoc.toys.toys4k.decimating import decimate
 from mimoc.toys.toys4k.resting import TOPS, planes, set_down
 from mimoc.toys.toys4k.subprocesses import WorkerError, run_worker
 from mimoc.toys.toys4k.winding import Surface, face_outwards, from_both_sides
-from mimoc.toys.transforms import join, mesh_volume
 
 VERSION = 2
 """Version of the processing, incremented with each change of its results."""
@@ -76,20 +75,20 @@ def _looks(surface: Surface) -> tuple[Mesh, Mesh]:
     mesh = surface.mesh
     whole, torn = (only_used(mesh.vertices, mesh.faces[which]) for which in (surface.closed, ~surface.closed))
     share = MOST_FACES_SEEN / max(len(whole.faces) + 2 * len(torn.faces), MOST_FACES_SEEN)
-    whole, torn = (decimate(each, max(int(len(each.faces) * share), 1)) for each in (whole, torn))
+    whole, torn = (decimate(part, max(int(len(part.faces) * share), 1)) for part in (whole, torn))
     return join([whole, torn]), join([whole, from_both_sides(torn)])
 
 
 def _volume(closed: Mesh | None, parts: Sequence[Mesh]) -> float:
     """Return the volume of a closed mesh, or of its convex parts if the mesh is open, a thin shell or overlapping."""
-    of_parts = math.fsum(map(mesh_volume, parts))
-    within = mesh_volume(closed) if closed else 0.0
+    of_parts = math.fsum(part.volume for part in parts)
+    within = closed.volume if closed else 0.0
     return min(within, of_parts) if within >= LEAST_FILLED * of_parts else of_parts
 
 
 def _rotation(parts: Sequence[Mesh], top: str) -> FloatArray:
     """Return the rotation that places parts of equal density on a face of their common convex hull."""
-    weights = np.array([mesh_volume(part) for part in parts])
+    weights = np.array([part.volume for part in parts])
     centre = weights @ np.stack([_centre(part) for part in parts]) / weights.sum()
     corners = np.concatenate([part.vertices for part in parts])
     around = parts[0] if len(parts) == 1 else hull(corners, len(corners))
@@ -105,6 +104,4 @@ def _centre(part: Mesh) -> FloatArray:
 
 
 def _placed(mesh: Mesh, rotation: FloatArray, origin: FloatArray, scale: float) -> Mesh:
-    vertices = (mesh.vertices @ rotation.T - origin) * scale
-    vertices.flags.writeable = False
-    return Mesh(vertices, mesh.faces)
+    return Mesh((mesh.vertices @ rotation.T - origin) * scale, mesh.faces)

@@ -86,7 +86,7 @@ def decompose(content: bytes, preprocessing: str, most_parts: str, most_corners:
         seed=1,  # 0 means the clock.
     )
     corners = [np.asarray(part[0], float).reshape(-1, 3) for part in parts]
-    return {"corners": np.concatenate(corners), "counts": np.array([len(each) for each in corners])}
+    return {"corners": np.concatenate(corners), "counts": np.array([len(points) for points in corners])}
 
 
 TASKS: Mapping[str, Callable[..., Arrays]] = {"read": read, "decompose": decompose}

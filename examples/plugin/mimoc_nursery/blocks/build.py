@@ -3,12 +3,12 @@
 from functools import partial
 from pathlib import Path
 
+import trimesh
+
 from mimoc.errors import UnknownToysError, suggestion
-from mimoc.toys.builtin.assembling import assemble
+from mimoc.toys.assembling import assemble
 from mimoc.toys.choosing import Toybox
-from mimoc.toys.model import ToyModel
-from mimoc.toys.shaping import box
-from mimoc.toys.solids import block
+from mimoc.toys.model import Mesh, Solid, ToyModel
 from mimoc.toys.spec import ToysSpec
 
 SIZES = {"cube": (1.0, 1.0, 1.0), "slab": (1.0, 0.5, 0.25), "column": (0.4, 0.4, 1.0)}
@@ -29,6 +29,7 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
 
 
 def _shape(name: str, density_kg_m3: float) -> ToyModel:
-    size = SIZES[name]
-    middle = (0.0, 0.0, size[2] / 2)
-    return assemble(name, {"main": [box(size, middle)]}, [block(size, middle)], density_kg_m3)
+    x, y, z = SIZES[name]
+    block = trimesh.creation.box((x, y, z))
+    looks = {"main": [Mesh(block.vertices, block.faces)]}
+    return assemble(name, looks, [Solid("box", (x / 2, y / 2, z / 2))], density_kg_m3)

@@ -1,1 +1,0 @@
-"""Drawing of textures for floors, walls, ceilings and pictures."""

@@ -1,0 +1,60 @@
+"""Make the toys that ship with mimoc: `python sculpt/make_toys.py`, or `make toys`."""
+
+import json
+
+from toys import animals, fruit, household, playthings, sea_animals, sweets, vehicles
+
+from mimoc.bundle.arrays import Array, pack_arrays
+from mimoc.toys.builtin import FIGURES, MESHES
+from mimoc.toys.model import ToyModel
+
+TOYS = {
+    animals: "bunny chicken elephant pig",
+    fruit: "apple banana mushroom pear",
+    household: "bottle bowl chair cup hat mug sofa",
+    playthings: "ball chess_piece drum hammer key robot",
+    sea_animals: "fish octopus penguin whale",
+    sweets: "cookie cupcake donut hamburger ice_cream",
+    vehicles: "airplane boat bus car tractor train truck",
+}
+"""Names of the functions of each module that return a toy: the toys, each of which belongs to a category of Toys4K."""
+
+
+def main() -> None:
+    """Write the meshes and everything else of all toys."""
+    toys = make_toys()
+    lines = [f" {json.dumps(toy.name)}: {json.dumps(figures(toy))}" for toy in toys]
+    FIGURES.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    MESHES.write_bytes(pack_arrays({name: array for toy in toys for name, array in arrays(toy).items()}))
+
+
+def make_toys() -> list[ToyModel]:
+    """Return all toys, sorted by name."""
+    functions = {name: getattr(module, name) for module, names in TOYS.items() for name in names.split()}
+    return [functions[name]() for name in sorted(functions)]
+
+
+def figures(toy: ToyModel) -> dict[str, object]:
+    """Return what is known of a toy besides the meshes of its parts."""
+    return {
+        "density_kg_m3": toy.density_kg_m3,
+        "volume": toy.volume,
+        "source": toy.source,
+        "tints": [part.tint for part in toy.parts],
+        "solids": [
+            {"type": solid.type, "size": solid.size, "pos": solid.pos, "quat": solid.quat} for solid in toy.solids
+        ],
+    }
+
+
+def arrays(toy: ToyModel) -> dict[str, Array]:
+    """Return the meshes of a toy's parts, by their names in the archive."""
+    return {
+        f"{toy.name}/{part.tint}/{name}": array
+        for part in toy.parts
+        for name, array in (("vertices", part.mesh.vertices), ("faces", part.mesh.faces.astype("uint16")))
+    }
+
+
+if __name__ == "__main__":
+    main()

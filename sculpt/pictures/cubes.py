@@ -1,0 +1,198 @@
+"""Drawing of the infant's textures: face, eyes, ears and clothes."""
+
+from collections.abc import Callable
+
+import numpy as np
+from pictures.expressions import FACES, Face
+
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.appearance import GRID_LAYOUT, SKIN, Colour
+
+FACE_CELL_PX = 85
+"""Size of a cell: three in a row have 255 px, within the limit of 256 px for images of a bundle."""
+EYE_CELL_PX = 48
+EAR_CELL_PX = 20
+CLOTH_CELL_PX = 60
+STRIPES = 8
+"""Number of stripes around a capsule; with an even number, front and back look alike."""
+
+# MuJoCo looks a cube texture up as OpenGL does, with the geom's own x, y and z: found by rendering a coded
+# sphere from six sides. Each cell is (outward axis, direction of its columns, direction of its rows), so the
+# face of a head that looks along +x is the cell R, seen lying on its side.
+CELLS = {
+    "R": ((1, 0, 0), (0, 0, -1), (0, -1, 0)),
+    "L": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "U": ((0, 1, 0), (1, 0, 0), (0, 0, 1)),
+    "D": ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
+    "F": ((0, 0, 1), (1, 0, 0), (0, -1, 0)),
+    "B": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
+}
+
+BLUSH: Colour = (240, 150, 130)
+HAIR: Colour = (150, 108, 74)
+EAR: Colour = (243, 192, 166)
+EAR_HOLLOW: Colour = (222, 152, 128)
+LIP: Colour = (224, 136, 124)
+INSIDE: Colour = (146, 62, 62)
+LID: Colour = (96, 60, 46)
+WHITE: Colour = (250, 248, 244)
+IRIS: Colour = (96, 118, 140)
+IRIS_RIM: Colour = (44, 54, 64)
+PUPIL: Colour = (22, 18, 20)
+
+EYE_Y, EYE_Z = 0.352, -0.090
+"""Centre of the eye opening in the frontal view, in head radii."""
+
+
+def draw_face(expression: str, breadth: float = 1.0) -> FloatArray:
+    """Return the head's cube texture: one grid of 2 by 3 cells.
+
+    Args:
+        expression: A key of `FACES`.
+        breadth: Half of the head's breadth in head radii; the features of the face are as wide on any head.
+    """
+    face = FACES[expression]
+    direction = directions(FACE_CELL_PX)
+    x, y, z = np.moveaxis(direction, 2, 0)
+    y = breadth * y
+    image = brow(_bare_head(breadth), np.abs(y), z, x > 0, face)
+    return mouth(image, y, z, x > 0, face)
+
+
+def draw_eye() -> FloatArray:
+    """Return the eyeball's cube texture, with the pupil along +x."""
+    return _paint_cube(EYE_CELL_PX, _eye_colour)
+
+
+def draw_ear() -> FloatArray:
+    """Return an ear's cube texture: a rim around a hollow, alike on both faces across y."""
+    return _paint_cube(EAR_CELL_PX, _ear_colour)
+
+
+def draw_stripes(ground: Colour, stripe: Colour) -> FloatArray:
+    """Return a capsule's cube texture: stripes that run along its axis, z.
+
+    A 2D texture would do, but MuJoCo 3.5 and 3.17 lay those around a capsule in different ways.
+    """
+    return _paint_cube(CLOTH_CELL_PX, lambda direction: _cloth_colour(direction, ground, stripe))
+
+
+def directions(cell_px: int) -> FloatArray:
+    """Return the direction of each texel of the grid, unit vectors, shape `(2 * cell_px, 3 * cell_px, 3)`."""
+    steps = (np.arange(cell_px, dtype=np.float64) + 0.5) / cell_px * 2 - 1
+    along = steps[None, :, None]
+    down = steps[:, None, None]
+    axes = [np.asarray(CELLS[letter], np.float64) for letter in GRID_LAYOUT]
+    cells = [out + along * right + down * below for out, right, below in axes]
+    grid = np.vstack([np.hstack(cells[:3]), np.hstack(cells[3:])])
+    return grid / np.linalg.norm(grid, axis=2, keepdims=True)
+
+
+def _paint_cube(cell_px: int, colour: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Return a cube texture whose colour is a function of direction, so that it has no seams."""
+    return colour(directions(cell_px))
+
+
+def _bare_head(breadth: float) -> FloatArray:
+    """Return the parts of the head that all expressions share: skin, hair and lids.
+
+    By direction from its centre: x forward, y left, z up.
+    """
+    direction = directions(FACE_CELL_PX)
+    x, y, z = np.moveaxis(direction, 2, 0)
+    front, side = x > 0, breadth * np.abs(y)
+    image = blush(np.full(direction.shape, SKIN, np.float64), breadth * y, z, front)
+    image = hair(image, x, y, z)
+    return _eye_opening(image, side, z, front)
+
+
+def blush(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
+    """Redden the cheeks and the tip of the nose."""
+    image = over(image, BLUSH, 0.42 * front * blob(np.abs(y) - 0.53, z + 0.36, 0.17, 0.14))
+    return over(image, BLUSH, 0.18 * front * blob(y, z + 0.27, 0.09, 0.08))
+
+
+def hair(image: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    """Draw thin hair on the crown and the back of the head, with strands that radiate from the whorl."""
+    whorl_x, whorl_z = -0.6, 0.8
+    angle = np.arccos(np.clip(whorl_x * x + whorl_z * z, -1, 1))
+    around = np.arctan2(np.abs(y), whorl_z * x - whorl_x * z)
+    waves = 0.6 * np.sin(23 * around + 3 * angle) + 0.4 * np.sin(59 * around - 5 * angle)
+    strands = waves * np.clip(2 * angle, 0, 1)  # At the whorl, they would be finer than a texel.
+    reach = 1.18 + 0.08 * strands
+    return over(image, HAIR, (0.62 + 0.10 * strands) * within(angle - reach, 0.45))
+
+
+def _eye_opening(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray) -> FloatArray:
+    """Draw the lids and the white around each eyeball; the eyeball itself is another geom."""
+    across, up = (side - EYE_Y) / 0.145, (z - EYE_Z) / 0.118
+    image = over(image, BLUSH, 0.30 * front * blob(side - EYE_Y, z - EYE_Z, 0.22, 0.19))
+    lashes = np.hypot(across, up - 0.12) - 1.12
+    image = over(image, LID, 0.9 * front * np.clip(0.4 + up, 0.2, 1) * within(lashes, 0.34))
+    return over(image, WHITE, front * within(np.hypot(across, up) - 0.98, 0.26))
+
+
+def brow(image: FloatArray, side: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
+    """Draw a short, soft brow over each eye; a positive tilt lowers its inner end."""
+    across = (side - 0.37) / 0.17
+    middle = face.brow_height + face.brow_tilt * across - 0.035 * across**2
+    thickness = 0.026 * np.clip(1 - across**2, 0, 1)
+    strength = 0.7 * front * np.clip(1.3 - across**2, 0, 1)
+    return over(image, HAIR, strength * (np.abs(across) < 1) * within(np.abs(z - middle) - thickness, 0.03))
+
+
+def mouth(image: FloatArray, y: FloatArray, z: FloatArray, front: FloatArray, face: Face) -> FloatArray:
+    """Draw the lips, and the inside of the mouth if it is open."""
+    across = y / face.mouth_width
+    taper = np.sqrt(np.clip(1 - across**2, 0, 1))
+    height = z - face.mouth_height - face.smile * (across**2 - 0.4)
+    bow = 0.014 * np.exp(-((across / 0.16) ** 2))
+    lip = np.where(height > 0, 0.046 - bow, 0.058)
+    mouth = front * (np.abs(across) < 1)
+    gap = mouth * within(np.abs(height) - np.maximum(face.opening, 0.006) * taper, 0.032)
+    image = over(image, LIP, 0.85 * mouth * within(np.abs(height) - (face.opening + lip) * taper, 0.032))
+    return over(image, INSIDE, gap)
+
+
+def _eye_colour(direction: FloatArray) -> FloatArray:
+    """Return the colour of an eyeball by direction from its centre; the pupil is at +x."""
+    x, y, z = np.moveaxis(direction, 2, 0)
+    angle = np.degrees(np.arccos(np.clip(x, -1, 1)))
+    image = np.full(direction.shape, WHITE, np.float64)
+    image = over(image, IRIS_RIM, within(angle - 41, 4))
+    image = over(image, IRIS, within(angle - 36, 5))
+    image = over(image, PUPIL, within(angle - 20, 3))
+    return over(image, (255, 255, 255), within(np.hypot(y - 0.16, z - 0.2) - 0.085, 0.05) * (x > 0))
+
+
+def _ear_colour(direction: FloatArray) -> FloatArray:
+    """Return the colour of an ear by direction from its centre; its hollow faces along y."""
+    x, _, z = np.moveaxis(direction, 2, 0)
+    hollow = np.hypot(x / 0.55, (z - 0.12) / 0.62) - 1
+    return over(np.full(direction.shape, EAR, np.float64), EAR_HOLLOW, 0.8 * within(hollow, 0.5))
+
+
+def _cloth_colour(direction: FloatArray, ground: Colour, stripe: Colour) -> FloatArray:
+    """Return the colour of striped cloth by direction from the centre of a capsule along z."""
+    x, y, _ = np.moveaxis(direction, 2, 0)
+    wave = np.cos(STRIPES * np.arctan2(y, x))
+    return over(np.full(direction.shape, ground, np.float64), stripe, within(0.45 - wave, 0.5))
+
+
+def blob(across: FloatArray, up: FloatArray, width: float, height: float) -> FloatArray:
+    """Return a soft spot of the given half-widths, 1 in the middle."""
+    return np.exp(-((across / width) ** 2) - (up / height) ** 2)
+
+
+def within(distance: FloatArray, edge: float) -> FloatArray:
+    """Return 1 where *distance* is negative and 0 where it is positive, blended over *edge*.
+
+    The blend is as wide as a texel or more, so the drawing needs no supersampling.
+    """
+    t = np.clip(0.5 - distance / edge, 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def over(image: FloatArray, colour: Colour, coverage: FloatArray) -> FloatArray:
+    """Return *image* blended with *colour*; *coverage* is its opacity, 0 to 1, shape `(rows, columns)`."""
+    return image + coverage[..., None] * (np.asarray(colour, np.float64) - image)

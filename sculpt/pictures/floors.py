@@ -1,0 +1,107 @@
+"""Textures of floors."""
+
+import numpy as np
+from pictures.tiling import Field, cells, grid, lit, noise, paint, plain, tones
+
+from mimoc.geometry.rotations import FloatArray
+from mimoc.looks.appearance import Colour
+
+BOARDS = 6
+"""Number of boards side by side in a tile."""
+MAT_COLOURS: tuple[Colour, ...] = ((238, 130, 112), (250, 205, 104), (126, 190, 150), (112, 160, 208))
+
+
+def oak_boards() -> FloatArray:
+    """Return light boards with their ends staggered."""
+    return _boards((206, 160, 108), (132, 92, 56), 0.13)
+
+
+def dark_boards() -> FloatArray:
+    """Return walnut boards with their ends staggered."""
+    return _boards((126, 82, 54), (66, 40, 26), 0.2)
+
+
+def parquet() -> FloatArray:
+    """Return blocks of four staves, each block across its neighbours."""
+    right, down = grid()
+    column, x = cells(right, 4)
+    row, y = cells(down, 4)
+    lying = (row + column) % 2 == 0
+    stave, inside = cells(np.where(lying, y, x) + 0.5, 4)
+    grain = np.where(lying, noise(31, 14, 1.2), noise(32, 1.2, 14))
+    tone = 0.1 * tones(33, row * 4 + stave, column * 4 + stave) + 0.16 * grain + np.where(lying, 0.05, -0.05)
+    image = plain((192, 138, 88), tone)
+    image = paint(image, (112, 74, 44), 0.44 - np.abs(inside), 0.12)
+    return paint(image, (98, 62, 36), 0.485 - np.maximum(np.abs(x), np.abs(y)), 0.02)
+
+
+def chequered_tiles() -> FloatArray:
+    """Return a checkerboard of cream and blue tiles."""
+    right, down = grid()
+    column, x = cells(right, 2)
+    row, y = cells(down, 2)
+    cream, blue = (240, 232, 214), (92, 122, 146)
+    dark = (row + column) % 2 == 1
+    image = np.where(dark[..., None], plain(blue), plain(cream))
+    image = lit(image, 1 + 0.05 * noise(41, 9, 9) + 0.02 * tones(42, row, column))
+    return paint(image, (198, 190, 176), 0.488 - np.maximum(np.abs(x), np.abs(y)), 0.012)
+
+
+def terracotta() -> FloatArray:
+    """Return square terracotta tiles, each of a different colour."""
+    right, down = grid()
+    column, x = cells(right, 4)
+    row, y = cells(down, 4)
+    tone = 0.13 * tones(51, row, column) + 0.08 * noise(52, 5, 5)
+    image = plain((196, 106, 72), tone)
+    rounded = np.maximum(np.abs(x), np.abs(y)) + 0.12 * np.minimum(np.abs(x), np.abs(y)) ** 2
+    image = paint(image, (150, 76, 50), 0.46 - rounded, 0.04)
+    return paint(image, (214, 196, 172), 0.475 - rounded, 0.02)
+
+
+def carpet() -> FloatArray:
+    """Return a blue carpet with diamonds."""
+    right, down = grid()
+    _, x = cells(right, 4)
+    _, y = cells(down, 4)
+    diamond = np.abs(x) + np.abs(y)
+    image = plain((78, 104, 142))
+    image = paint(image, (222, 206, 170), np.abs(diamond - 0.42) - 0.04, 0.03)
+    image = paint(image, (186, 92, 84), diamond - 0.2, 0.03)
+    return lit(image, 1 + 0.12 * noise(61, 0.9, 0.9))
+
+
+def play_mat() -> FloatArray:
+    """Return four colours of foam squares, linked like a jigsaw."""
+    right, down = grid()
+    column, x = cells((right + _teeth(down)) % 1, 2)
+    row, y = cells((down + _teeth(right)) % 1, 2)
+    image = np.asarray(MAT_COLOURS, np.float64)[(2 * row + column).astype(np.intp)]
+    image = lit(image, 1 + 0.03 * noise(71, 1, 1))
+    image = paint(image, (90, 84, 80), 0.49 - np.maximum(np.abs(x), np.abs(y)), 0.012)
+    ring = np.hypot(cells(right, 2)[1], cells(down, 2)[1])
+    return paint(image, (252, 244, 226), np.abs(ring - 0.2) - 0.03, 0.02)
+
+
+def cork() -> FloatArray:
+    """Return brown grains, large and small."""
+    image = plain((194, 146, 96), 0.14 * noise(81, 30, 30) + 0.12 * noise(82, 1.2, 1.2))
+    image = paint(image, (122, 80, 48), 0.34 - noise(83, 4, 3), 0.12)
+    return paint(image, (228, 188, 140), 0.40 - noise(84, 4.5, 4.5), 0.12)
+
+
+def _boards(colour: Colour, gap: Colour, contrast: float) -> FloatArray:
+    """Return vertical boards, each with its own tone, grain and end."""
+    right, down = grid()
+    board, x = cells(right, BOARDS)
+    end = (0.37 * board + 0.11) % 1
+    below = (down - end) % 1
+    grain = noise(21, 0.8, 20) + 0.5 * noise(22, 2, 46)
+    image = plain(colour, contrast * tones(23, board, 0 * board) + 0.7 * contrast * grain)
+    image = paint(image, gap, 0.474 - np.abs(x), 0.03)
+    return paint(image, gap, np.minimum(below, 1 - below) - 0.0035, 0.004)
+
+
+def _teeth(along: Field) -> Field:
+    """Return the offset of the edge of a foam square: eight rounded teeth per tile."""
+    return 0.014 * np.clip(2.5 * np.sin(16 * np.pi * along), -1, 1)

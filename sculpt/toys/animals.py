@@ -1,0 +1,136 @@
+"""Toy land animals; all face along x."""
+
+import math
+
+from toys.materials import PLUSH, THIN_SHELL
+from toys.shaping import ball, egg, lathe, rod, small_ball, tube
+from toys.solids import block, capsule, ellipsoid, sphere
+from toys.transforms import flatten_below, move, pair, turn
+
+from mimoc.toys.assembling import Looks, assemble
+from mimoc.toys.model import ToyModel
+
+
+def bunny() -> ToyModel:
+    """Return a plush bunny that sits upright."""
+    ear = egg((0.05, 0.075, 0.2), segments=8, rows=6)
+    inner = egg((0.02, 0.045, 0.15), (0.042, 0, 0), segments=8, rows=4)
+    looks: Looks = {
+        "main": [
+            egg((0.2, 0.22, 0.24), (0, 0, 0.22)),
+            egg((0.18, 0.19, 0.17), (0.03, 0, 0.55)),
+            *(move(turn(side, "x", -9 * s), (-0.02, 0.1 * s, 0.82)) for side, s in ((ear, 1), (ear, -1))),
+            *pair(egg((0.17, 0.085, 0.075), (0.16, 0.14, 0.075), segments=8, rows=6)),
+            *pair(rod((0.1, 0.18, 0.36), (0.2, 0.13, 0.26), 0.055, 6)),
+        ],
+        "light": [
+            egg((0.1, 0.14, 0.17), (0.12, 0, 0.24), segments=12, rows=6),
+            egg((0.09, 0.09, 0.09), (-0.22, 0, 0.14), segments=8, rows=6),
+            *pair(egg((0.05, 0.055, 0.045), (0.19, 0.04, 0.5), segments=8, rows=4)),
+            *pair(egg((0.02, 0.05, 0.05), (0.32, 0.14, 0.08), segments=8, rows=4)),
+        ],
+        "accent": [
+            small_ball(0.03, (0.23, 0, 0.54)),
+            *(move(turn(inner, "x", -9 * s), (-0.02, 0.1 * s, 0.82)) for s in (1, -1)),
+        ],
+        "dark": pair(small_ball(0.033, (0.18, 0.09, 0.6))),
+    }
+    solids = [
+        block((0.46, 0.42, 0.08), (0.1, 0, 0.04)),
+        sphere(0.21, (0, 0, 0.23)),
+        sphere(0.18, (0.03, 0, 0.55)),
+        sphere(0.09, (-0.22, 0, 0.14)),
+        *(capsule((-0.02, 0.4 * y, 0.7), (-0.02, y, 0.94), 0.055) for y in (-0.12, 0.12)),
+    ]
+    return assemble("bunny", looks, solids, PLUSH)
+
+
+def elephant() -> ToyModel:
+    """Return an elephant on four legs."""
+    trunk = [(0.34, 0, 0.48), (0.43, 0, 0.42), (0.47, 0, 0.32), (0.48, 0, 0.22), (0.52, 0, 0.15), (0.58, 0, 0.14)]
+    ear = turn(egg((0.03, 0.17, 0.2), segments=14, rows=4), "z", 28)
+    legs = [(x, y) for x in (-0.25, 0.14) for y in (-0.13, 0.13)]
+    looks: Looks = {
+        "main": [
+            egg((0.37, 0.25, 0.25), (-0.06, 0, 0.4)),
+            egg((0.19, 0.19, 0.2), (0.26, 0, 0.53)),
+            tube(trunk, (0.085, 0.075, 0.065, 0.055, 0.05, 0.045)),
+            *(lathe([(0.1, 0.0), (0.095, 0.3)], (x, y, 0), 12) for x, y in legs),
+            tube([(-0.4, 0, 0.46), (-0.47, 0, 0.38), (-0.48, 0, 0.28)], 0.022, 6),
+        ],
+        "accent": pair(move(ear, (0.18, 0.26, 0.56))),
+        "light": [
+            *pair(tube([(0.36, 0.1, 0.4), (0.46, 0.11, 0.34), (0.52, 0.11, 0.37)], (0.028, 0.025, 0.012), 6)),
+            *(egg((0.03, 0.06, 0.03), (x + 0.085, y, 0.03), segments=8, rows=4) for x, y in legs),
+        ],
+        "dark": [*pair(small_ball(0.03, (0.405, 0.1, 0.58))), small_ball(0.035, (-0.48, 0, 0.26))],
+    }
+    solids = [
+        *(capsule((x, y, 0.095), (x, y, 0.3), 0.095) for x, y in legs),
+        capsule((-0.18, 0, 0.4), (0.06, 0, 0.4), 0.245),
+        sphere(0.19, (0.26, 0, 0.53)),
+        capsule((0.4, 0, 0.44), (0.48, 0, 0.22), 0.06),
+        capsule((0.48, 0, 0.2), (0.57, 0, 0.14), 0.05),
+        *(ellipsoid((0.05, 0.16, 0.19), (0.18, y, 0.56)) for y in (-0.26, 0.26)),
+    ]
+    return assemble("elephant", looks, solids, PLUSH)
+
+
+def pig() -> ToyModel:
+    """Return a pig with a curly tail."""
+    legs = [(x, y) for x in (-0.24, 0.18) for y in (-0.15, 0.15)]
+    curl = [(-0.42 - 0.012 * k, 0.05 * math.sin(k * 1.0), 0.42 + 0.05 * math.cos(k * 1.0)) for k in range(9)]
+    ear = turn(egg((0.03, 0.075, 0.1), segments=8, rows=6), "y", 35)
+    snout = turn(lathe([(0.11, 0.0), (0.11, 0.08), (0.09, 0.1)], segments=14), "y", 90)
+    looks: Looks = {
+        "main": [
+            egg((0.4, 0.28, 0.27), (-0.04, 0, 0.38)),
+            egg((0.2, 0.21, 0.2), (0.28, 0, 0.45)),
+            *(lathe([(0.075, 0.0), (0.085, 0.25)], (x, y, 0), 10) for x, y in legs),
+        ],
+        "accent": [move(snout, (0.42, 0, 0.42)), *pair(move(ear, (0.3, 0.13, 0.64))), tube(curl, 0.02, 6)],
+        "dark": [
+            *pair(small_ball(0.032, (0.44, 0.1, 0.54))),
+            *pair(egg((0.01, 0.02, 0.03), (0.52, 0.04, 0.42), segments=8, rows=4)),
+            *(lathe([(0.08, 0.0), (0.082, 0.05)], (x, y, 0), 10) for x, y in legs),
+        ],
+    }
+    solids = [
+        *(capsule((x, y, 0.08), (x, y, 0.25), 0.08) for x, y in legs),
+        capsule((-0.17, 0, 0.38), (0.1, 0, 0.38), 0.265),
+        sphere(0.2, (0.28, 0, 0.45)),
+        capsule((0.4, 0, 0.42), (0.42, 0, 0.42), 0.1),
+        *(sphere(0.07, (0.3, y, 0.65)) for y in (-0.13, 0.13)),
+        sphere(0.06, (-0.46, 0, 0.42)),
+    ]
+    return assemble("pig", looks, solids, PLUSH)
+
+
+def chicken() -> ToyModel:
+    """Return a hen that sits."""
+    beak = turn(lathe([(0.05, 0.0), (0.0, 0.12)], segments=8), "y", 95)
+    comb = [ball(r, (x, 0, z), 10, 6) for r, x, z in ((0.06, 0.24, 0.86), (0.07, 0.16, 0.89), (0.055, 0.08, 0.86))]
+    tail = [
+        move(turn(egg((0.07, 0.04, 0.2), segments=10, rows=6), "y", a), (-0.36, 0, z))
+        for a, z in ((-50, 0.47), (-20, 0.55))
+    ]
+    wing = turn(egg((0.2, 0.05, 0.13), segments=12, rows=6), "y", 20)
+    looks: Looks = {
+        "main": [
+            flatten_below(egg((0.36, 0.28, 0.3), (-0.04, 0, 0.26)), 0.0),
+            tube([(0.1, 0, 0.38), (0.17, 0, 0.55), (0.19, 0, 0.7)], (0.22, 0.17, 0.155), 14),
+            *tail,
+        ],
+        "light": pair(move(wing, (-0.07, 0.26, 0.32))),
+        "accent": [move(beak, (0.32, 0, 0.71)), *comb, ball(0.05, (0.34, 0, 0.6), 10, 6)],
+        "dark": pair(small_ball(0.03, (0.28, 0.115, 0.76))),
+    }
+    solids = [
+        block((0.36, 0.28, 0.06), (-0.03, 0, 0.03)),
+        capsule((-0.1, 0, 0.29), (0.04, 0, 0.29), 0.27),
+        capsule((0.14, 0, 0.45), (0.19, 0, 0.72), 0.16),
+        capsule((-0.3, 0, 0.45), (-0.46, 0, 0.64), 0.06),
+        capsule((0.1, 0, 0.87), (0.23, 0, 0.87), 0.06),
+        capsule((0.3, 0, 0.71), (0.4, 0, 0.7), 0.04),
+    ]
+    return assemble("chicken", looks, solids, THIN_SHELL)
