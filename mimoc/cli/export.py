@@ -9,12 +9,13 @@ import typer
 from mimoc.cli.arguments import RecordingPath
 from mimoc.cli.printable import printable
 
+FORMATS = "minari (needs `mimoc[minari]`), lerobot or csv; or recording, to convert one that an older mimoc made."
 EXAMPLE = "Example:  mimoc export recordings/random --to csv -o out/random_csv"
 
 
 def export(
     recording: RecordingPath,
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="minari (needs `mimoc[minari]`), lerobot or csv.")],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help=FORMATS)],
     out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
 ) -> None:
     """Write a recording in the format of others, and say what that cannot hold."""

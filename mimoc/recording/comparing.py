@@ -141,7 +141,7 @@ def _label(episode: Episode, what: str, index: int) -> str:
 
 
 def _frames(episode: Episode, reading: Reading) -> Iterator[Any]:
-    paths = episode.files.pictures(reading.name, frames.LOSSLESS)
+    paths = episode.videos(reading.name)
     for path in paths:
         yield from frames.decoded(path, reading.shape, episode.sidecar.rows)
     raise RecordingError(f"{paths[-1]}: there are fewer pictures in it than control steps")

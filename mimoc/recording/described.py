@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
@@ -13,6 +14,7 @@ from mimoc.recording.blocks import Reading
 from mimoc.recording.layouts import shortened, written_out
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
+from mimoc.units import ms_to_s
 
 KEY = b"mimoc"
 """Key of the description in the schema's metadata."""
@@ -77,6 +79,11 @@ class Described:
     """Actuators, in the order of an action."""
     step_ms: float
     """Duration of a control step."""
+
+    @property
+    def rate_hz(self) -> Fraction:
+        """How many control steps, and pictures, there are in a second."""
+        return 1 / Fraction(ms_to_s(self.step_ms)).limit_denominator(1_000_000)
 
     @cached_property
     def json(self) -> bytes:

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
+from itertools import count, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -20,29 +21,23 @@ from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfan
 from mimoc.version import __version__
 
 RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
-WHOLE, PART = ".parquet", ".arrow"
-"""Extensions of the rows of an episode, and of those of a part."""
+TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
-NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.part([0-9]{4,}))?\.json")
+NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
+EARLIER = re.compile(r"([0-9]{4,}-[0-9]{6,})\.part[0-9]{4,}\.json")
+"""Parts as mimoc wrote them before, and joined at the end of an episode."""
 DIGITS = 16
 """Of a bundle's digest in the name of its folder."""
 
 
 @dataclass(frozen=True, slots=True)
 class EpisodeFiles:
-    """Where an episode is: in one set of files, or, while it is recorded and after a kill, in parts."""
+    """Where an episode is: in one or several parts, each of a table, a sidecar and the videos of what eyes saw."""
 
     infant: int
     number: int
     stems: tuple[Path, ...]
-    """Paths without extensions of the set, or of all parts from the first on."""
-    is_whole: bool
-    """Whether it is in one set."""
-
-    @property
-    def stem(self) -> Path:
-        """Path of all its files without what tells them apart."""
-        return self.stems[0].with_name(_name(self.infant, self.number))
+    """Paths of the parts without extensions."""
 
     @property
     def folder(self) -> Path:
@@ -52,16 +47,16 @@ class EpisodeFiles:
     @property
     def sidecars(self) -> list[Path]:
         """The sidecar of each part."""
-        return [with_extension(stem, ".json") for stem in self.stems]
+        return self.with_extension(".json")
 
     @property
     def tables(self) -> list[Path]:
         """The rows of each part."""
-        return [with_extension(stem, WHOLE if self.is_whole else PART) for stem in self.stems]
+        return self.with_extension(TABLE)
 
-    def pictures(self, name: str, extension: str) -> list[Path]:
-        """Return the videos of a picture's name in each part."""
-        return [with_extension(stem, f".{name}{extension}") for stem in self.stems]
+    def with_extension(self, extension: str) -> list[Path]:
+        """Return the path of each part with an extension added."""
+        return [with_extension(stem, extension) for stem in self.stems]
 
 
 def with_extension(stem: Path, extension: str) -> Path:
@@ -209,27 +204,34 @@ def description_in(folder: Path) -> Description:
 
 
 def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
-    """Return the episodes in the folder of a recording, by infant and number; those without any part are left out.
+    """Return the episodes in the folder of a recording, by infant and number; those without a first part are left out.
 
     Raises:
-        RecordingError: If one is of none of so many infants, or the folder with the episodes is a link.
+        RecordingError: If one is of none of so many infants or was written in parts by an earlier version, or the
+            folder with the episodes is a link.
     """
-    home, whole = folder / EPISODES, set[tuple[int, int]]()
-    parts: dict[tuple[int, int], set[int]] = {}
-    for name in _names_in(folder):
-        if found := NAME.fullmatch(name):
-            key = int(found[1]), int(found[2])
-            if key[0] >= infants:
-                raise RecordingError(f"{home / name}: there is no infant {key[0]} in this recording of {infants}")
-            if found[3] is None:
-                whole.add(key)
-            else:
-                parts.setdefault(key, set()).add(int(found[3]))
-    listed = (_files(home, key, key in whole, parts.get(key, set())) for key in sorted(whole | parts.keys()))
-    return [each for each in listed if each.stems]
+    home, parts = folder / EPISODES, dict[tuple[int, int], set[int]]()
+    names = names_in(folder)
+    for name in names:
+        if match := NAME.fullmatch(name):
+            infant, number, part = (int(digits or 0) for digits in match.groups())
+            if infant >= infants:
+                raise RecordingError(f"{home / name}: there is no infant {infant} in this recording of {infants}")
+            parts.setdefault((infant, number), set()).add(part)
+        elif (match := EARLIER.fullmatch(name)) and f"{match[1]}.json" not in names:
+            raise RecordingError(
+                f"{home / name}: a part of an episode that an earlier version of mimoc was recording when it was"
+                f" killed; convert it by 'mimoc export {folder} --to recording -o NEW'"
+            )
+
+    def stems(key: tuple[int, int]) -> tuple[Path, ...]:
+        stem = home / _name(*key)
+        return tuple(part_stem(stem, part) for part in takewhile(parts[key].__contains__, count()))
+
+    return [EpisodeFiles(*key, stems(key)) for key in sorted(parts) if 0 in parts[key]]
 
 
-def _names_in(folder: Path) -> list[str]:
+def names_in(folder: Path) -> list[str]:
     """Return the names of what is in the folder of the episodes."""
     try:
         with regular_files(folder) as files:
@@ -244,7 +246,7 @@ def remove(episode: EpisodeFiles) -> None:
     Raises:
         OutputError: If one cannot be removed.
     """
-    files = episode.stem.parent.glob(f"{episode.stem.name}.*")
+    files = episode.stems[0].parent.glob(f"{episode.stems[0].name}.*")
     remove_files(sorted(files, key=lambda path: path.suffix != ".json"))
 
 
@@ -309,17 +311,9 @@ def _note_versions(folder: RecordingFolder) -> None:
     folder.write_description()
 
 
-def _files(home: Path, key: tuple[int, int], is_whole: bool, parts: set[int]) -> EpisodeFiles:
-    stem = home / _name(*key)
-    if is_whole:
-        return EpisodeFiles(*key, (stem,), True)
-    count = next(number for number in range(len(parts) + 1) if number not in parts)
-    return EpisodeFiles(*key, tuple(part_stem(stem, number) for number in range(count)), False)
-
-
 def part_stem(stem: Path, number: int) -> Path:
-    """Return the path without extension of a part of an episode."""
-    return with_extension(stem, f".part{number:04d}")
+    """Return the path without extension of a part of an episode; the first one is that of the episode."""
+    return with_extension(stem, f".{number:04d}") if number else stem
 
 
 def _lock(handle: int, path: Path) -> None:

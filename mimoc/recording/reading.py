@@ -142,8 +142,11 @@ class Episode:
         reading = self.reading(name)
         if reading.kind != "picture":
             return tables.array_of(self.table, OBSERVATION + name, reading)
-        paths = self.files.pictures(name, frames.LOSSLESS)
-        return frames.read_pictures(paths, len(self.step), reading.shape)
+        return frames.read_pictures(self.videos(name), len(self.step), reading.shape)
+
+    def videos(self, name: str) -> list[Path]:
+        """Return the videos of what an eye saw, one for each part of the episode."""
+        return self.files.with_extension(f".{name}{frames.EXTENSION}")
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
@@ -353,10 +356,6 @@ def _check(episode: Episode, description: Description) -> None:
             raise RecordingError(f"{place}: {name}: there is no control step {late[0]} in this episode")
     for reading in episode.described.readings:
         if reading.kind == "picture":
-            _check_regular(episode.files.pictures(reading.name, frames.LOSSLESS))
-
-
-def _check_regular(paths: Sequence[Path]) -> None:
-    for path in paths:
-        if not is_regular_file(path):
-            raise RecordingError(f"{path}: the file is damaged or missing, or is not a regular file")
+            for path in episode.videos(reading.name):
+                if not is_regular_file(path):
+                    raise RecordingError(f"{path}: the file is damaged or missing, or is not a regular file")

@@ -13,9 +13,7 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 
 from mimoc.bundle import files
 from mimoc.errors import RecordingError
-from mimoc.recording import episode_writer
-from mimoc.recording.description import UNFINISHED
-from mimoc.recording.folder import EPISODES, RecordingFolder, digest, open_folder, versions
+from mimoc.recording.folder import EPISODES, digest, open_folder, versions
 from mimoc.recording.infant_journal import InfantJournal, Pace
 from mimoc.recording.video import require_av
 from mimoc.recording.writer import Writer
@@ -25,7 +23,7 @@ from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.senses.custom import CustomSense
 from mimoc.tasks.custom import CustomTask
 
-PART_ROWS = 500
+PART_ROWS = 1000
 """Control steps in a part of an episode: what a kill can lose."""
 LEAST_ROWS = 16
 STATES_EVERY = 1000
@@ -55,7 +53,8 @@ class Recording:
         self._infants = tuple(infants)
         self._folder = open_folder(folder, bundles, step_ms=infants[0].manifest.step_ms)
         try:
-            _tidy(self._folder)
+            for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
+                files.discard(leftover)
             self._writer = Writer()
             self._journals = self._begun(Pace(part_rows, states_every), [digest(bundle) for bundle in bundles])
         except BaseException:
@@ -236,15 +235,6 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
         f"cannot record {type(inside or env).__name__}: give an environment of mimoc.make, or one of mimoc.make_vec on"
         " the CPU"
     )
-
-
-def _tidy(folder: RecordingFolder) -> None:
-    """Put together the episodes of a process that was killed, and remove what it had begun to write."""
-    for leftover in (folder.path / EPISODES).glob(".mimoc-*.tmp"):
-        files.discard(leftover)
-    for episode in folder.episodes():
-        if not episode.is_whole:
-            episode_writer.finish(episode, UNFINISHED)
 
 
 def _fitting(pace: Pace, infant: InfantEnv, infants: int) -> Pace:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from fractions import Fraction
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,9 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.recording.episode_writer import rate_hz
-from mimoc.recording.frames import VIDEO, join_videos, read_video
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.video import SMALL, Mp4
 from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
@@ -203,17 +201,12 @@ def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) ->
 
 
 def _videos(packed: Packed, episode: Episode) -> Iterator[tuple[str, Any]]:
-    """Yield what the eyes saw as small videos; the parts of an episode that was interrupted are joined."""
+    """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":
-            video = _joined(episode.files.pictures(reading.name, VIDEO), rate_hz(episode.step_ms))
-            yield reading.name, packed.put(np.frombuffer(video, np.uint8))
-
-
-def _joined(parts: list[Path], rate: Fraction) -> bytes:
-    if len(parts) == 1:
-        return read_video(parts[0])
-    with TemporaryDirectory() as folder:
-        whole = Path(folder, "whole").with_suffix(VIDEO)
-        join_videos(whole, parts, rate)
-        return whole.read_bytes()
+            with TemporaryDirectory() as folder:
+                video = Mp4(Path(folder, "seen.mp4"), episode.described.rate_hz, SMALL)
+                for picture in episode.observation(reading.name):
+                    video.add(picture)
+                content = video.save().read_bytes()
+            yield reading.name, packed.put(np.frombuffer(content, np.uint8))

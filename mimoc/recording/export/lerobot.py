@@ -14,11 +14,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from mimoc.recording import frames
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.episode_writer import rate_hz
 from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.video import SMALL, Mp4
 
 VERSION = "v3.0"
 FILE = "chunk-000/file-000"
@@ -77,7 +76,7 @@ def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
         if reading.kind != "picture":
             found[_feature(reading)] = episode.observation(reading.name)[:-1].reshape(steps, -1)
     return found | {
-        "timestamp": (np.arange(steps) / float(rate_hz(episode.step_ms))).astype(np.float32),
+        "timestamp": (np.arange(steps) / float(episode.described.rate_hz)).astype(np.float32),
         "frame_index": np.arange(steps),
         "episode_index": np.full(steps, number),
         "index": np.arange(start, start + steps),
@@ -130,7 +129,7 @@ def _span(number: int, start: int, end: int, episodes: Sequence[Episode], task: 
         "meta/episodes/chunk_index": 0,
         "meta/episodes/file_index": 0,
     }
-    rate = rate_hz(episodes[0].step_ms)
+    rate = episodes[0].described.rate_hz
     for reading in _pictures(episodes[0].described.readings):
         before = sum(episode.steps for episode in episodes[:number])
         place |= {
@@ -183,7 +182,7 @@ def _with_pictures(
     """Write the pictures of all episodes as one video; return statistics that include them."""
     path = out / "videos" / _feature(reading) / f"{FILE}.mp4"
     path.parent.mkdir(parents=True)
-    video = frames.open_small(path, rate_hz(episodes[0].step_ms))
+    video = Mp4(path, episodes[0].described.rate_hz, SMALL)
     found = []
     for episode, own in zip(episodes, stats, strict=True):
         pictures = episode.observation(reading.name)[:-1]
@@ -195,7 +194,7 @@ def _with_pictures(
 
 
 def _info(episodes: Sequence[Episode], readings: Sequence[Reading]) -> dict[str, Any]:
-    rate = rate_hz(episodes[0].step_ms)
+    rate = episodes[0].described.rate_hz
     return {
         "codebase_version": VERSION,
         "robot_type": "mimoc",
@@ -219,7 +218,7 @@ def _features(episode: Episode, readings: Sequence[Reading]) -> dict[str, Any]:
     """Return type, shape and names of each column and video."""
     actions = list(episode.layout("action"))
     found: dict[str, Any] = {"action": {"dtype": "float32", "shape": [len(actions)], "names": actions}}
-    rate = float(rate_hz(episode.step_ms))
+    rate = float(episode.described.rate_hz)
     for reading in readings:
         if reading.kind == "picture":
             height, width, channels = reading.shape
