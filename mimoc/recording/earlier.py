@@ -22,6 +22,7 @@ from mimoc.recording.folder import (
     write_json,
 )
 from mimoc.recording.reading import ReadRecording
+from mimoc.recording.table_check import STEP, check_rows
 
 FILE = re.compile(r"([0-9]{4,}-[0-9]{6,})(?:\.part([0-9]{4,}))?(\.json|\.parquet|\.arrow|\.[^/]+\.mkv)")
 MOST_PART_BYTES = 2**30
@@ -76,8 +77,9 @@ def _rows(path: Path) -> Any:
             if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
                 raise UnusableFileError("it is packed, or has more than rows")
         with pa.ipc.open_stream(content) as stream:
-            tables.described_by(stream.schema)
-            return stream.read_all()
+            described, table = tables.described_by(stream.schema), stream.read_all()
+            check_rows(table, described, first_step=table.column(STEP)[0].as_py() if len(table) else 0)
+            return table
     except UnusableFileError as error:
         raise RecordingError(f"{path}: {error}") from None
     except tables.DAMAGED:
