@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.io import write_bundle
-from mimoc.bundle.regular_files import UnusableFileError, open_regular_file
-from mimoc.errors import RecordingError
+from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording import tables
 from mimoc.recording.arrow import pa
 from mimoc.recording.description import as_json
@@ -18,7 +17,9 @@ from mimoc.recording.folder import (
     bundle_folder,
     description_in,
     names_in,
+    opened,
     part_stem,
+    with_extension,
     write_json,
 )
 from mimoc.recording.reading import ReadRecording
@@ -47,31 +48,18 @@ def convert(folder: Path, out: Path) -> None:
             continue
         stem = part_stem(out / EPISODES / match[1], int(match[2] or 0))
         if match[3] == ".arrow":
-            tables.write_table(stem.with_name(stem.name + TABLE), _rows(folder / EPISODES / name))
+            tables.write_table(with_extension(stem, TABLE), _rows(folder / EPISODES / name))
         else:
-            _copy(folder / EPISODES / name, stem.with_name(stem.name + match[3]))
+            target = with_extension(stem, match[3])
+            with opened(folder / EPISODES / name, tables.MOST_BYTES) as file, target.open("wb") as copied:
+                shutil.copyfileobj(file, copied)
     write_json(out / RECORDING, as_json(description))
-
-
-def _copy(path: Path, target: Path) -> None:
-    try:
-        file = open_regular_file(path, tables.MOST_BYTES, below=path.parents[1])
-    except UnusableFileError as error:
-        raise RecordingError(f"{path}: {error}") from None
-    if file is None:
-        raise RecordingError(f"{path}: the file is missing")
-    with file, target.open("wb") as copied:
-        shutil.copyfileobj(file, copied)
 
 
 def _rows(path: Path) -> Any:
     """Return the rows of an Arrow stream."""
-    try:
-        file = open_regular_file(path, MOST_PART_BYTES, below=path.parents[1])
-        if file is None:
-            raise UnusableFileError("the file is missing")
-        with file:
-            content = pa.py_buffer(file.read())
+    with opened(path, MOST_PART_BYTES, *tables.DAMAGED) as file:
+        content = pa.py_buffer(file.read())
         for message in pa.ipc.MessageReader.open_stream(pa.BufferReader(content)):
             is_rows = message.type == "record batch"
             if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
@@ -80,10 +68,6 @@ def _rows(path: Path) -> Any:
             described, table = tables.described_by(stream.schema), stream.read_all()
             check_rows(table, described, first_step=table.column(STEP)[0].as_py() if len(table) else 0)
             return table
-    except UnusableFileError as error:
-        raise RecordingError(f"{path}: {error}") from None
-    except tables.DAMAGED:
-        raise RecordingError(f"{path}: the file is damaged") from None
 
 
 def _is_packed(message: bytes) -> bool:

@@ -5,17 +5,18 @@ import json
 import os
 import platform
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from itertools import count, takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
-from mimoc.bundle.regular_files import UnusableFileError, regular_files
+from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
 from mimoc.errors import OutputError, RecordingError
 from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, as_json, read_description
 from mimoc.version import __version__
@@ -229,6 +230,30 @@ def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
         return tuple(part_stem(stem, part) for part in takewhile(parts[key].__contains__, count()))
 
     return [EpisodeFiles(*key, stems(key)) for key in sorted(parts) if 0 in parts[key]]
+
+
+@contextmanager
+def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[BinaryIO]:
+    """Open a file of an episode; whatever is wrong with it is one clear line.
+
+    Args:
+        path: The file.
+        most_bytes: The largest size that is read.
+        damage: What is raised if its content is not what it should be.
+
+    Raises:
+        RecordingError: If it is missing, too large, no regular file or damaged.
+    """
+    try:
+        file = open_regular_file(path, most_bytes, below=path.parents[1])
+        if file is None:
+            raise UnusableFileError("the file is missing")
+        with file:
+            yield file
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except damage:
+        raise RecordingError(f"{path}: the file is damaged") from None
 
 
 def names_in(folder: Path) -> list[str]:

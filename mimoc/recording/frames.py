@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from mimoc.bundle import files
-from mimoc.bundle.regular_files import UnusableFileError, is_regular_file, open_regular_file
+from mimoc.bundle.regular_files import UnusableFileError, is_regular_file
 from mimoc.errors import RecordingError
+from mimoc.recording.folder import opened
 from mimoc.recording.video import CONTAINER, LOSSLESS, Lossless, Picture, require_av
 
 EXTENSION = ".mkv"
@@ -92,20 +93,13 @@ def _opened(path: Path, most_bytes: int) -> Iterator[tuple[Any, Any]]:
     The container is named: by its content, a file may be a list of others, elsewhere, which FFmpeg would open.
     """
     av = require_av()
-    try:
-        file = open_regular_file(path, most_bytes, below=path.parents[1])
-        if file is None:
-            raise UnusableFileError("the file is missing")
-        with file, av.open(file, format=CONTAINER) as container:
-            stream = container.streams.video[0]
-            if stream.codec_context.name != LOSSLESS:
-                raise UnusableFileError(f"its pictures are not encoded by {LOSSLESS}")
-            yield container, stream
-    except UnusableFileError as error:
-        raise RecordingError(f"{path}: {error}") from None
     # ValueError: also what PyAV makes of texts that are no UTF-8; AttributeError: there is no decoder.
-    except (av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError):
-        raise RecordingError(f"{path}: the file is damaged") from None
+    damage = av.error.FFmpegError, OSError, IndexError, ValueError, AttributeError, MemoryError
+    with opened(path, most_bytes, *damage) as file, av.open(file, format=CONTAINER) as container:
+        stream = container.streams.video[0]
+        if stream.codec_context.name != LOSSLESS:
+            raise UnusableFileError(f"its pictures are not encoded by {LOSSLESS}")
+        yield container, stream
 
 
 def _check_size(pictures: Any, shape: Sequence[int]) -> None:

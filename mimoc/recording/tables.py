@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from mimoc.bundle import files
-from mimoc.bundle.regular_files import UnusableFileError, open_regular_file
-from mimoc.errors import RecordingError
+from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
+from mimoc.recording.folder import opened
 from mimoc.recording.table_check import STEP, check_rows, check_schema, has_numbers, lists_of, pairs_of, sparse_of
 
 SMALL_BYTES, MOST_RATIO = 2**29, 100
@@ -188,16 +188,8 @@ def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """Open a file of Parquet; whatever is wrong with it is one clear line."""
-    try:
-        file = open_regular_file(path, MOST_BYTES, below=path.parents[1])
-        if file is None:
-            raise UnusableFileError("the file is missing")
-        with file, pq.ParquetFile(file) as opened:
-            yield opened
-    except UnusableFileError as error:
-        raise RecordingError(f"{path}: {error}") from None
-    except DAMAGED:
-        raise RecordingError(f"{path}: the file is damaged") from None
+    with opened(path, MOST_BYTES, *DAMAGED) as file, pq.ParquetFile(file) as parquet:
+        yield parquet
 
 
 def _read(path: Path, described: Described, first_step: int) -> Any:

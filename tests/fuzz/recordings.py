@@ -21,6 +21,7 @@ from mimoc.recording.video import require_av
 
 CODECS = ("ffv1", "rawvideo", "mpeg4", "mjpeg", "h264", "vp8", "libvpx-vp9", "mp2", "flac")
 """Of videos, and of what is none."""
+EXPORTS = ("csv", "lerobot", "minari", "recording")
 INFANTS = (0, 1)
 """Numbers of the honest bundles that are recorded: one sees, and one reaches and grows."""
 
@@ -174,7 +175,7 @@ def use(generator: np.random.Generator, place: Path, bundle: mimoc.Bundle, folde
         if way < 0.25:
             read(place)
         elif way < 0.6:
-            mimoc.export_recording(place, pick(generator, ("csv", "lerobot", "minari", "recording")), folder / "exported")
+            mimoc.export_recording(place, pick(generator, EXPORTS), folder / "exported")
         elif way < 0.7:
             mimoc.view(place, folder / "page.html")
         elif way < 0.85:
