@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.exit_codes import FAILED_CHECK, resumable
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Cohort, Status

@@ -12,10 +12,8 @@ from typing import NamedTuple
 
 import typer
 
-from mimoc.cli.exit_codes import FAILED_CHECK
+from mimoc.cli.terminal import FAILED_CHECK
 from mimoc.errors import problem_of_loading_mujoco
-
-EXAMPLE = "Example:  mimoc doctor"
 
 EXTRAS: Mapping[str, str] = {
     "report": "plots and pages",

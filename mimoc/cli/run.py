@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import Body, InfantPath, ShownBody
-from mimoc.cli.custom import import_object
-from mimoc.cli.infants import load_infant
-from mimoc.cli.printable import printable
+from mimoc.cli.arguments import Body, InfantPath, ShownBody, import_object, load_infant
+from mimoc.cli.terminal import printable
 from mimoc.errors import MimocError
 from mimoc.kinds import announced
 from mimoc.policies import POLICIES
@@ -22,8 +20,6 @@ if TYPE_CHECKING:
     from mimoc.recording.record import Capture
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import PolicyMaker, Run
-
-EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"
 
 
 def _policies() -> str:

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.bundle.files import check_page
-from mimoc.cli.infants import load_infant
-from mimoc.cli.printable import printable
+from mimoc.cli.arguments import load_infant
+from mimoc.cli.terminal import printable
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.viewer.viewing import View
 
-EXAMPLE = "Example:  mimoc view nine_months.yaml -o infant.html"
 
 Shown = Annotated[
     Path,

@@ -88,8 +88,12 @@ def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]
     for part, ours in recorded.items():
         theirs = now.get(part)
         if not is_same(ours, theirs):
-            of_arrays = isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray) and ours.shape == theirs.shape
-            if of_arrays and (number := _first(part, ours[None], theirs[None])):
+            if (
+                isinstance(ours, np.ndarray)
+                and isinstance(theirs, np.ndarray)
+                and ours.shape == theirs.shape
+                and (number := _first(part, ours[None], theirs[None]))
+            ):
                 return Difference(step, "state", f"{part} {number[2]}", *number[3:])
             return Difference(step, "state", part, np.nan, np.nan)
     return None

@@ -1,21 +1,18 @@
-"""`mimoc replay`."""
+"""`mimoc replay` and `mimoc export`: what becomes of recordings."""
 
+import sys
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import Body, RecordingPath, ShownBody
-from mimoc.cli.custom import import_object
-from mimoc.cli.exit_codes import FAILED_CHECK
-from mimoc.cli.printable import printable
+from mimoc.cli.arguments import Body, RecordingPath, ShownBody, import_object
+from mimoc.cli.terminal import FAILED_CHECK, printable
 from mimoc.errors import MimocError, counted
 
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
-
-EXAMPLE = "Example:  mimoc replay recordings/random"
 
 Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
 Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]
@@ -90,3 +87,22 @@ def _check_one_infant(found: "ReadRecording", infant: int | None, video: Path | 
         raise MimocError(
             f"{found.path}: {found.infants} infants are recorded here; choose one for --video with --infant"
         )
+
+
+FORMATS = "minari (needs `mimoc[minari]`), lerobot or csv; or recording, to convert one that an older mimoc made."
+
+
+def export(
+    recording: RecordingPath,
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help=FORMATS)],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
+) -> None:
+    """Write a recording in the format of others, and say what that cannot hold."""
+    from mimoc.cli import console
+    from mimoc.recording.export import export_recording
+
+    with console.progress("exporting") as show:
+        notes = export_recording(recording, to, out, progress=show)
+    for note in notes:
+        print(printable(f"note: {note}"), file=sys.stderr)
+    print(printable(out))
