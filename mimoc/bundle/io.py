@@ -13,9 +13,8 @@ from types import MappingProxyType
 from typing import Any
 
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.atomic_swap import swap_folders
+from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.later_files import LaterFiles
-from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.manifest_text import read_manifest
 from mimoc.bundle.regular_files import (

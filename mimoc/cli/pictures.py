@@ -95,6 +95,10 @@ def render(
 
 
 Pose = Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")]
+FieldOfView = Annotated[
+    float,
+    typer.Option("--fovy", min=1, max=170, help="Vertical field of view in degrees; acuity shows best if narrow."),
+]
 NOTHING_SEEN = (
     "note: the eye sees one plain surface (sky, floor, or skin near by), so all views are alike; let it see something: "
     "another --pose (sitting), --down, a wider --fovy, or a room with toys (`scene: {kind: room}`)"
@@ -121,26 +125,24 @@ def see(
         float | None,
         typer.Option("--down", min=-90, max=90, help="Downward gaze in degrees; default: towards a toy or a hand."),
     ] = None,
-    fovy: Annotated[
-        float,
-        typer.Option("--fovy", min=1, max=170, help="Vertical field of view in degrees; acuity shows best if narrow."),
-    ] = 18,
+    fovy: FieldOfView = 18,
     size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Size of each view in pixels.")] = 256,
 ) -> None:
     """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
-    from mimoc import schema
     from mimoc.compiler.variants import spec_of
-    from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render import picture_files
     from mimoc.render.picture_grid import tile_pictures
-    from mimoc.senses.vision.comparison import compare_ages, read_ages
+    from mimoc.schema import VisionSpec
+    from mimoc.senses.vision import comparison
     from mimoc.senses.vision.preview import is_blank, preview
 
-    check_picture_name(file)
+    picture_files.check_picture_name(file)
     bundle = load_infant(infant)
-    vision = spec_of(bundle).senses.vision or schema.VisionSpec()
-    compared = compare_ages(vision, eye, read_ages(ages), size, profile=profile, foveation=foveation)
-    pictures = preview(bundle, compared.entries, pose, down, fovy)
-    print(printable(write_picture(file, tile_pictures(pictures, compared.columns, compared.rows))))
+    vision = spec_of(bundle).senses.vision or VisionSpec()
+    months = comparison.read_ages(ages)
+    views = comparison.compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
+    pictures = preview(bundle, views.entries, pose, down, fovy)
+    print(printable(picture_files.write_picture(file, tile_pictures(pictures, views.columns, views.rows))))
     if is_blank(pictures[0][-1]):
         print(NOTHING_SEEN)
 

@@ -11,8 +11,8 @@ from PIL import Image
 
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
+from mimoc.viewer.meshes import rows_of, skin_of
 from mimoc.viewer.packing import Packed
-from mimoc.viewer.skins import rows_of, skin_of
 
 BONES = 4
 """Bodies that move a vertex, at most."""

@@ -14,12 +14,18 @@ from mimoc.errors import SpecError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
 from mimoc.viewer.appearance import describe_materials, describe_skins
-from mimoc.viewer.growth import AGES_MONTHS, SKIN_AGES_MONTHS, describe_growth, describe_touch, own_parts, posed
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.growth import (
+    AGES_MONTHS,
+    SKIN_AGES_MONTHS,
+    describe_growth,
+    describe_standards,
+    describe_touch,
+    own_parts,
+    posed,
+)
+from mimoc.viewer.packing import Packed, built, source
 from mimoc.viewer.physics import AGES_MONTHS as PHYSICS_AGES_MONTHS
 from mimoc.viewer.physics import describe_physics, engine
-from mimoc.viewer.program import built, source
-from mimoc.viewer.standards import describe_standards
 from mimoc.viewer.surroundings import describe_surroundings
 
 Progress = Callable[[int, int], None]

@@ -12,8 +12,7 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import Packed
-from mimoc.viewer.program import built
+from mimoc.viewer.packing import Packed, built
 
 ENGINE, WASM = "mujoco.js", "mujoco.wasm.gz"
 AGES_MONTHS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 24.0)
