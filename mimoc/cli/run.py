@@ -17,7 +17,7 @@ from mimoc.policies import POLICIES
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-    from mimoc.recording.record import Capture
+    from mimoc.recording.record import Watch
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import PolicyMaker, Run
 
@@ -79,7 +79,7 @@ def run(
         recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
-        filmed = recording.filming(rollout, video, **options) if video else nullcontext()
+        filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
         _run(rollout, steps, filmed, [each for each in (video, record) if each])
     console.print_run(rollout.summary())
     for written in (video, record):
@@ -96,15 +96,17 @@ def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager
     return Recording([env], folder)
 
 
-def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Capture | None]", written: Sequence[Path]) -> None:
+def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Watch | None]", written: Sequence[Path]) -> None:
     """Take some control steps with a progress bar, and film them if there is a video."""
     from mimoc.cli import console
 
-    with _interruptible(written), console.progress("running") as show, filmed as capture:
+    with _interruptible(written), console.progress("running") as show, filmed as watch:
+        if watch:
+            watch(rollout.env, rollout.observation)
         for step in range(steps):
             rollout.step()
-            if capture:
-                capture()
+            if watch:
+                watch(rollout.env, rollout.observation)
             show(step + 1, steps)
 
 

@@ -5,8 +5,7 @@ import warnings
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Literal
+from typing import Any
 
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
@@ -117,19 +116,18 @@ class Recording:
         """Return itself."""
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
         self.close()
 
     def _begun(self, pace: Pace, digests: Sequence[str]) -> list[InfantJournal]:
         """Give each infant its journal."""
-        here, journals, folder = versions(), [], self._folder
+        software, journals, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
-            about = {"infant": number, "bundle": digests[number], "versions": here, "objects": _objects(infant)}
-            stem_of = partial(folder.stem, number)
-            journal = InfantJournal(infant, self._writer, stem_of, first, _fitting(pace, infant, len(digests)), about)
-            infant.journal = journal
-            journals.append(journal)
+            about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
+            fitting = _fitting(pace, infant, len(digests))
+            infant.journal = InfantJournal(infant, self._writer, partial(folder.stem, number), first, fitting, about)
+            journals.append(infant.journal)
         return journals
 
 
@@ -147,15 +145,6 @@ class EnvRecorder(gymnasium.Wrapper[Any, Any, Any, Any]):
             self.recording.close()
         finally:
             super().close()
-
-    def __enter__(self) -> "EnvRecorder":
-        """Return itself."""
-        return self
-
-    def __exit__(self, *error: Any) -> Literal[False]:
-        """Close it."""
-        self.close()
-        return False
 
 
 class VectorRecorder(VectorWrapper):
@@ -177,9 +166,7 @@ class VectorRecorder(VectorWrapper):
         """Return itself."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close it."""
         self.close()
 

@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from mimoc.errors import OutputError, RecordingError, UnknownNameError
 from mimoc.recording.earlier import convert
@@ -56,6 +57,8 @@ def export_recording(
     if not episodes:
         raise RecordingError(f"{found.path}: there are no control steps in this recording")
     empty = len(found) - len(episodes)
+    if to != "csv":
+        _check_alike(found, episodes)
     with _staged(out) as staging:
         notes = FORMATS[to](found, episodes, staging, progress)
     return (*([f"{empty} episodes without any control step are left out"] if empty else []), *notes)
@@ -84,3 +87,27 @@ def _staged(out: str | Path) -> Iterator[Path]:
         raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
     finally:
         shutil.rmtree(staging, ignore_errors=True)
+
+
+def _check_alike(recording: ReadRecording, episodes: Sequence[Episode]) -> None:
+    """Check that all episodes have the same observations, number of actuators and control step, and that they have any.
+
+    Raises:
+        RecordingError: If one has not, or if no actuator is commanded, which these formats cannot hold.
+    """
+    first = episodes[0]
+    if not first.described.actions:
+        raise RecordingError(f"{recording.path}: this format holds actions, and this infant has none; export it to csv")
+    for episode in episodes:
+        if _kind(episode) != _kind(first):
+            raise RecordingError(
+                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, actuators"
+                f" or control steps than infant {first.infant}, episode {first.number}, and this format holds one kind"
+                " only; export it to csv"
+            )
+
+
+def _kind(episode: Episode) -> Any:
+    described = episode.described
+    readings = {(reading.name, reading.shape, reading.dtype, reading.kind) for reading in described.readings}
+    return readings, len(described.actions), described.step_ms

@@ -15,7 +15,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.video import SMALL, Mp4
 
@@ -37,7 +36,6 @@ def export_lerobot(
     Returns:
         What it cannot hold.
     """
-    check_alike(recording, episodes)
     ends = list(accumulate(episode.steps for episode in episodes))
     starts = [0, *ends[:-1]]
     task = recording.bundle().manifest.task.kind

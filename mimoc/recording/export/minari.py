@@ -13,7 +13,6 @@ from gymnasium import spaces
 from mimoc.actuation.commands import command_range
 from mimoc.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
-from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
 
 HOME = "MINARI_DATASETS_PATH"
@@ -33,7 +32,6 @@ def export_minari(
         from minari.data_collector import EpisodeBuffer
     except ImportError:
         raise MissingExtraError("minari", "minari") from None
-    check_alike(recording, episodes)
     bundle = recording.bundle()
     name = f"mimoc/{bundle.manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
