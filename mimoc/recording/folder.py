@@ -5,7 +5,7 @@ import json
 import os
 import platform
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from hashlib import sha256
@@ -115,15 +115,15 @@ class RecordingFolder:
                     remove(episode)
         else:
             marks = (*marks, Mark(run=run, steps=steps, episodes=tuple(self.next_numbers())))
-        self.description = self.description.model_copy(update={"marks": marks})
-        self.write_description()
+        self.describe(marks=marks)
 
-    def write_description(self) -> None:
-        """Write `recording.json`.
+    def describe(self, **changes: Any) -> None:
+        """Write `recording.json`, with some changes.
 
         Raises:
             OutputError: If it cannot be written.
         """
+        self.description = self.description.model_copy(update=changes)
         write_json(self.path / RECORDING, as_json(self.description))
 
     def close(self) -> None:
@@ -146,18 +146,21 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
         handle = os.open(folder, os.O_RDONLY)
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
-    opened = RecordingFolder(folder, previous or _description_of(bundles, step_ms), handle)
+    infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
+    new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
+    recording = RecordingFolder(folder, previous or new, handle)
     try:
         _lock(handle, folder)
         for bundle in bundles:
             home = bundle_folder(folder, digest(bundle))
             if not check_unlinked(home, below=folder).exists():
                 write_bundle(bundle, home)
-        _note_versions(opened)
+        sessions, software = recording.description.sessions, versions()
+        recording.describe(sessions=sessions if sessions and sessions[-1] == software else (*sessions, software))
     except BaseException:
-        opened.close()
+        recording.close()
         raise
-    return opened
+    return recording
 
 
 def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | None:
@@ -271,17 +274,8 @@ def remove(episode: EpisodeFiles) -> None:
     Raises:
         OutputError: If one cannot be removed.
     """
-    files = episode.stems[0].parent.glob(f"{episode.stems[0].name}.*")
-    remove_files(sorted(files, key=lambda path: path.suffix != ".json"))
-
-
-def remove_files(paths: Iterable[Path]) -> None:
-    """Remove files, if they exist.
-
-    Raises:
-        OutputError: If one cannot be removed.
-    """
-    for path in paths:
+    home, name = episode.stems[0].parent, episode.stems[0].name
+    for path in sorted(home.glob(f"{name}.*"), key=lambda path: path.suffix != ".json"):
         try:
             path.unlink(missing_ok=True)
         except OSError as error:
@@ -321,19 +315,6 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
 def _name(infant: int, number: int) -> str:
     """Return what the names of the files of an episode begin with, as `NAME` expects."""
     return f"{infant:04d}-{number:06d}"
-
-
-def _description_of(bundles: Sequence[Bundle], step_ms: float) -> Description:
-    infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
-    return Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
-
-
-def _note_versions(folder: RecordingFolder) -> None:
-    """Write the description, with the versions of the software here if they have changed."""
-    sessions, current = folder.description.sessions, versions()
-    if not sessions or sessions[-1] != current:
-        folder.description = folder.description.model_copy(update={"sessions": (*sessions, current)})
-    folder.write_description()
 
 
 def part_stem(stem: Path, number: int) -> Path:

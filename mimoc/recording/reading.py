@@ -1,6 +1,6 @@
 """Reading recordings: episodes with arrays, and tables for pandas."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -271,10 +271,6 @@ class ReadRecording(Sequence[Episode]):
     def __getitem__(self, index: Any) -> Any:
         """Return an episode, or several."""
         return self.episodes[index]
-
-    def __iter__(self) -> Iterator[Episode]:
-        """Return the episodes, one after the other."""
-        return iter(self.episodes)
 
     def __repr__(self) -> str:
         """Return the folder and the number of episodes."""

@@ -80,16 +80,16 @@ class Video(ABC):
 
 
 class _Encoded(Video):
-    """A video that FFmpeg encodes, in the container that a subclass opens, with one stream."""
+    """A video of one stream, which FFmpeg encodes."""
 
-    _container: Any
-    _stream: Any
-
-    def __init__(self, file: Path, rate_hz: Fraction):
+    def __init__(self, file: Path, rate_hz: Fraction, container: str, codec: str, pixels: str, **how: Any):
         super().__init__(file, rate_hz)
         self._av = require_av()
+        self._container = self._av.open(str(self._temporary), "w", format=container, options=how.pop("flags", {}))
+        self._stream = self._container.add_stream(codec, rate=rate_hz, **how)
+        self._stream.pix_fmt = pixels
 
-    def _encode(self, picture: Picture) -> None:
+    def _write(self, picture: Picture) -> None:
         if not self.pictures:
             self._stream.height, self._stream.width = picture.shape[:2]
         self._container.mux(self._stream.encode(self._av.VideoFrame.from_ndarray(picture, "rgb24")))
@@ -108,31 +108,25 @@ class Mp4(_Encoded):
     """H.264 in an MP4 file, which browsers and presentations can play."""
 
     def __init__(self, file: Path, rate_hz: Fraction, quality: Mapping[str, str] = QUALITY):
-        super().__init__(file, rate_hz)
-        self._container = self._av.open(str(self._temporary), "w", format="mp4", options={"movflags": "+faststart"})
-        codec = next(name for name in CODECS if name in self._av.codecs_available)
-        self._stream = self._container.add_stream(codec, rate=rate_hz, options=quality if codec == CODECS[0] else {})
-        self._stream.pix_fmt = "yuv420p"
+        codec = next(name for name in CODECS if name in require_av().codecs_available)
+        options = quality if codec == CODECS[0] else {}
+        super().__init__(file, rate_hz, "mp4", codec, "yuv420p", options=options, flags={"movflags": "+faststart"})
 
     def _write(self, picture: Picture) -> None:
         rows, columns = (side % 2 for side in picture.shape[:2])
-        even = np.pad(picture, ((0, rows), (0, columns), (0, 0)), mode="edge")  # Chroma is subsampled by two.
-        self._encode(even)
+        super()._write(np.pad(picture, ((0, rows), (0, columns), (0, 0)), mode="edge"))  # Chroma is halved.
 
 
 class Lossless(_Encoded):
     """FFV1 in a Matroska file, from which every pixel comes back as it was."""
 
     def __init__(self, file: Path, rate_hz: Fraction):
-        super().__init__(file, rate_hz)
-        self._container = self._av.open(str(self._temporary), "w", format=CONTAINER)
-        self._stream = self._container.add_stream(LOSSLESS, rate=rate_hz, options=SETTINGS)
-        self._stream.pix_fmt = "bgr0"
+        super().__init__(file, rate_hz, CONTAINER, LOSSLESS, "bgr0", options=SETTINGS)
 
     def _write(self, picture: Picture) -> None:
         if min(picture.shape[:2]) < LEAST_PX:
             self._stream.codec_context.options = {**SETTINGS, "slices": "1"}
-        self._encode(picture)
+        super()._write(picture)
 
 
 class Gif(Video):
