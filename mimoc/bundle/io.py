@@ -60,8 +60,8 @@ class Bundle:
     @property
     def versions(self) -> Mapping[str, str]:
         """Versions of the software that made it, by name."""
-        found = json.loads(self.files[LOCK]).get("versions")
-        return {str(name): str(version) for name, version in found.items()} if isinstance(found, dict) else {}
+        listed = json.loads(self.files[LOCK]).get("versions")
+        return {str(name): str(version) for name, version in listed.items()} if isinstance(listed, dict) else {}
 
     def __repr__(self) -> str:
         """Return name, age, size and folder in one line."""

@@ -57,8 +57,8 @@ def check_plugins(manifest: Any) -> None:
     if not isinstance(plugins, dict):
         raise BundleError("its plug-ins are listed in a way that mimoc never writes; build it again")
     problems = [_problem(str(key), str(distribution)) for key, distribution in plugins.items()]
-    if found := [problem for problem in problems if problem]:
-        raise BundleError("; ".join(found))
+    if missing := [problem for problem in problems if problem]:
+        raise BundleError("; ".join(missing))
 
 
 def _problem(key: str, distribution: str) -> str | None:
@@ -71,8 +71,8 @@ def _problem(key: str, distribution: str) -> str | None:
     if name not in table:
         advice = f"install '{distribution}'" if distribution else "register it with mimoc.register first"
         return f"this bundle needs the {table.what} '{name}' from {source}, which is not here; {advice}"
-    here = table.distribution(name)
-    if here != distribution:
-        other = f"'{here}'" if here else "a script"
+    current = table.distribution(name)
+    if current != distribution:
+        other = f"'{current}'" if current else "a script"
         return f"this bundle needs the {table.what} '{name}' from {source}, but here it comes from {other}"
     return None

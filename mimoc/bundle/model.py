@@ -161,11 +161,11 @@ def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
 
 def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bool_]:
     """Return a mask of the root bodies and all their descendants, shape (nbody,)."""
-    found = np.zeros(model.nbody, bool)
-    found[list(roots)] = True
+    is_inside = np.zeros(model.nbody, bool)
+    is_inside[list(roots)] = True
     for body in range(1, model.nbody):  # Parents come before children.
-        found[body] |= found[model.body_parentid[body]]
-    return found
+        is_inside[body] |= is_inside[model.body_parentid[body]]
+    return is_inside
 
 
 def _keep_mujoco_quiet() -> None:

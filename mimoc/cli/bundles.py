@@ -52,9 +52,9 @@ def check(infant: InfantPath) -> None:
     poses, passed = len(bundle.manifest.poses), list[bool]()
     with console.progress("checking") as show:
         show(0, poses)
-        for each in check_stability(bundle):
-            console.print_check(each)
-            passed.append(each.passed)
+        for trial in check_stability(bundle):
+            console.print_check(trial)
+            passed.append(trial.passed)
             show(len(passed), poses)
     if not all(passed):
         raise typer.Exit(FAILED_CHECK)
@@ -79,9 +79,9 @@ def explain(
     if key is None:
         console.print_contents(contents(bundle))
         return
-    found = find(bundle, key)
-    if len(found) == 1:
-        explanation = explain(bundle, *found)
+    numbers = find(bundle, key)
+    if len(numbers) == 1:
+        explanation = explain(bundle, *numbers)
         console.print_explanation(explanation, legend(explanation))
     else:
-        console.print_numbers(found)
+        console.print_numbers(numbers)

@@ -54,8 +54,8 @@ def plan(cohort: CohortPath, out: Out) -> None:
     from mimoc.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
-        found = planned(_read(cohort), out, show)
-    cohort_tables.print_plan(found)
+        estimate = planned(_read(cohort), out, show)
+    cohort_tables.print_plan(estimate)
 
 
 @app.command(epilog=EXAMPLE)
@@ -119,10 +119,10 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     from mimoc.cli import console
 
-    found = _read(cohort)
+    study = _read(cohort)
     for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
         with console.progress("reading results") as show:
-            written = found.table(out, parquet=parquet, progress=show)
+            written = study.table(out, parquet=parquet, progress=show)
         print(printable(written[-1]))
 
 

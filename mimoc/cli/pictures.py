@@ -195,7 +195,7 @@ def _check_seed_matters(spec: "InfantSpec") -> None:
     if SCENES[kind].varies:
         return
     if spec.scene.toys is None:
-        others = " or ".join(f"'kind: {each.name}'" for each in SCENES.values() if each.varies)
+        others = " or ".join(f"'kind: {scene.name}'" for scene in SCENES.values() if scene.varies)
         message = f"'{kind}' without toys is the same for every seed; write {others}, or add toys"
         raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
     print(f"note: in a '{kind}' scene only the toys depend on the seed", file=sys.stderr)
@@ -210,7 +210,7 @@ def parse_seeds(text: str) -> range:
     first, colon, end = text.partition(":")
     if not (first.isdecimal() and (end if colon else first).isdecimal()):
         raise MimocError(f"'{text}' is not a range of seeds; write FIRST:END, such as 0:12")
-    found = range(int(first), int(end) if colon else int(first) + 1)
-    if not 0 < len(found) <= MAX_ROOMS:
-        raise MimocError(f"'{text}' is a range of {len(found)} seeds; give 1 to {MAX_ROOMS}")
-    return found
+    seeds = range(int(first), int(end) if colon else int(first) + 1)
+    if not 0 < len(seeds) <= MAX_ROOMS:
+        raise MimocError(f"'{text}' is a range of {len(seeds)} seeds; give 1 to {MAX_ROOMS}")
+    return seeds

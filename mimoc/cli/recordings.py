@@ -41,16 +41,16 @@ def replay(
     from mimoc.recording.reading import read_recording
 
     _check_video(video, eyes)
-    found = read_recording(recording)
-    _check_one_infant(found, infant, video)
+    recorded = read_recording(recording)
+    _check_one_infant(recorded, infant, video)
     failed = steps = count = 0
     filmed: Any = nullcontext()
-    if video and found:
-        filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size, body=body.value)
+    if video and recorded:
+        filmed = videos.film_of(video, recorded[0].step_ms, eyes=eyes, height_px=size, body=body.value)
     chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
     with console.progress("replaying") as show, filmed as watch:
         watching: dict[str, Any] = {"watch": watch} if watch else {}
-        for replayed in recordings.replay_recording(found, **chosen, **watching, progress=show):
+        for replayed in recordings.replay_recording(recorded, **chosen, **watching, progress=show):
             count, steps = count + 1, steps + replayed.episode.steps
             if replayed.difference:
                 failed += 1
@@ -77,15 +77,15 @@ def _check_video(video: Path | None, eyes: bool) -> None:
         recording.check_video(video)
 
 
-def _check_one_infant(found: "ReadRecording", infant: int | None, video: Path | None) -> None:
+def _check_one_infant(recorded: "ReadRecording", infant: int | None, video: Path | None) -> None:
     """Check that a video is to show one infant.
 
     Raises:
         MimocError: If there are several.
     """
-    if video and infant is None and found.infants > 1:
+    if video and infant is None and recorded.infants > 1:
         raise MimocError(
-            f"{found.path}: {found.infants} infants are recorded here; choose one for --video with --infant"
+            f"{recorded.path}: {recorded.infants} infants are recorded here; choose one for --video with --infant"
         )
 
 

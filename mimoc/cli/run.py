@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 def _policies() -> str:
     """Return what `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
-    own = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
-    return ", ".join((*own, *announced("mimoc.policies")))
+    ours = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
+    return ", ".join((*ours, *announced("mimoc.policies")))
 
 
 PolicyName = Annotated[str, typer.Option("--policy", help=f"{_policies()}; or a trained policy.zip.")]
@@ -72,15 +72,15 @@ def run(
     if video:
         recording.check_video(video)
     chosen = _read_policy(policy)
-    own = import_object(task) if task else None
-    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=own)
+    user_task = import_object(task) if task else None
+    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
         act = policy_of(env, chosen)  # Refuses bad names before anything is written.
         recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
         filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
-        _run(rollout, steps, filmed, [each for each in (video, record) if each])
+        _run(rollout, steps, filmed, [path for path in (video, record) if path])
     console.print_run(rollout.summary())
     for written in (video, record):
         if written:

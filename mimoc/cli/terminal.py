@@ -23,7 +23,9 @@ def resumable(result: Path | None = None) -> Iterator[None]:
 
 def printable(text: object) -> str:
     r"""Return a text with all that is not to be printed escaped, such as `\x1b`; line breaks stay."""
-    return "".join(each if each.isprintable() or each == "\n" else _escaped(each) for each in str(text))
+    return "".join(
+        character if character.isprintable() or character == "\n" else _escaped(character) for character in str(text)
+    )
 
 
 def _escaped(character: str) -> str:

@@ -80,8 +80,8 @@ def view(
 def _tell(page: "View") -> None:
     """Print where a page is, and what is to be known of it."""
     if page.difference:
-        told = "the page shows what is simulated now, which differs from the recording"
-        print(printable(f"{told}: {page.difference}"), file=sys.stderr)
+        message = "the page shows what is simulated now, which differs from the recording"
+        print(printable(f"{message}: {page.difference}"), file=sys.stderr)
     print(printable(page.path))
 
 

@@ -69,7 +69,7 @@ class Cohort:
             source = sources.in_memory(plain(source), "<cohort>", Path())
         self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
         spec, base = _tried(read_cohort_spec, self._source), _tried(_base, self._source)
-        if problems := [problem for each in (spec, base) if isinstance(each, SpecError) for problem in each.problems]:
+        if problems := [problem for part in (spec, base) if isinstance(part, SpecError) for problem in part.problems]:
             raise SpecError(problems)
         self.spec: CohortSpec = spec
         self._base: Source = base
@@ -229,16 +229,16 @@ def _base(source: Source) -> Source:
     """
     base = source.data.get("base")
     if isinstance(base, Mapping):
-        found = source.section("base")
+        spec = source.section("base")
     elif isinstance(base, str) and base:
         try:
-            found = sources.read(source.folder / Path(base).expanduser())
+            spec = sources.read(source.folder / Path(base).expanduser())
         except SpecError as error:
             raise SpecError(source.problem(("base",), problem.message) for problem in error.problems) from None
     else:
         return source  # The cohort's own problems say what is wrong with it.
-    read_spec(found)
-    return found
+    read_spec(spec)
+    return spec
 
 
 def status_of(jobs: Iterable[Job], store: Store) -> Status:

@@ -73,7 +73,7 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
     _check_number(cohort, source)
     children, origin = children_of(cohort), read_spec(base)
     _check_children(cohort, source, origin)
-    found, problems = [], []
+    infants, problems = [], []
     for choice in _choices(cohort, len(children)):
         child = None if choice.child is None else children[choice.child]
         data = _data(base.data, origin, choice, child)
@@ -82,10 +82,10 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
         except SpecError as error:
             problems += [_traced(problem, choice, source) for problem in error.problems]
         else:
-            found.append(Infant(_factors(choice, child), data, spec))
+            infants.append(Infant(_factors(choice, child), data, spec))
     if problems:
         raise SpecError(problems)
-    return tuple(found)
+    return tuple(infants)
 
 
 def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> None:
@@ -108,8 +108,8 @@ def _check_lengths(cohort: CohortSpec, source: Source) -> None:
     """Raise a SpecError if lists that are gone through in parallel differ in length."""
     lengths = {key: len(levels_of(key, levels)) for key, levels in cohort.vary.items()}
     if cohort.design == "zip" and len({*lengths.values()}) > 1:
-        told = ", ".join(f"{key} {length}" for key, length in lengths.items())
-        raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {told}")])
+        listed = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {listed}")])
 
 
 def _check_number(cohort: CohortSpec, source: Source) -> None:
@@ -180,8 +180,8 @@ def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str,
 
 
 def _factors(choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
-    told = {} if child is None else {"child": choice.child, **given(child)}
-    return {**told, **{key: value for key, value, _ in choice.values}}
+    of_child = {} if child is None else {"child": choice.child, **given(child)}
+    return {**of_child, **{key: value for key, value, _ in choice.values}}
 
 
 def _traced(problem: Problem, choice: Choice, source: Source) -> Problem:
@@ -266,7 +266,7 @@ def draw_children(wanted: DrawnChildren) -> tuple[IndividualSpec, ...]:
     for index in range(wanted.draw):
         shares = stream(wanted.seed, f"cohort.child.{index}").random(len(PERCENTILES))
         z = mixing @ [normal.inv_cdf(min(max(float(share), _FURTHEST), 1 - _FURTHEST)) for share in shares]
-        probabilities = (normal.cdf(float(each)) for each in z)
+        probabilities = (normal.cdf(float(score)) for score in z)
         percentiles = {
             name: rounded(min(max(100 * probability, LEAST_PERCENTILE), LARGEST_PERCENTILE))
             for name, probability in zip(PERCENTILES, probabilities, strict=True)

@@ -61,34 +61,34 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_fo
         MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
     """
     place, home = str(folder.resolve()), str(spec_folder.resolve())
-    own = tuple(name for name in cohort.measure if name not in MEASURES)
+    functions_of_user = tuple(name for name in cohort.measure if name not in MEASURES)
     steps = [*_steps(cohort)]
     if (number := len(infants) * len(steps)) > MAX_JOBS:
         raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
-    functions = {*own, *(options["function"] for step, options, _ in steps if step == "python")}
+    functions = {*functions_of_user, *(options["function"] for step, options, _ in steps if step == "python")}
     policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
     code = {name: digest_of(name, place) for name in functions}
     code |= {name: _policy_digest(Path(place) / name) for name in policies}
-    found: dict[str, Job] = {}
+    jobs: dict[str, Job] = {}
     for infant in infants:
         resolved = rounded(to_data(infant.spec))
         for step, options, seed in steps:
             alone = step in WITHOUT_INFANT
-            used = {*own, options.get("function"), options.get("policy")} & code.keys()
+            used = {*functions_of_user, options.get("function"), options.get("policy")} & code.keys()
             what = {
                 "mimoc": __version__,
                 "spec": None if alone else resolved,
                 "step": step,
                 "options": options,
                 "seed": seed,
-                "measure": own,
+                "measure": functions_of_user,
                 "code": {name: code[name] for name in sorted(used)},
             }
             key = sha256(_text(what).encode()).hexdigest()[:32]
             factors, data = ({}, None) if alone else (infant.factors, infant.data)
-            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, own)
-            found.setdefault(key, job)
-    return tuple(found.values())
+            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, functions_of_user)
+            jobs.setdefault(key, job)
+    return tuple(jobs.values())
 
 
 def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None]]:
@@ -130,9 +130,9 @@ def import_function(name: str, folder: str) -> Callable[..., Any]:
             module = import_module(module_name)
         except ImportError as error:
             raise MimocError(f"'{name}': {error}; put the module beside the cohort file, or install it") from None
-    if not callable(found := getattr(module, function, None)):
+    if not callable(user_function := getattr(module, function, None)):
         raise MimocError(f"'{name}': the module has no function '{function}'")
-    return found
+    return user_function
 
 
 def digest_of(name: str, folder: str) -> str:

@@ -116,14 +116,14 @@ def _flush() -> None:
 
 def _line(error: BaseException) -> str:
     """Return what went wrong in one line."""
-    told = "; ".join(str(error).split("\n")).strip()
-    return told if isinstance(error, MimocError) and told else f"{type(error).__name__}: {told}".rstrip(": ")
+    message = "; ".join(str(error).split("\n")).strip()
+    return message if isinstance(error, MimocError) and message else f"{type(error).__name__}: {message}".rstrip(": ")
 
 
 @cache
 def _versions(step: str) -> dict[str, str]:
-    found = {"mimoc": __version__, "python": platform.python_version()}
+    software = {"mimoc": __version__, "python": platform.python_version()}
     for library in (*LIBRARIES[""], *LIBRARIES.get(step, ())):
         with suppress(PackageNotFoundError):
-            found[library] = version(library)
-    return found
+            software[library] = version(library)
+    return software

@@ -129,9 +129,9 @@ class Store:
             return
         place = self.result(job)
         make_folder(place.parent, below=self.folder)
-        told = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
-        found = {name: getattr(result, name) for name in Result.__slots__}
-        write_file(place, render_json(_plain({"job": job.key, **told, **found})), below=self.folder)
+        of_job = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
+        of_result = {name: getattr(result, name) for name in Result.__slots__}
+        write_file(place, render_json(_plain({"job": job.key, **of_job, **of_result})), below=self.folder)
 
     def forget(self, job: Job) -> None:
         """Remove the result of a job, so that it is done again.

@@ -88,16 +88,16 @@ class Described:
     @cached_property
     def json(self) -> bytes:
         """It as it stands in the metadata."""
-        found = {
-            OBSERVATION + each.name: {
-                "kind": each.kind,
-                "shape": list(each.shape),
-                "dtype": each.dtype,
-                "layout": shortened(each.layout),
+        observations = {
+            OBSERVATION + reading.name: {
+                "kind": reading.kind,
+                "shape": list(reading.shape),
+                "dtype": reading.dtype,
+                "layout": shortened(reading.layout),
             }
-            for each in self.readings
+            for reading in self.readings
         }
-        columns = {ACTION: {"layout": shortened(self.actions)}, **found}
+        columns = {ACTION: {"layout": shortened(self.actions)}, **observations}
         return json.dumps({"recording": 1, "step_ms": self.step_ms, "columns": columns}, ensure_ascii=False).encode()
 
     @classmethod
@@ -136,6 +136,6 @@ def _reading(column_name: str, column: _Column) -> Reading:
 
 def _layout(place: str, layout: Sequence[str | _Run]) -> tuple[str, ...]:
     try:
-        return written_out([each if isinstance(each, str) else each.model_dump(by_alias=True) for each in layout])
+        return written_out([item if isinstance(item, str) else item.model_dump(by_alias=True) for item in layout])
     except ValueError as error:
         raise UnusableFileError(f"{place}.layout: {error}") from None

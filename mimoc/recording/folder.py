@@ -85,10 +85,10 @@ class RecordingFolder:
 
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
-        found = [0] * len(self.bundles)
-        for each in self.episodes():
-            found[each.infant] = max(found[each.infant], each.number + 1)
-        return found
+        numbers = [0] * len(self.bundles)
+        for episode in self.episodes():
+            numbers[episode.infant] = max(numbers[episode.infant], episode.number + 1)
+        return numbers
 
     def episodes(self) -> list[EpisodeFiles]:
         """Return the episodes in it.
@@ -107,9 +107,9 @@ class RecordingFolder:
             OutputError: If the folder cannot be written.
         """
         marks = self.description.marks
-        here = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
-        if here and all(mark.run == run for mark in marks[here[-1] :]):
-            marks = marks[: here[-1] + 1]
+        places = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
+        if places and all(mark.run == run for mark in marks[places[-1] :]):
+            marks = marks[: places[-1] + 1]
             for episode in self.episodes():
                 if episode.number >= marks[-1].episodes[episode.infant]:
                     remove(episode)
@@ -171,19 +171,19 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
     """
     if os.path.lexists(folder) and not folder.is_dir():
         raise RecordingError(f"{folder}: this is a file; name a new folder")
-    inside = {each.name for each in folder.iterdir()} if folder.is_dir() else set()
+    inside = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     if RECORDING not in inside:
         if inside - {EPISODES, BUNDLES}:
             raise RecordingError(f"{folder}: the folder is not empty and no recording; name a new or empty folder")
         return None
     description = description_in(folder)
-    found, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
-    if len(found) != len(wanted):
+    recorded, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
+    if len(recorded) != len(wanted):
         raise RecordingError(
-            f"{folder}: the recording here is of {len(found)} infants side by side, not {len(wanted)}; name another"
+            f"{folder}: the recording here is of {len(recorded)} infants side by side, not {len(wanted)}; name another"
             " folder"
         )
-    for infant, (theirs, ours) in enumerate(zip(found, wanted, strict=True)):
+    for infant, (theirs, ours) in enumerate(zip(recorded, wanted, strict=True)):
         if theirs != ours:
             name = description.infants[infant].name
             raise RecordingError(
@@ -294,13 +294,13 @@ def digest(bundle: Bundle) -> str:
 
 def versions() -> dict[str, str]:
     """Return the versions of the software here."""
-    found = {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine()}
+    software = {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine()}
     for name in LIBRARIES:
         try:
-            found[name] = version(name)
+            software[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return software
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:

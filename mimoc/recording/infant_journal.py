@@ -219,7 +219,7 @@ def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str,
             path = with_extension(stem, f".{reading.name}{frames.EXTENSION}")
             frames.write_pictures(path, pictures, described.rate_hz)
     tables.write_block(with_extension(stem, TABLE), block, described)
-    write_json(with_extension(stem, ".json"), {name: to_plain(each) for name, each in sidecar.items()})
+    write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 
 def _described(infant: InfantEnv) -> Described:

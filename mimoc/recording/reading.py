@@ -175,15 +175,15 @@ class Episode:
         Raises:
             UnknownNameError: If there is no observation of this name, or it is one of pictures.
         """
-        found = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
-        found |= {name: self.column(name) for name in self.table.column_names if name.startswith(("term.", "info."))}
+        columns = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
+        columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(("term.", "info."))}
         usual = ["action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
             array = self.column("action") if name == "action" else self._numbers(name)
             flat = array.reshape(len(array), -1)
             layout = self.layout(name) or [f"{index}" for index in range(flat.shape[1])]
-            found |= {f"{name}: {label}": flat[:, index] for index, label in enumerate(layout)}
-        return found
+            columns |= {f"{name}: {label}": flat[:, index] for index, label in enumerate(layout)}
+        return columns
 
     @property
     def options(self) -> Mapping[str, Any]:
@@ -215,11 +215,11 @@ class Episode:
     @cached_property
     def changes(self) -> dict[int, list[tuple[str, Any]]]:
         """What was done to the infant besides control steps, in order, by the number of steps before it."""
-        found: dict[int, list[tuple[str, Any]]] = {}
+        by_step: dict[int, list[tuple[str, Any]]] = {}
         for change in self.sidecar.changes:
             (kind,) = change.kinds
-            found.setdefault(change.step, []).append((kind, self._restored(getattr(change, kind))))
-        return found
+            by_step.setdefault(change.step, []).append((kind, self._restored(getattr(change, kind))))
+        return by_step
 
     def column(self, name: str) -> Array:
         """Return a column of the file as an array of k + 1 rows."""
@@ -296,12 +296,12 @@ class ReadRecording(Sequence[Episode]):
         if home.is_symlink() or home.parent.is_symlink():
             raise RecordingError(f"{home}: this is a link, or in one, which mimoc never writes")
         try:
-            found = read_bundle(home)
+            bundle = read_bundle(home)
         except BundleError as error:
             raise RecordingError(f"the bundle of this recording cannot be read: {error}") from None
-        if digest(found) != wanted:
+        if digest(bundle) != wanted:
             raise RecordingError(f"{home}: this is not the bundle that was recorded ({wanted[7:15]})")
-        return found
+        return bundle
 
     def summary(self) -> dict[str, list[Any]]:
         """Return a row for each episode: `pandas.DataFrame(recording.summary())`."""
@@ -348,7 +348,7 @@ def _check(episode: Episode, description: Description) -> None:
     if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
         raise RecordingError(f"{place}: this is an episode of another infant or recording")
     for name, kept in (("changes", sidecar.changes), ("states", sidecar.states)):
-        if late := [each.step for each in kept if each.step >= sidecar.rows]:
+        if late := [item.step for item in kept if item.step >= sidecar.rows]:
             raise RecordingError(f"{place}: {name}: there is no control step {late[0]} in this episode")
     for reading in episode.described.readings:
         if reading.kind == "picture":

@@ -215,8 +215,8 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
         return (inside,)
     if isinstance(inside, ManyInfants):
         return inside.infants
-    several = [each.unwrapped for each in getattr(inside, "envs", ())]
-    if several and all(isinstance(each, InfantEnv) for each in several):
+    several = [env.unwrapped for env in getattr(inside, "envs", ())]
+    if several and all(isinstance(env, InfantEnv) for env in several):
         return tuple(several)
     raise RecordingError(
         f"cannot record {type(inside or env).__name__}: give an environment of mimoc.make, or one of mimoc.make_vec on"
@@ -246,6 +246,6 @@ def _notes_on(infant: InfantEnv) -> list[str]:
 
 def _objects(infant: InfantEnv) -> dict[str, str]:
     """Return the class of each object that a script has passed, by what it is."""
-    objects = {f"senses.{name}": each for name, each in infant.senses.items() if isinstance(each, CustomSense)}
+    objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
     task = {"task": infant.task} if isinstance(infant.task, CustomTask) else {}
-    return {what: each.class_name for what, each in {**task, **objects}.items()}
+    return {what: item.class_name for what, item in {**task, **objects}.items()}

@@ -131,11 +131,11 @@ def _table(block: Block, described: Described) -> Any:
     columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
     columns[ACTION] = _fixed(block.action[:rows])
     columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
-    for each in block.readings:
-        if each.kind == "dense":
-            columns[OBSERVATION + each.name] = _fixed(block.dense[each.name][:rows])
-        elif each.kind == "sparse":
-            columns[OBSERVATION + each.name] = _listed(block.sparse[each.name], rows)
+    for reading in block.readings:
+        if reading.kind == "dense":
+            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
+        elif reading.kind == "sparse":
+            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
     columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
     fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
     return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))

@@ -56,14 +56,14 @@ def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Seq
     models = [variant.model for variant in variants]
     if not models[0].nskin:
         return None
-    own = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
+    bodies = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
-        "layers": [_layer(packed, models, index, own) for index in range(models[0].nskin)],
+        "layers": [_layer(packed, models, index, bodies) for index in range(models[0].nskin)],
     }
 
 
-def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: list[int]) -> dict[str, Any]:
+def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))
@@ -75,12 +75,12 @@ def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: li
         "material": int(model.skin_matid[index]),
         "faces": packed.put(model.skin_face[faces].astype(np.uint32)),
         "texcoords": None if texcoords is None else packed.put(texcoords),
-        "bones": packed.put(np.array([own.index(body) for body in model.skin_bonebodyid[bones]])),
+        "bones": packed.put(np.array([bodies.index(body) for body in model.skin_bonebodyid[bones]])),
         "moved_by": packed.put(moved_by.astype(np.uint8)),
         "weights": packed.put(weights),
-        "verts": packed.put_places(np.stack([each.skin_vert[verts] for each in models])),
-        "bind_pos": packed.put(np.stack([each.skin_bonebindpos[bones] for each in models])),
-        "bind_quat": packed.put(np.stack([each.skin_bonebindquat[bones] for each in models])),
+        "verts": packed.put_places(np.stack([variant.skin_vert[verts] for variant in models])),
+        "bind_pos": packed.put(np.stack([variant.skin_bonebindpos[bones] for variant in models])),
+        "bind_quat": packed.put(np.stack([variant.skin_bonebindquat[bones] for variant in models])),
     }
 
 

@@ -29,11 +29,11 @@ def describe_physics(packed: Packed, variants: Sequence[Variant]) -> dict[str, A
         variants: The infant at each age.
     """
     model, manifest = variants[0].model, variants[0].bundle.manifest
-    own = own_parts(model, manifest)
+    parts = own_parts(model, manifest)
     return {
         "models": [_model(packed, variant) for variant in variants],
-        "bodies": packed.put(own.bodies),
-        "qpos": packed.put(own.qpos),
+        "bodies": packed.put(parts.bodies),
+        "qpos": packed.put(parts.qpos),
         "around": [model.body(body).name for body in range(model.nbody)],
         "step_s": manifest.step_ms / 1000,
         "commanded": packed.put(np.array(_commanded(manifest, variants[0]), int)),
@@ -74,11 +74,11 @@ def _bare(mjcf: str) -> bytes:
     root = ElementTree.fromstring(mjcf)
     for parent in list(root.iter()):
         parent.attrib.pop("material", None)
-        for child in [each for each in parent if each.tag in SHOWN_ONLY]:
+        for child in [element for element in parent if element.tag in SHOWN_ONLY]:
             parent.remove(child)
     return ElementTree.tostring(root)
 
 
 def _commanded(manifest: Manifest, variant: Variant) -> list[int]:
     """Return the actuators that an action commands, in its order."""
-    return [variant.model.actuator(each.name).id for each in manifest.actuation.actuators if each.commanded]
+    return [variant.model.actuator(actuator.name).id for actuator in manifest.actuation.actuators if actuator.commanded]

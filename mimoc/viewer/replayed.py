@@ -86,7 +86,7 @@ def describe_episode(
             "episode": episode.number,
             "infant": episode.infant if recording.infants > 1 else None,
             "seconds": packed.put(episode.time_s[kept] - episode.time_s[0]),
-            **film.told(),
+            **film.describe(),
             "curves": list(_curves(packed, episode, kept)),
             "pictures": dict(_videos(packed, episode)),
             "picture_s": episode.step_ms / 1000,
@@ -124,19 +124,19 @@ class _Film:
             self._keep(env, observation, self._own)
         self._row += 1
 
-    def _keep(self, env: InfantEnv, observation: Observation, own: Own) -> None:
+    def _keep(self, env: InfantEnv, observation: Observation, parts: Own) -> None:
         self.rows.append(self._row)
-        self.qpos.append(env.data.qpos[own.qpos])
+        self.qpos.append(env.data.qpos[parts.qpos])
         self.ages_months.append(env.manifest.child.age_months)
         self.expressions.append(expression_of(env.manifest, env.model))
-        bodies = bodies_around(env.model, own)
+        bodies = bodies_around(env.model, parts)
         self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
         if "touch" in observation:
             self.felt.append(_felt(observation["touch"], len(env.skin.bodies)))
 
-    def told(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
-        around = np.stack(self.around) if len({each.shape for each in self.around}) == 1 else np.zeros((1, 0, 7))
+        around = np.stack(self.around) if len({places.shape for places in self.around}) == 1 else np.zeros((1, 0, 7))
         expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
@@ -167,8 +167,8 @@ def _sum_n(observed: Array) -> float:
 def _felt(observed: Array, points: int) -> tuple[Array, Array]:
     """Return the skin points with any force, and its size, [N]."""
     forces_n = np.linalg.norm(observed.reshape(points, -1), axis=1)
-    found = np.flatnonzero(forces_n)
-    return found, forces_n[found]
+    points_felt = np.flatnonzero(forces_n)
+    return points_felt, forces_n[points_felt]
 
 
 def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:

@@ -52,15 +52,15 @@ def export_recording(
         with _staged(out) as staging:
             convert(folder, staging)
         return ()
-    found = recording if isinstance(recording, ReadRecording) else read_recording(recording)
-    episodes = [episode for episode in found if episode.steps]
+    source = recording if isinstance(recording, ReadRecording) else read_recording(recording)
+    episodes = [episode for episode in source if episode.steps]
     if not episodes:
-        raise RecordingError(f"{found.path}: there are no control steps in this recording")
-    empty = len(found) - len(episodes)
+        raise RecordingError(f"{source.path}: there are no control steps in this recording")
+    empty = len(source) - len(episodes)
     if to != "csv":
-        _check_alike(found, episodes)
+        _check_alike(source, episodes)
     with _staged(out) as staging:
-        notes = FORMATS[to](found, episodes, staging, progress)
+        notes = FORMATS[to](source, episodes, staging, progress)
     return (*([f"{empty} episodes without any control step are left out"] if empty else []), *notes)
 
 

@@ -48,7 +48,7 @@ def export_minari(
         minari.create_dataset_from_buffers(
             dataset_id=name,
             buffer=buffers(),  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
-            observation_space=spaces.Dict({each.name: _space(each) for each in readings}),
+            observation_space=spaces.Dict({reading.name: _space(reading) for reading in readings}),
             action_space=spaces.Box(low, high, dtype=np.float32),
             data_format="parquet",
             jpeg_encoding=False,
