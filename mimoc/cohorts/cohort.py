@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.cohorts.engines import find_engine
-from mimoc.cohorts.infants import Infant, infants_of
+from mimoc.cohorts.infants import CohortInfant, infants_of
 from mimoc.cohorts.job import Job, jobs_of
-from mimoc.cohorts.perform import lost
+from mimoc.cohorts.perform import failed_result
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
 from mimoc.errors import MimocError, MissingExtraError, SpecError, UnknownNameError
@@ -79,7 +79,7 @@ class Cohort:
         return f"Cohort({self.spec.cohort!r}, {self._source.file!r})"
 
     @cached_property
-    def infants(self) -> tuple[Infant, ...]:
+    def infants(self) -> tuple[CohortInfant, ...]:
         """All its infants, each with the factors that tell it from the others.
 
         Raises:
@@ -152,7 +152,7 @@ class Cohort:
         if todo:
             engine(todo, store, options, lambda done: report(ready + done, len(share)))
         for job in store.missing(todo):
-            store.write(job, lost(job, f"the engine '{on}' has ended without a result"))
+            store.write(job, failed_result(job, f"the engine '{on}' has ended without a result"))
         return status_of(share, store)
 
     def retry(self, out: str | Path, on: str = "local", *, progress: Progress | None = None, **options: Any) -> Status:

@@ -31,7 +31,7 @@ Place = tuple[str | int, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class DesignRow:
     """One infant, as the cohort's design chooses it."""
 
     child: int | None
@@ -41,7 +41,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Infant:
+class CohortInfant:
     """One infant of a cohort."""
 
     factors: Mapping[str, Any]
@@ -58,7 +58,7 @@ def children_of(cohort: CohortSpec) -> tuple[IndividualSpec, ...]:
     return cohort.children or ()
 
 
-def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant, ...]:
+def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[CohortInfant, ...]:
     """Return all infants of a cohort, in the order of its design.
 
     Args:
@@ -82,7 +82,7 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
         except SpecError as error:
             problems += [_traced(problem, choice, source) for problem in error.problems]
         else:
-            infants.append(Infant(_factors(choice, child), data, spec))
+            infants.append(CohortInfant(_factors(choice, child), data, spec))
     if problems:
         raise SpecError(problems)
     return tuple(infants)
@@ -124,7 +124,7 @@ def _check_number(cohort: CohortSpec, source: Source) -> None:
         raise SpecError([source.problem((), f"{number:,} infants are more than {MAX_INFANTS:,}; {advice}")])
 
 
-def _choices(cohort: CohortSpec, children: int) -> Iterator[Choice]:
+def _choices(cohort: CohortSpec, children: int) -> Iterator[DesignRow]:
     """Yield what the design chooses, the children outermost."""
     numbers: Sequence[int | None] = range(children) if children else (None,)
     if isinstance(cohort.design, SampleDesign):
@@ -132,10 +132,10 @@ def _choices(cohort: CohortSpec, children: int) -> Iterator[Choice]:
         return
     columns = [_column(key, levels_of(key, levels)) for key, levels in cohort.vary.items()]
     rows = [*(zip(*columns, strict=True) if cohort.design == "zip" and columns else product(*columns))]
-    yield from (Choice(number, row) for number in numbers for row in rows)
+    yield from (DesignRow(number, row) for number in numbers for row in rows)
 
 
-def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | None]) -> Iterator[Choice]:
+def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | None]) -> Iterator[DesignRow]:
     size, columns = design.sample, []
     for key, levels in cohort.vary.items():
         if isinstance(levels, DrawsSpec):
@@ -146,14 +146,16 @@ def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | N
     generator = stream(size.seed, "cohort.sample.child")
     for index in range(size.n):
         number = numbers[whole_between(generator, 0, len(numbers) - 1)]
-        yield Choice(number, tuple(column[index] for column in columns))
+        yield DesignRow(number, tuple(column[index] for column in columns))
 
 
 def _column(key: str, levels: Sequence[Any]) -> list[tuple[str, Any, Place]]:
     return [(key, value, ("vary", key, index)) for index, value in enumerate(levels)]
 
 
-def _data(base: Mapping[str, Any], origin: InfantSpec, choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
+def _data(
+    base: Mapping[str, Any], origin: InfantSpec, choice: DesignRow, child: IndividualSpec | None
+) -> dict[str, Any]:
     """Return the spec of an infant: the base as it is at the chosen age, the varied keys, and its child.
 
     What base and children say in cm and kg is of the base's age; varied values are of the infant's own.
@@ -179,12 +181,12 @@ def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str,
     return rest if value is None else {**rest, first: value}
 
 
-def _factors(choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
+def _factors(choice: DesignRow, child: IndividualSpec | None) -> dict[str, Any]:
     of_child = {} if child is None else {"child": choice.child, **given(child)}
     return {**of_child, **{key: value for key, value, _ in choice.values}}
 
 
-def _traced(problem: Problem, choice: Choice, source: Source) -> Problem:
+def _traced(problem: Problem, choice: DesignRow, source: Source) -> Problem:
     """Return the problem of an infant's spec as one of the value in the cohort file that it comes from."""
     for key, _, place in choice.values:
         if f"{problem.key}.".startswith(f"{key}.") or f"{key}.".startswith(f"{problem.key}."):

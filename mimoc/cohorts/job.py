@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from mimoc.cohorts.infants import Infant
+from mimoc.cohorts.infants import CohortInfant
 from mimoc.errors import MimocError
 from mimoc.rounding import rounded
 from mimoc.schema.cohort_file import MEASURES, CohortSpec
@@ -54,7 +54,7 @@ class Job:
         return "" if self.data is None else _text(self.data)
 
 
-def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
+def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
     """Return all jobs of a cohort, those of one infant next to each other; equal ones are one.
 
     Raises:

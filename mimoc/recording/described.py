@@ -11,7 +11,7 @@ from typing import Literal
 from mimoc.bundle.json_files import parse_json
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording.blocks import Reading
-from mimoc.recording.layouts import shortened, written_out
+from mimoc.recording.layout_names import compact_names, expand_names
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
 from mimoc.units import ms_to_s
@@ -45,7 +45,7 @@ Dtype = Literal[
 
 
 class _Run(Model, alias_generator=lambda name: name.removesuffix("_")):
-    """Numbered names, as `shortened` writes them."""
+    """Numbered names, as `compact_names` writes them."""
 
     name: str
     from_: Count
@@ -93,11 +93,11 @@ class Described:
                 "kind": reading.kind,
                 "shape": list(reading.shape),
                 "dtype": reading.dtype,
-                "layout": shortened(reading.layout),
+                "layout": compact_names(reading.layout),
             }
             for reading in self.readings
         }
-        columns = {ACTION: {"layout": shortened(self.actions)}, **observations}
+        columns = {ACTION: {"layout": compact_names(self.actions)}, **observations}
         return json.dumps({"recording": 1, "step_ms": self.step_ms, "columns": columns}, ensure_ascii=False).encode()
 
     @classmethod
@@ -136,6 +136,6 @@ def _reading(column_name: str, column: _Column) -> Reading:
 
 def _layout(place: str, layout: Sequence[str | _Run]) -> tuple[str, ...]:
     try:
-        return written_out([item if isinstance(item, str) else item.model_dump(by_alias=True) for item in layout])
+        return expand_names([item if isinstance(item, str) else item.model_dump(by_alias=True) for item in layout])
     except ValueError as error:
         raise UnusableFileError(f"{place}.layout: {error}") from None

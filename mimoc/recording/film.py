@@ -31,7 +31,7 @@ SHARP = 2
 """Factor of supersampling for the views of eyes that the infant does not observe."""
 
 
-class Film:
+class VideoFrames:
     """Renders the frames of a video of one environment."""
 
     def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):

@@ -8,7 +8,7 @@ from typing import Any
 
 import gymnasium
 
-from mimoc.recording.film import Film
+from mimoc.recording.film import VideoFrames
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.renderer import Shown
 from mimoc.runtime.env import InfantEnv
@@ -92,7 +92,7 @@ def film_of(
     """
     step_s = Fraction(ms_to_s(step_ms)).limit_denominator(1_000_000)
     with ExitStack() as opened:
-        film: Film | None = None
+        film: VideoFrames | None = None
         video: Video | None = None
         steps = 0
 
@@ -100,7 +100,7 @@ def film_of(
             """Capture a frame if one is due."""
             nonlocal film, video, steps
             if film is None or video is None:
-                film = opened.enter_context(closing(Film(env, height_px, eyes, body)))
+                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
             if steps * step_s * video.rate_hz >= video.pictures:
                 video.add(film.frame(observation))

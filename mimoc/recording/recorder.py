@@ -13,7 +13,7 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.bundle import files
 from mimoc.errors import RecordingError
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
-from mimoc.recording.infant_journal import InfantJournal, Pace
+from mimoc.recording.observer import Pace, RecordingObserver
 from mimoc.recording.video import require_av
 from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
@@ -120,13 +120,15 @@ class Recording:
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
         self.close()
 
-    def _begun(self, pace: Pace, digests: Sequence[str]) -> list[InfantJournal]:
+    def _begun(self, pace: Pace, digests: Sequence[str]) -> list[RecordingObserver]:
         """Give each infant its journal."""
         software, journals, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
             about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
             fitting = _fitting(pace, infant, len(digests))
-            infant.journal = InfantJournal(infant, self._writer, partial(folder.stem, number), first, fitting, about)
+            infant.journal = RecordingObserver(
+                infant, self._writer, partial(folder.stem, number), first, fitting, about
+            )
             journals.append(infant.journal)
         return journals
 

@@ -14,7 +14,7 @@ from mimoc.errors import MimocError, RecordingError
 from mimoc.recording.blocks import Block
 from mimoc.recording.comparing import Difference, Recorded, state_differs
 from mimoc.recording.folder import versions
-from mimoc.recording.infant_journal import ACTION, NOTHING_YET
+from mimoc.recording.observer import ACTION, NOTHING_YET
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.runtime.env import InfantEnv
@@ -132,7 +132,7 @@ class _Replay:
     def _begin(self) -> tuple[Observation, dict[str, Any]]:
         """Reset the infant as it was, going on from the same random numbers; or restore the state it began in."""
         env, episode = self._env, self._episode
-        with _damage_told(episode):
+        with _damage_message(episode):
             if (before := episode.before) is None:
                 return env.set_state(episode.start), {}
             if before[SEED] != env.manifest.seed:
@@ -143,7 +143,7 @@ class _Replay:
     def _change(self, what: str, value: Any) -> None:
         """Do again what was done besides control steps."""
         env = self._env
-        with _damage_told(self._episode):
+        with _damage_message(self._episode):
             if what == "age_months":
                 env.grow(to=value)
             elif what == "state":
@@ -186,7 +186,7 @@ class _Replay:
 
 
 @contextmanager
-def _damage_told(episode: Episode) -> Iterator[None]:
+def _damage_message(episode: Episode) -> Iterator[None]:
     """Turn what a damaged state or value leads to into one clear line."""
     try:
         yield
@@ -216,7 +216,7 @@ def _told(progress: Callable[[int, int], None], before: int, total: int, steps: 
 
 def _other_scene(episode: Episode, seed: int) -> bool:
     """Return whether an episode is in another scene than its bundle, or comes from one."""
-    with _damage_told(episode):
+    with _damage_message(episode):
         seeds = [episode.start[SEED], *([episode.before[SEED]] if episode.before else [])]
         seeds += [value[SEED] for changes in episode.changes.values() for what, value in changes if what == "state"]
     return any(scene_seed != seed for scene_seed in seeds)

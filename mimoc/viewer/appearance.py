@@ -12,13 +12,13 @@ from PIL import Image
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.meshes import rows_of, skin_of
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 
 BONES = 4
 """Bodies that move a vertex, at most."""
 
 
-def describe_materials(packed: Packed, model: mujoco.MjModel) -> dict[str, Any]:
+def describe_materials(packed: EncodedArrays, model: mujoco.MjModel) -> dict[str, Any]:
     """Return the materials of a model and their pictures as PNGs; those of a cube are six, one below the other."""
     textures = model.mat_texid[:, mujoco.mjtTextureRole.mjTEXROLE_RGB]
     used = sorted({int(texture) for texture in textures if texture >= 0})
@@ -51,7 +51,9 @@ def _png(model: mujoco.MjModel, index: int) -> bytes:
     return file.getvalue()
 
 
-def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+def describe_skins(
+    packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]
+) -> dict[str, Any] | None:
     """Return the skins of an infant at some ages, which have the same vertices at each; None if it has none."""
     models = [variant.model for variant in variants]
     if not models[0].nskin:
@@ -63,7 +65,7 @@ def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Seq
     }
 
 
-def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
+def _layer(packed: EncodedArrays, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))

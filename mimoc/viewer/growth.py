@@ -16,7 +16,7 @@ from mimoc.bundle.variants import Variant
 from mimoc.errors import MimocError
 from mimoc.fits.who import percentile
 from mimoc.senses.binding import bind_sense
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 
 IntArray = npt.NDArray[np.intp]
 
@@ -61,7 +61,7 @@ def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
     )
 
 
-def describe_growth(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
+def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
     """Return the body of an infant at some ages; arrays that change with age have it as their first axis.
 
     Args:
@@ -85,7 +85,7 @@ def describe_growth(packed: Packed, variants: Sequence[Variant], ages_months: Se
     }
 
 
-def _skeleton(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _skeleton(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
     """Return bodies and joints; numbers of bodies are those within the infant."""
     model, own = models[0], parts[0]
     number = {body: index for index, body in enumerate(own.bodies.tolist())}
@@ -107,7 +107,7 @@ def _skeleton(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[
     }
 
 
-def _flesh(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _flesh(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
     """Return geoms and eyes, with the numbers of their bodies within the infant."""
     model, own = models[0], parts[0]
     return {
@@ -133,14 +133,16 @@ def _flesh(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own
 
 
 def _by_age(
-    packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
+    packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
 ) -> dict[str, Any]:
     """Return an array of a model at each age, of what is the infant's."""
     found = [getattr(model, name)[getattr(own, kind)] for model, own in zip(models, parts, strict=True)]
     return packed.put(np.stack(found))
 
 
-def describe_touch(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+def describe_touch(
+    packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]
+) -> dict[str, Any] | None:
     """Return the skin points of an infant at some ages, in the frames of their bodies; None if it feels nothing."""
     if variants[0].bundle.manifest.senses.touch is None:
         return None
@@ -153,7 +155,9 @@ def describe_touch(packed: Packed, variants: Sequence[Variant], ages_months: Seq
     }
 
 
-def _poses(packed: Packed, variants: Sequence[Variant], parts: Sequence[Own]) -> Iterator[tuple[str, dict[str, Any]]]:
+def _poses(
+    packed: EncodedArrays, variants: Sequence[Variant], parts: Sequence[Own]
+) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
@@ -176,7 +180,7 @@ CURVE_AGES_MONTHS = tuple(half / 2 for half in range(49))
 """Ages of the points of the curves."""
 
 
-def describe_standards(packed: Packed, children: Sequence[ChildEntry]) -> dict[str, Any]:
+def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) -> dict[str, Any]:
     """Return WHO's percentiles by age for children of this sex, and the child's own measures at its ages.
 
     Args:

@@ -24,7 +24,7 @@ ALIGNMENT = 4
 
 
 @dataclass(slots=True)
-class Packed:
+class EncodedArrays:
     """What a page knows: plain data, in which arrays are named by `{"array": number}`."""
 
     arrays: list[Array] = field(default_factory=list)

@@ -12,7 +12,7 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import Packed, built
+from mimoc.viewer.packing import EncodedArrays, built
 
 ENGINE, WASM = "mujoco.js", "mujoco.wasm.gz"
 AGES_MONTHS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 24.0)
@@ -21,7 +21,7 @@ SHOWN_ONLY = ("material", "texture", "skin")
 """Elements of MJCF that physics does not need."""
 
 
-def describe_physics(packed: Packed, variants: Sequence[Variant]) -> dict[str, Any]:
+def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict[str, Any]:
     """Return the models of an infant at some ages as MJCF, and what of them is the infant's.
 
     Args:
@@ -51,7 +51,7 @@ def engine() -> Mapping[str, str]:
     return {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": base64.b64encode(built(WASM)).decode()}
 
 
-def _model(packed: Packed, variant: Variant) -> dict[str, Any]:
+def _model(packed: EncodedArrays, variant: Variant) -> dict[str, Any]:
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
     return {
         "age_months": variant.bundle.manifest.child.age_months,

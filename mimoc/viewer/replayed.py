@@ -16,7 +16,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
 from mimoc.viewer.growth import Own, own_parts
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import describe, fill
 from mimoc.viewer.surroundings import bodies_around, describe_surroundings
 
@@ -65,14 +65,14 @@ def page_of_recording(
         MimocError: See `mimoc.viewer.page.page_of`.
     """
     episode = chosen_episodes(recording, infant, number)[0]
-    packed = Packed()
+    packed = EncodedArrays()
     data = describe(packed, recording.bundle(episode.infant), physics)
     replayed, difference = describe_episode(packed, recording, episode, progress)
     return RecordedPage(fill(packed, {**data, **replayed}), episode, difference)
 
 
 def describe_episode(
-    packed: Packed, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
+    packed: EncodedArrays, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
 ) -> tuple[dict[str, Any], str | None]:
     """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
     film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
@@ -100,7 +100,7 @@ def describe_episode(
 class _Film:
     """Keeps the motion of an infant while it is simulated again."""
 
-    packed: Packed
+    packed: EncodedArrays
     stride: int
     """Of how many control steps each frame is the first."""
     surroundings: dict[str, Any] = field(default_factory=dict)
@@ -171,7 +171,7 @@ def _felt(observed: Array, points: int) -> tuple[Array, Array]:
     return points_felt, forces_n[points_felt]
 
 
-def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
+def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
     yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
     yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
@@ -186,7 +186,7 @@ def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[
             yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))
 
 
-def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
+def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
     """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
     known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
     low, high = known.min(axis=0), known.max(axis=0)
@@ -200,7 +200,7 @@ def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) ->
     }
 
 
-def _videos(packed: Packed, episode: Episode) -> Iterator[tuple[str, Any]]:
+def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]]:
     """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":

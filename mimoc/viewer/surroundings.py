@@ -7,10 +7,12 @@ import numpy as np
 
 from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.viewer.growth import IntArray, Own
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 
 
-def describe_surroundings(packed: Packed, model: mujoco.MjModel, data: mujoco.MjData, parts: Own) -> dict[str, Any]:
+def describe_surroundings(
+    packed: EncodedArrays, model: mujoco.MjModel, data: mujoco.MjData, parts: Own
+) -> dict[str, Any]:
     """Return the geoms that are not the infant's, with their bodies where they are now.
 
     Args:
@@ -56,7 +58,7 @@ def _geoms(model: mujoco.MjModel, parts: Own) -> IntArray:
     return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), parts.geoms)
 
 
-def _mesh(packed: Packed, model: mujoco.MjModel, index: int) -> dict[str, Any]:
+def _mesh(packed: EncodedArrays, model: mujoco.MjModel, index: int) -> dict[str, Any]:
     first, face = model.mesh_vertadr[index], model.mesh_faceadr[index]
     return {
         "verts": packed.put(model.mesh_vert[first : first + model.mesh_vertnum[index]]),

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from mimoc.errors import RecordingError
-from mimoc.recording import frames, layouts
+from mimoc.recording import frames, layout_names
 from mimoc.recording.blocks import Sparse, reading_of
-from mimoc.recording.layouts import shortened, written_out
+from mimoc.recording.layout_names import compact_names, expand_names
 from mimoc.recording.state_text import from_plain, is_same, to_plain
 
 numbers = arrays.arrays(
@@ -63,15 +63,15 @@ names = st.builds(
 
 @given(layout=st.lists(names | st.text(max_size=3), max_size=14))
 def test_any_layout_comes_back_whatever_counts_as_long(layout):
-    with mock.patch.object(layouts, "LONG", 0):
-        assert written_out(json.loads(json.dumps(shortened(layout)))) == tuple(layout)
-    assert written_out(shortened(layout)) == tuple(layout)
+    with mock.patch.object(layout_names, "LONG", 0):
+        assert expand_names(json.loads(json.dumps(compact_names(layout)))) == tuple(layout)
+    assert expand_names(compact_names(layout)) == tuple(layout)
 
 
 def test_thousands_of_skin_points_take_few_words(open_env):
     layout = open_env(senses={"touch": {}}).layout("touch")
-    assert len(json.dumps(shortened(layout))) < len(layout)
-    assert written_out(shortened(layout)) == layout
+    assert len(json.dumps(compact_names(layout))) < len(layout)
+    assert expand_names(compact_names(layout)) == layout
 
 
 @given(

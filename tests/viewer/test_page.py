@@ -18,7 +18,7 @@ from mimoc.compiler.variants import SpecVariants
 from mimoc.errors import MimocError
 from mimoc.fits.who import percentile
 from mimoc.viewer import packing
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import describe, fill, page_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -36,8 +36,8 @@ def variants() -> SpecVariants:
 
 
 @pytest.fixture(scope="module")
-def described(variants) -> tuple[Packed, dict]:
-    packed = Packed()
+def described(variants) -> tuple[EncodedArrays, dict]:
+    packed = EncodedArrays()
     return packed, describe(packed, variants.own)
 
 

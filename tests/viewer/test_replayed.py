@@ -12,7 +12,7 @@ from support.pages import few_ages, read_page
 import mimoc
 from mimoc.errors import RecordingError
 from mimoc.viewer import replayed
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.replayed import describe_episode, page_of_recording
 
 STEPS = 30
@@ -105,7 +105,7 @@ def test_eyes_show_a_video_of_what_was_seen(known, recorded):
 
 def test_long_episodes_have_fewer_frames_of_the_same_duration(recorded, monkeypatch, known):
     monkeypatch.setattr(replayed, "FRAMES", 12)
-    packed = Packed()
+    packed = EncodedArrays()
     data, _ = describe_episode(packed, recorded[0], recorded[0][0])
     short = data["recording"]
     assert short["stride"] == 3
@@ -126,5 +126,5 @@ def test_a_replay_that_differs_says_where(recorded, monkeypatch):
         step(model, data, nstep)
 
     monkeypatch.setattr(mujoco, "mj_step", differently)
-    _, difference = describe_episode(Packed(), recorded[0], recorded[0][0])
+    _, difference = describe_episode(EncodedArrays(), recorded[0], recorded[0][0])
     assert difference.startswith("infant 0, episode 0, step ")

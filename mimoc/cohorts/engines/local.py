@@ -13,9 +13,9 @@ from time import monotonic
 from typing import Any
 
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, lost, perform
+from mimoc.cohorts.perform import PINNED, failed_result, run_jobs
 from mimoc.cohorts.store import Result, Store
-from mimoc.cohorts.work import Bench
+from mimoc.cohorts.work import JobWorkspace
 from mimoc.errors import MimocError
 
 OPTIONS = ("processes",)
@@ -55,7 +55,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
                     if tries[job.key] < TRIES:
                         queue.again(job)
                         continue
-                    store.write(job, lost(job, f"{ended}, {TRIES} times; see the log"))
+                    store.write(job, failed_result(job, f"{ended}, {TRIES} times; see the log"))
                 finished += 1
                 done(finished)
     finally:
@@ -193,12 +193,12 @@ def main(descriptor: int) -> None:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     Thread(target=_end_with, args=(lifeline,), daemon=True).start()
-    connection, bench = Connection(descriptor), Bench()
+    connection, workspace = Connection(descriptor), JobWorkspace()
     with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
         while True:
             job, store = connection.recv()
             try:
-                perform([job], store, bench)
+                run_jobs([job], store, workspace)
             except MimocError as error:
                 connection.send(error)
             else:

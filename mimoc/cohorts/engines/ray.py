@@ -8,7 +8,7 @@ from typing import Any
 
 from mimoc.cohorts.engines.tasks import End, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
 
@@ -150,7 +150,7 @@ class _Ray:
 
 def _do(task: Task, store: Store) -> None:
     """Do the jobs of a task, in a process of the cluster."""
-    perform(task, store)
+    run_jobs(task, store)
 
 
 def _end(task: "ray.ObjectRef") -> End:

@@ -12,7 +12,7 @@ from typing import Any
 from mimoc.bundle.files import make_folder
 from mimoc.cohorts.engines.tasks import End, RefusedError, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
 
@@ -122,7 +122,7 @@ def _do(task: Task, store: Store) -> None:
     """Do the jobs of a task, in a process that SLURM has started."""
     for number in (signal.SIGUSR2, signal.SIGTERM):  # submitit would raise an error in the job instead of ending.
         signal.signal(number, signal.SIG_DFL)
-    perform(task, store)
+    run_jobs(task, store)
 
 
 def _states() -> dict[str, str]:

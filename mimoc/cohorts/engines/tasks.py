@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import Any, NamedTuple, Protocol
 
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import lost
+from mimoc.cohorts.perform import failed_result
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError
 
@@ -137,5 +137,5 @@ class _Again:
 
     def _lost(self, failed: Sequence[Job], left: Task, reason: str) -> Task:
         for job in failed:
-            self._store.write(job, lost(job, reason))
+            self._store.write(job, failed_result(job, reason))
         return tuple(job for job in left if job not in failed)

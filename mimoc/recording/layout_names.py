@@ -12,7 +12,7 @@ LONG = 100
 """Layouts of fewer names are written out."""
 
 
-def shortened(layout: Sequence[str]) -> list[Any]:
+def compact_names(layout: Sequence[str]) -> list[Any]:
     """Return a layout as it stands in files: names, or runs `{"name", "from", "to", "ends"}` of numbered names."""
     if len(layout) < LONG:
         return list(layout)
@@ -24,7 +24,7 @@ def shortened(layout: Sequence[str]) -> list[Any]:
     return items
 
 
-def written_out(layout: Sequence[Any]) -> tuple[str, ...]:
+def expand_names(layout: Sequence[Any]) -> tuple[str, ...]:
     """Return the names of a layout as it stands in files."""
     if sum(1 if isinstance(item, str) else _count(item) for item in layout) > MOST:
         raise ValueError("a layout of more numbers than any infant has")

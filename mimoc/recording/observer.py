@@ -57,7 +57,7 @@ class _Episode:
     """Complete states, since the last part."""
 
 
-class InfantJournal(Journal):
+class RecordingObserver(Journal):
     """Writes down the episodes of one infant."""
 
     keeps = True
