@@ -50,12 +50,12 @@ CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which 
 @app.command(epilog="Example:  mimoc cohort plan spring.yaml -o out/spring")
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
-    from mimoc.cli import cohort_tables, console
+    from mimoc.cli import console, tables
     from mimoc.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
         estimate = planned(_read(cohort), out, show)
-    cohort_tables.print_plan(estimate)
+    tables.print_plan(estimate)
 
 
 @app.command(epilog=EXAMPLE)
@@ -109,9 +109,9 @@ def retry(
 @app.command(epilog="Example:  mimoc cohort status spring.yaml -o out/spring")
 def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
-    from mimoc.cli import cohort_tables
+    from mimoc.cli import tables
 
-    cohort_tables.print_status(_read(cohort).status(out))
+    tables.print_status(_read(cohort).status(out))
 
 
 @app.command(epilog="Example:  mimoc cohort table spring.yaml -o out/spring")
@@ -139,9 +139,9 @@ def _given(**options: Any) -> dict[str, Any]:
 
 def _end(status: "Status", cohort: Path, out: Path) -> None:
     """Print what became of the jobs, and what to do next; the exit code is 1 if some have failed."""
-    from mimoc.cli import cohort_tables
+    from mimoc.cli import tables
 
-    cohort_tables.print_status(status)
+    tables.print_status(status)
     if status.failures:
         print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
         raise typer.Exit(FAILED_CHECK)

@@ -37,7 +37,7 @@ class Findings:
 
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
-    from mimoc.cli.validation_tables import print_growth
+    from mimoc.cli.tables import print_growth
     from mimoc.compiler import validation
     from mimoc.render.plots import plot_growth
 
@@ -48,7 +48,7 @@ def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
 
 
 def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
-    from mimoc.cli.validation_tables import print_measurements
+    from mimoc.cli.tables import print_measurements
     from mimoc.compiler.validation import anthrokids
     from mimoc.render.plots.measurements import plot_measurements
 
@@ -62,7 +62,7 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
 
 
 def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
-    from mimoc.cli.validation_tables import print_milestones
+    from mimoc.cli.tables import print_milestones
     from mimoc.milestones import Conditions, validate_milestones
     from mimoc.render.plots.milestones import plot_milestones
 

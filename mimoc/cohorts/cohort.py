@@ -157,11 +157,10 @@ class Cohort:
 
     def retry(self, out: str | Path, on: str = "local", *, progress: Progress | None = None, **options: Any) -> Status:
         """Do all failed jobs again, and those that have no result yet; see `run`."""
-        store = Store(Path(out).expanduser())
-        store.check()
+        store = _store(out)
         find_engine(on, options)
         self.check_steps()
-        for failure in self.status(out).failures:
+        for failure in status_of(self.jobs(), store).failures:
             store.forget(failure.job)
         return self.run(out, on, progress=progress, **options)
 
@@ -171,9 +170,7 @@ class Cohort:
         Raises:
             MimocError: If the folder is not that of a cohort.
         """
-        store = Store(Path(out).expanduser())
-        store.check()
-        return status_of(self.jobs(), store)
+        return status_of(self.jobs(), _store(out))
 
     def rows(self, out: str | Path, *, progress: Progress = lambda done, total: None) -> list[dict[str, Cell]]:
         """Return the table, one row a job; see `table`.
@@ -181,9 +178,7 @@ class Cohort:
         Raises:
             MimocError: If the folder is not that of a cohort.
         """
-        store = Store(Path(out).expanduser())
-        store.check()
-        return rows_of(self.jobs(), store, self.spec.measure, progress)
+        return rows_of(self.jobs(), _store(out), self.spec.measure, progress)
 
     def table(
         self, out: str | Path, *, parquet: bool = True, progress: Progress = lambda done, total: None
@@ -202,6 +197,17 @@ class Cohort:
         rows, folder = self.rows(out, progress=progress), Path(out).expanduser()
         written = [write_csv(rows, folder)]
         return [*written, write_parquet(rows, folder)] if parquet else written
+
+
+def _store(out: str | Path) -> Store:
+    """Return the folder of a cohort.
+
+    Raises:
+        MimocError: If it is none.
+    """
+    store = Store(Path(out).expanduser())
+    store.check()
+    return store
 
 
 def read_cohort(path: str | Path) -> Cohort:

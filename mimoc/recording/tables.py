@@ -1,5 +1,6 @@
 """Rows of a recording as Parquet, with the names and units of all numbers in its schema."""
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.bundle import files
+from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
@@ -42,23 +43,12 @@ def write_table(path: Path, table: Any) -> None:
     Raises:
         OutputError: If the file cannot be written.
     """
-    temporary = files.temporary_path(path)
     leaves = [leaf for field in table.schema for leaf in _leaves(field.name, field.type)]
     split = {leaf: "BYTE_STREAM_SPLIT" for leaf, kind in leaves if str(kind) in SPLIT}
-    try:
-        pq.write_table(
-            table,
-            temporary,
-            use_dictionary=False,
-            write_statistics=False,
-            column_encoding=split,
-            compression="zstd",
-            compression_level=LEVEL,
-        )
-    except OSError as error:
-        files.discard(temporary)
-        raise files.write_error(path, error) from None
-    files.move_into_place(temporary, path)
+    how: dict[str, Any] = {"use_dictionary": False, "write_statistics": False, "column_encoding": split}
+    content = io.BytesIO()
+    pq.write_table(table, content, compression="zstd", compression_level=LEVEL, **how)
+    write_file(path, content.getvalue())
 
 
 def describe(paths: Sequence[Path]) -> Described:

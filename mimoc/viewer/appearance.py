@@ -11,7 +11,7 @@ from PIL import Image
 
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.meshes import rows_of, skin_of
+from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
 from mimoc.viewer.packing import EncodedArrays
 
 BONES = 4
@@ -43,11 +43,8 @@ def describe_materials(packed: EncodedArrays, model: mujoco.MjModel) -> dict[str
 
 
 def _png(model: mujoco.MjModel, index: int) -> bytes:
-    height, width, channels = model.tex_height[index], model.tex_width[index], model.tex_nchannel[index]
-    first = model.tex_adr[index]
-    pixels = model.tex_data[first : first + height * width * channels].reshape(height, width, channels)
-    file = io.BytesIO()
-    Image.fromarray(pixels[..., 0] if channels == 1 else pixels).save(file, "PNG", compress_level=9)
+    pixels, file = pixels_of(model, index), io.BytesIO()
+    Image.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels).save(file, "PNG", compress_level=9)
     return file.getvalue()
 
 

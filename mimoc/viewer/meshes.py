@@ -116,7 +116,12 @@ def texture_of(model: mujoco.MjModel, material: int) -> Array | None:
     texture = model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB] if material >= 0 else -1
     if texture < 0:
         return None
-    height, width, channels = model.tex_height[texture], model.tex_width[texture], model.tex_nchannel[texture]
+    pixels = pixels_of(model, texture)
+    return np.broadcast_to(pixels, (*pixels.shape[:2], 3)) if pixels.shape[2] == 1 else pixels[..., :3]
+
+
+def pixels_of(model: mujoco.MjModel, texture: int) -> Array:
+    """Return the pixels of a texture, shape (height, width, channels), 0 to 255."""
+    shape = model.tex_height[texture], model.tex_width[texture], model.tex_nchannel[texture]
     first = model.tex_adr[texture]
-    pixels = model.tex_data[first : first + height * width * channels].reshape(height, width, channels)
-    return np.broadcast_to(pixels[..., :3], (height, width, 3)) if channels == 1 else pixels[..., :3]
+    return model.tex_data[first : first + np.prod(shape)].reshape(shape)

@@ -2,7 +2,6 @@
 
 import base64
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
 from typing import Any
 from xml.etree import ElementTree
 
@@ -40,7 +39,6 @@ def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict
     }
 
 
-@cache
 def engine() -> Mapping[str, str]:
     """Return what a page with physics contains besides: MuJoCo's program, and its WebAssembly in base64.
 
