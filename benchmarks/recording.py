@@ -3,7 +3,7 @@
     python benchmarks/recording.py [--steps 4000] [--eyes]
 
 Two environments of the same infant take the same steps in turn, 250 each, one of them recorded; the CPU time of the
-thread that writes counts, and so does joining the parts of an episode at its end. With `--eyes`, a run of 2,000 steps
+thread that writes counts. With `--eyes`, a run of 2,000 steps
 with all senses is recorded, measured, and replayed.
 """
 

@@ -47,7 +47,7 @@ LAYERS = {
     "units": layer("units mujoco_layout"),
     "streams": layer("random_streams"),
     "geometry": layer("geometry rounding", "errors units", "scipy"),
-    "files": layer("bundle.files bundle.leftovers bundle.atomic_swap bundle.json_text", "errors version geometry"),
+    "files": layer("bundle.files bundle.json_text", "errors version geometry"),
     "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
     "language": layer(
         "schema.absent schema.base schema.body schema.control schema.entries schema.groups schema.key_paths "

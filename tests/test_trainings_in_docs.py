@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from stable_baselines3 import PPO
 
-from mimoc.cli.train import EXAMPLE
+from mimoc.cli.commands import COMMANDS
 from mimoc.training import Curve
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -27,7 +27,7 @@ INSTEAD = {"SPEC": "configs/reach.yaml", "RUN": "runs/run"}
 def commands() -> dict[str, str]:
     """Return each `mimoc train` with arguments, by where it stands: in a block or within a line."""
     texts = {str(path.relative_to(CHECKOUT)): path.read_text(encoding="utf-8") for path in PAGES}
-    texts["mimoc train --help"] = EXAMPLE
+    texts["mimoc train --help"] = f"mimoc train {COMMANDS['train'][1]}"
     found = {}
     for name, text in texts.items():
         for match in re.finditer(r"mimoc train( [^`\n#]*-o [^`\n#]*)", text):

@@ -83,15 +83,15 @@ def _chunks(content: bytes) -> list[bytes]:
     """Return the compressed data of a PNG, checked chunk by chunk."""
     if content[:8] != _SIGNATURE or content[12:16] != b"IHDR" or len(content) < 45:
         raise _UnusableError("it is not a PNG")
-    place, found = 8, []
+    place, compressed = 8, []
     while place + 12 <= len(content):
         size, kind = struct.unpack_from(">I4s", content, place)
         if kind not in _CHUNKS or place + 12 + size > len(content):
             raise _UnusableError("it is damaged, or not a PNG as mimoc writes it")
         if kind == b"IDAT":
-            found.append(content[place + 8 : place + 8 + size])
+            compressed.append(content[place + 8 : place + 8 + size])
         place += 12 + size
-    return found
+    return compressed
 
 
 def _mesh_bytes(content: bytes) -> int:
@@ -124,8 +124,8 @@ def _vertices(content: bytes) -> int:
 
 def _indices(content: bytes, place: int, count: int, verts: int) -> int:
     """Return the bytes of some indices of vertices, all of which must be there."""
-    found = _integers(content, place, count)
-    if len(found) and (found.min() < 0 or found.max() >= verts):
+    vertices = _integers(content, place, count)
+    if len(vertices) and (vertices.min() < 0 or vertices.max() >= verts):
         raise _UnusableError("it refers to vertices that it does not have")
     return 4 * count
 

@@ -1,10 +1,17 @@
-"""Atomic writing of single files, and whether a page can be written to one."""
+"""Writing files and folders: each whole or not at all, and nothing left over of processes that were killed."""
 
+import ctypes
+import errno
 import os
+import secrets
+import shutil
+import socket
+import sys
+import tempfile
 from contextlib import suppress
+from glob import escape
 from pathlib import Path
 
-from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
 from mimoc.errors import OutputError
 
 PAGES = (".html", ".htm")
@@ -127,3 +134,100 @@ def discard(temporary: Path) -> None:
 def write_error(path: Path, error: OSError) -> OutputError:
     """Return the error that says why a file cannot be written."""
     return OutputError(f"{path}: cannot be written ({error.strerror}); choose another place")
+
+
+def unfinished_name(prefix: str) -> str:
+    """Return a new name, which begins with *prefix*, for a file or folder that this process is writing."""
+    return f"{writer_prefix(prefix)}{os.getpid()}-{secrets.token_hex(8)}"
+
+
+def writer_prefix(prefix: str) -> str:
+    """Return what comes before the process ID in the names of all that this machine's processes are writing."""
+    return f"{prefix}{socket.gethostname()}-{_process_namespace()}-"
+
+
+def remove_leftovers(folder: Path, prefix: str) -> None:
+    """Remove the files and folders with unfinished names whose processes, on this machine, no longer exist."""
+    ours = writer_prefix(prefix)
+    for path in folder.glob(f"{escape(ours)}*"):
+        process = path.name.removeprefix(ours).split("-")[0]
+        if process.isdecimal() and not _is_alive(int(process)):
+            remove(path)
+
+
+def remove(path: Path) -> None:
+    """Remove what is at a path, a folder with all that is in it, as far as it can be removed.
+
+    `shutil.rmtree` alone would wait for somebody to write to a pipe.
+    """
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with suppress(OSError):
+            path.unlink()
+
+
+def _process_namespace() -> str:
+    """Return the ID of the process namespace: containers on one machine number their processes separately."""
+    try:
+        return str(os.stat("/proc/self/ns/pid").st_ino)
+    except OSError:
+        return "0"
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True
+    return True
+
+
+_AT_FDCWD = -100
+_RENAME_EXCHANGE = 2
+"""Flag of renameat2 (Linux, include/uapi/linux/fs.h) and, as RENAME_SWAP, of renamex_np (macOS, sys/stdio.h)."""
+_UNSUPPORTED = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP}
+"""Errors of an operating or file system that cannot swap two folders atomically."""
+
+
+def swap_folders(first: Path, second: Path) -> None:
+    """Swap two folders of one file system.
+
+    If the system cannot do this atomically, *second* is first moved aside, and moved back if *first* cannot be
+    renamed.
+
+    Raises:
+        OSError: If they cannot be swapped.
+    """
+    try:
+        _swap_at_once(os.fsencode(first), os.fsencode(second))
+    except OSError as error:
+        if error.errno not in _UNSUPPORTED:
+            raise
+        _swap_in_turn(first, second)
+
+
+def _swap_at_once(first: bytes, second: bytes) -> None:
+    library = ctypes.CDLL(None, use_errno=True)
+    if sys.platform == "linux" and hasattr(library, "renameat2"):
+        failed = library.renameat2(_AT_FDCWD, first, _AT_FDCWD, second, _RENAME_EXCHANGE)
+    elif sys.platform == "darwin" and hasattr(library, "renamex_np"):
+        failed = library.renamex_np(first, second, _RENAME_EXCHANGE)
+    else:
+        raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+    if failed:
+        number = ctypes.get_errno()
+        raise OSError(number, os.strerror(number))
+
+
+def _swap_in_turn(first: Path, second: Path) -> None:
+    aside = Path(tempfile.mkdtemp(prefix=f"{first.name}-", dir=first.parent))
+    os.rename(second, aside)
+    try:
+        os.rename(first, second)
+    except BaseException:
+        os.rename(aside, second)
+        raise
+    os.rename(aside, first)

@@ -13,9 +13,8 @@ from types import MappingProxyType
 from typing import Any
 
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
-from mimoc.bundle.atomic_swap import swap_folders
+from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
 from mimoc.bundle.later_files import LaterFiles
-from mimoc.bundle.leftovers import remove_leftovers, unfinished_name
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.manifest_text import read_manifest
 from mimoc.bundle.regular_files import (
@@ -61,8 +60,8 @@ class Bundle:
     @property
     def versions(self) -> Mapping[str, str]:
         """Versions of the software that made it, by name."""
-        found = json.loads(self.files[LOCK]).get("versions")
-        return {str(name): str(version) for name, version in found.items()} if isinstance(found, dict) else {}
+        listed = json.loads(self.files[LOCK]).get("versions")
+        return {str(name): str(version) for name, version in listed.items()} if isinstance(listed, dict) else {}
 
     def __repr__(self) -> str:
         """Return name, age, size and folder in one line."""

@@ -50,8 +50,8 @@ def parse_json(content: bytes, kind: type[Data]) -> Data:
 def problems_in(error: ValidationError) -> str:
     """Return what is wrong with the data of a file, key by key, in one line of printable text."""
     problems = [
-        ": ".join([".".join(map(str, each["loc"])), each["msg"].removeprefix("Value error, ")]).removeprefix(": ")
-        for each in error.errors(include_url=False, include_context=False, include_input=False)
+        ": ".join([".".join(map(str, problem["loc"])), problem["msg"].removeprefix("Value error, ")]).removeprefix(": ")
+        for problem in error.errors(include_url=False, include_context=False, include_input=False)
     ]
     more = [f"and {len(problems) - _SHOWN} more"] if len(problems) > _SHOWN else []
     return one_line("; ".join(problems[:_SHOWN] + more))

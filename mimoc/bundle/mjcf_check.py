@@ -38,8 +38,8 @@ def read_mjcf(file: str, content: bytes) -> Mjcf:
     """
     if len(content) > MOST_BYTES:
         raise BundleError(f"{file}: it has more than {MOST_BYTES >> 20} MB, which no infant needs")
-    if found := _BEYOND_ELEMENTS.search(content):
-        raise BundleError(f"{file}:{_line(content, found.start())}: mimoc writes nothing but elements")
+    if beyond := _BEYOND_ELEMENTS.search(content):
+        raise BundleError(f"{file}:{_line(content, beyond.start())}: mimoc writes nothing but elements")
     reader = _Reader(file)
     reader.read(content)
     if not all(values.allow(given) for values, given in reader.given.items()):

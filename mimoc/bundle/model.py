@@ -1,4 +1,4 @@
-"""From a bundle to a compiled MuJoCo model."""
+"""From a bundle to a compiled MuJoCo model, if it is one that mimoc could have written."""
 
 import logging
 import warnings
@@ -9,10 +9,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.bundle.asset_check import check_assets
 from mimoc.bundle.io import Bundle
-from mimoc.bundle.poses import pose_of
-from mimoc.bundle.strangers import check_files, check_model
-from mimoc.errors import ModelError
+from mimoc.bundle.manifest import Manifest
+from mimoc.bundle.mjcf_check import read_mjcf
+from mimoc.bundle.model_names import check_names
+from mimoc.errors import BundleError, ModelError, UnknownNameError
+from mimoc.units import ms_to_s
 
 FAULTY_SPARSE_SOLVER = "4.0.0"
 """MuJoCo release whose Newton solver gives wrong results in rare states when the Jacobian is sparse."""
@@ -158,11 +161,11 @@ def simulation_warnings(data: mujoco.MjData) -> tuple[str, ...]:
 
 def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.bool_]:
     """Return a mask of the root bodies and all their descendants, shape (nbody,)."""
-    found = np.zeros(model.nbody, bool)
-    found[list(roots)] = True
+    is_inside = np.zeros(model.nbody, bool)
+    is_inside[list(roots)] = True
     for body in range(1, model.nbody):  # Parents come before children.
-        found[body] |= found[model.body_parentid[body]]
-    return found
+        is_inside[body] |= is_inside[model.body_parentid[body]]
+    return is_inside
 
 
 def _keep_mujoco_quiet() -> None:
@@ -172,3 +175,60 @@ def _keep_mujoco_quiet() -> None:
     """
     if mujoco.get_mju_user_warning() is None:
         mujoco.set_mju_user_warning(logging.getLogger(__name__).info)
+
+
+INFANT, SCENE = "infant.xml", "scene.xml"
+"""The MJCF of a bundle; the second includes the first, or is complete by itself."""
+
+
+def check_files(bundle: Bundle) -> None:
+    """Check the files that MuJoCo reads of a bundle, which anyone may have written, unless it was built here.
+
+    A lock says that nothing has changed since it was written, but not who wrote it. So the MJCF may consist of nothing
+    but what mimoc writes and refer to files of the bundle alone, all of a bounded size, before MuJoCo reads any of it;
+    and what the manifest says must fit the model.
+
+    Raises:
+        BundleError: If mimoc does not write such files, or not of this size.
+    """
+    if bundle.path is None:
+        return
+    missing = [name for name in (INFANT, SCENE) if name not in bundle.files]
+    if missing:
+        raise BundleError(f"{bundle.path}: {' and '.join(missing)} are missing; build it again")
+    try:
+        infant, scene = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
+        if infant.counts["include"]:
+            raise BundleError(f"only {SCENE} may include {INFANT}")
+        check_assets(bundle.files, {**infant.references, **scene.references})
+    except BundleError as error:
+        raise BundleError(f"{bundle.path}: {error}; do not use it") from None
+
+
+def check_model(bundle: Bundle, model: mujoco.MjModel) -> None:
+    """Check that the manifest of a bundle fits its model, unless it was built here.
+
+    Raises:
+        BundleError: If it does not.
+    """
+    if bundle.path is None:
+        return
+    try:
+        if not abs(model.opt.timestep - ms_to_s(bundle.manifest.timestep_ms)) < 1e-9:
+            raise BundleError(f"timestep_ms: the physics step of the model is {1000 * model.opt.timestep:g} ms")
+        check_names(bundle.manifest, model)
+    except BundleError as error:
+        raise BundleError(f"{bundle.path}: {error}; build it again") from None
+
+
+def pose_of(manifest: Manifest, pose: str | None) -> str:
+    """Return the name of a pose, the bundle's default if *pose* is None.
+
+    Raises:
+        UnknownNameError: If the bundle has no such pose.
+    """
+    if pose is None or pose in manifest.poses:
+        return pose or manifest.pose
+    kept = manifest.constraints.locks or manifest.constraints.welds
+    what = "pose for an infant with held bodies or locked joints" if kept else "pose"
+    raise UnknownNameError(what, str(pose), manifest.poses)

@@ -69,7 +69,7 @@ on_recompose(_fields.cache_clear)
 
 def _kind(annotation: Any, metadata: Any = ()) -> NameKind | None:
     """Return what the texts in a field name, by the mark in its annotation."""
-    marks = [each for each in (*metadata, *getattr(annotation, "__metadata__", ())) if isinstance(each, NameOf)]
+    marks = [mark for mark in (*metadata, *getattr(annotation, "__metadata__", ())) if isinstance(mark, NameOf)]
     if marks:
         return marks[0].kind
     return next((kind for inner in get_args(annotation) if (kind := _kind(inner))), None)

@@ -1,10 +1,18 @@
-"""Arguments shared by several commands."""
+"""Arguments that several commands share, and what is loaded of them: specs, bundles, classes of a user."""
 
+import sys
 from enum import StrEnum
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from mimoc.errors import BundleError, MimocError
+
+if TYPE_CHECKING:
+    from mimoc.bundle.io import Bundle
+    from mimoc.schema.infant import InfantSpec
 
 SpecPath = Annotated[
     Path, typer.Argument(metavar="SPEC", help="YAML file that describes the infant, or `-` for standard input.")
@@ -34,3 +42,81 @@ ShownBody = Annotated[
 PicturePath = Annotated[
     Path, typer.Option("-o", "--out", metavar="FILE", help="Image file to write: .png, .jpg, .webp, .bmp or .tiff.")
 ]
+
+
+STDIN = Path("-")
+
+
+def load_spec(path: Path) -> "InfantSpec":
+    """Return the spec in a file or, for `-`, in standard input, where paths are relative to the working directory.
+
+    Raises:
+        SpecError: If the spec is invalid.
+    """
+    from mimoc import schema
+    from mimoc.compiler import loading
+    from mimoc.schema import source
+
+    if path != STDIN:
+        return loading.load_spec(path)
+    if sys.stdin.isatty():
+        print("reading a spec from the terminal; end it with Ctrl-D", file=sys.stderr)
+    return schema.read_spec(source.read_stream(sys.stdin.buffer, "<stdin>"))
+
+
+def load_infant(path: Path) -> "Bundle":
+    """Return the bundle in a folder, or the bundle built from a spec in a file or, for `-`, in standard input.
+
+    Raises:
+        BundleError: If the folder is not an intact bundle.
+        SpecError: If the spec cannot be built.
+        ModelError: If MuJoCo rejects the model.
+    """
+    from mimoc.bundle.io import read_bundle
+    from mimoc.cli import console
+    from mimoc.compiler import loading, pipeline
+
+    if path.is_file() and path.suffix.lower() not in loading.SPEC_SUFFIXES:
+        raise BundleError(f"{path}: this is a file; name the folder of a bundle, or a spec that ends in .yaml or .yml")
+    if path.is_dir() or (path != STDIN and path.suffix.lower() not in loading.SPEC_SUFFIXES):
+        return read_bundle(path)
+    spec = load_spec(path)
+    with console.progress("building") as show:
+        return pipeline.build(spec, progress=show)
+
+
+def load_spec_of_infant(path: Path) -> "InfantSpec":
+    """Return the spec in a file, in standard input or in a bundle.
+
+    Raises:
+        BundleError: If the folder is not an intact bundle.
+        SpecError: If the spec is invalid.
+    """
+    from mimoc.bundle.io import read_bundle
+    from mimoc.compiler.variants import spec_of
+
+    return spec_of(read_bundle(path)) if path.is_dir() else load_spec(path)
+
+
+def import_object(name: str) -> Any:
+    """Return an instance of a class that is named as `module:Class`; the module can be in the current folder.
+
+    Raises:
+        MimocError: If there is no such module or class, or it cannot be made without arguments.
+    """
+    module_name, _, class_name = name.partition(":")
+    if not class_name:
+        raise MimocError(f"'{name}' does not name a class; write MODULE:CLASS, such as my_task:Stillness")
+    sys.path.insert(0, "")
+    try:
+        module = import_module(module_name.removesuffix(".py"))
+    except ImportError as error:
+        raise MimocError(f"'{name}': {error}; run this command in the folder of the module") from None
+    finally:
+        sys.path.remove("")
+    if not hasattr(module, class_name):
+        raise MimocError(f"'{name}': the module has no class '{class_name}'")
+    try:
+        return getattr(module, class_name)()
+    except TypeError as error:
+        raise MimocError(f"'{name}': {error}; give all its arguments defaults") from None

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.exit_codes import FAILED_CHECK, resumable
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import FAILED_CHECK, printable, resumable
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Cohort, Status
@@ -51,12 +50,12 @@ CsvOnly = Annotated[bool, typer.Option("--csv", help="Write only the CSV, which 
 @app.command(epilog="Example:  mimoc cohort plan spring.yaml -o out/spring")
 def plan(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs there are, and how much time and space they take, after a short trial of each step."""
-    from mimoc.cli import cohort_tables, console
+    from mimoc.cli import console, tables
     from mimoc.cohorts.plan import plan as planned
 
     with console.progress("trying each step") as show:
-        found = planned(_read(cohort), out, show)
-    cohort_tables.print_plan(found)
+        estimate = planned(_read(cohort), out, show)
+    tables.print_plan(estimate)
 
 
 @app.command(epilog=EXAMPLE)
@@ -110,9 +109,9 @@ def retry(
 @app.command(epilog="Example:  mimoc cohort status spring.yaml -o out/spring")
 def status(cohort: CohortPath, out: Out) -> None:
     """Say how many jobs are done, and which have failed and why."""
-    from mimoc.cli import cohort_tables
+    from mimoc.cli import tables
 
-    cohort_tables.print_status(_read(cohort).status(out))
+    tables.print_status(_read(cohort).status(out))
 
 
 @app.command(epilog="Example:  mimoc cohort table spring.yaml -o out/spring")
@@ -120,10 +119,10 @@ def table(cohort: CohortPath, out: Out, csv: CsvOnly = False) -> None:
     """Write one row a job into `table.csv` and `table.parquet`: all factors, all measures, versions and seeds."""
     from mimoc.cli import console
 
-    found = _read(cohort)
+    study = _read(cohort)
     for parquet in (False,) if csv else (False, True):  # The CSV is there, and said to be, if there is no pyarrow.
         with console.progress("reading results") as show:
-            written = found.table(out, parquet=parquet, progress=show)
+            written = study.table(out, parquet=parquet, progress=show)
         print(printable(written[-1]))
 
 
@@ -140,9 +139,9 @@ def _given(**options: Any) -> dict[str, Any]:
 
 def _end(status: "Status", cohort: Path, out: Path) -> None:
     """Print what became of the jobs, and what to do next; the exit code is 1 if some have failed."""
-    from mimoc.cli import cohort_tables
+    from mimoc.cli import tables
 
-    cohort_tables.print_status(status)
+    tables.print_status(status)
     if status.failures:
         print(printable(f"{out}: try again with: mimoc cohort retry {cohort} -o {out}"))
         raise typer.Exit(FAILED_CHECK)

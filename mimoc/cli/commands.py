@@ -1,26 +1,20 @@
 """The `mimoc` program with all its commands."""
 
+from collections.abc import Callable, Mapping
 from typing import Annotated
 
 import typer
 
 from mimoc.cli import (
-    build,
-    check,
+    bundles,
     cohort,
+    conversions,
     doctor,
-    experiment,
-    explain,
-    export,
-    import_config,
     new,
-    render,
-    replay,
-    report,
-    rooms,
+    pages,
+    pictures,
+    recordings,
     run,
-    schema,
-    see,
     train,
     validate,
     view,
@@ -53,22 +47,27 @@ def _options(
     pass
 
 
-app.command(epilog=new.EXAMPLE)(new.new)
-app.command(epilog=build.EXAMPLE)(build.build)
-app.command(epilog=validate.EXAMPLE)(validate.validate)
-app.command(epilog=run.EXAMPLE)(run.run)
-app.command(epilog=train.EXAMPLE)(train.train)
-app.command(epilog=experiment.EXAMPLE)(experiment.experiment)
+COMMANDS: Mapping[str, tuple[Callable[..., None], str]] = {
+    "new": (new.new, "kim.yaml --age 7.5 --hands five_finger --senses proprioception,touch"),
+    "build": (bundles.build, "nine_months.yaml -o out/nine_months"),
+    "validate": (validate.validate, "--against who --plot growth.png"),
+    "run": (run.run, "out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"),
+    "train": (train.train, "reach.yaml -o runs/reach --algo ppo --steps 4096"),
+    "experiment": (pages.experiment, "growth -o out/growth --quick"),
+    "check": (bundles.check, "out/nine_months"),
+    "explain": (bundles.explain, "out/nine_months body.left_foot.mass"),
+    "report": (pages.report, "out/nine_months -o nine_months.html"),
+    "render": (pictures.render, "out/nine_months -o nine_months.png --pose supine --azimuth 30 --scale-bar"),
+    "see": (pictures.see, "out/nine_months -o seen.png --pose sitting --ages 1,3,9"),
+    "view": (view.view, "nine_months.yaml -o infant.html"),
+    "rooms": (pictures.rooms, "playroom.yaml --seeds 0:12 -o rooms.png"),
+    "replay": (recordings.replay, "recordings/random"),
+    "export": (recordings.export, "recordings/random --to csv -o out/random_csv"),
+    "import": (conversions.import_config, "babybench config.yml -o self_touch.yaml"),
+    "schema": (conversions.schema, "-o infant.schema.json"),
+    "doctor": (doctor.doctor, ""),
+}
+"""The commands in the order of the help, each with the arguments of its example."""
+for name, (command, arguments) in COMMANDS.items():
+    app.command(name, epilog=f"Example:  mimoc {name} {arguments}".rstrip())(command)
 app.add_typer(cohort.app)
-app.command(epilog=check.EXAMPLE)(check.check)
-app.command(epilog=explain.EXAMPLE)(explain.explain)
-app.command(epilog=report.EXAMPLE)(report.report)
-app.command(epilog=render.EXAMPLE)(render.render)
-app.command(epilog=see.EXAMPLE)(see.see)
-app.command(epilog=view.EXAMPLE)(view.view)
-app.command(epilog=rooms.EXAMPLE)(rooms.rooms)
-app.command(epilog=replay.EXAMPLE)(replay.replay)
-app.command(epilog=export.EXAMPLE)(export.export)
-app.command("import", epilog=import_config.EXAMPLE)(import_config.import_config)
-app.command(epilog=schema.EXAMPLE)(schema.schema)
-app.command(epilog=doctor.EXAMPLE)(doctor.doctor)

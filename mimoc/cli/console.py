@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 from rich.tree import Tree
 
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import printable
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest

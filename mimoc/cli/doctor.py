@@ -12,10 +12,8 @@ from typing import NamedTuple
 
 import typer
 
-from mimoc.cli.exit_codes import FAILED_CHECK
+from mimoc.cli.terminal import FAILED_CHECK
 from mimoc.errors import problem_of_loading_mujoco
-
-EXAMPLE = "Example:  mimoc doctor"
 
 EXTRAS: Mapping[str, str] = {
     "report": "plots and pages",
@@ -117,14 +115,14 @@ def _extra(extra: str) -> str:
         AbsentError: If one is not installed.
     """
     wanted = re.compile(rf"([\w.-]+).*extra == ['\"]{extra}['\"]")
-    names = [match[1] for each in requires("mimoc") or () if (match := wanted.match(each))]
+    names = [match[1] for requirement in requires("mimoc") or () if (match := wanted.match(requirement))]
     try:
-        found = [f"{name} {version(name)}" for name in names]
+        packages = [f"{name} {version(name)}" for name in names]
     except PackageNotFoundError:
-        found = []
-    if not found:
+        packages = []
+    if not packages:
         raise AbsentError(f"for {EXTRAS[extra]}: pip install 'mimoc[{extra}]'")
-    return f"{EXTRAS[extra]} ({', '.join(found)})"
+    return f"{EXTRAS[extra]} ({', '.join(packages)})"
 
 
 def _torch() -> str:
@@ -144,7 +142,7 @@ def _told(*command: str) -> str:
     """
     if not shutil.which(command[0]):
         raise AbsentError(f"no command '{command[0]}'")
-    told = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
-    if told.returncode:
-        raise OSError(told.stderr.strip() or f"'{command[0]}' ends with code {told.returncode}")
-    return ", ".join(told.stdout.split("\n")).strip(", ")
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
+    if done.returncode:
+        raise OSError(done.stderr.strip() or f"'{command[0]}' ends with code {done.returncode}")
+    return ", ".join(done.stdout.split("\n")).strip(", ")

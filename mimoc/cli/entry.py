@@ -7,8 +7,7 @@ import sys
 import warnings
 from typing import TextIO
 
-from mimoc.cli.exit_codes import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import BAD_INPUT, BROKEN_PIPE, FAILED_CHECK, printable
 from mimoc.errors import MimocError, problem_of_loading_mujoco
 from mimoc.interruption import ending_orderly
 

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import printable
 from mimoc.errors import MimocError, SpecError, check_name
 
 if TYPE_CHECKING:
     from mimoc.schema.starter import Choices
 
-EXAMPLE = "Example:  mimoc new kim.yaml --age 7.5 --hands five_finger --senses proprioception,touch"
 STDOUT = Path("-")
 QUESTIONS = {
     "age_months": "Age in months, from 0 to 24",

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import Body, InfantPath, ShownBody
-from mimoc.cli.custom import import_object
-from mimoc.cli.infants import load_infant
-from mimoc.cli.printable import printable
+from mimoc.cli.arguments import Body, InfantPath, ShownBody, import_object, load_infant
+from mimoc.cli.terminal import printable
 from mimoc.errors import MimocError
 from mimoc.kinds import announced
 from mimoc.policies import POLICIES
@@ -19,17 +17,15 @@ from mimoc.policies import POLICIES
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
-    from mimoc.recording.record import Capture
+    from mimoc.recording.record import Watch
     from mimoc.runtime.env import InfantEnv
     from mimoc.runtime.rollout import PolicyMaker, Run
-
-EXAMPLE = "Example:  mimoc run out/nine_months --policy random --steps 500 --seed 1 --record recordings/random"
 
 
 def _policies() -> str:
     """Return what `--policy` can be: mimoc's own policies with what they do, then the names of others'."""
-    own = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
-    return ", ".join((*own, *announced("mimoc.policies")))
+    ours = [f"{name} ({POLICIES[name].about})" for name in POLICIES]
+    return ", ".join((*ours, *announced("mimoc.policies")))
 
 
 PolicyName = Annotated[str, typer.Option("--policy", help=f"{_policies()}; or a trained policy.zip.")]
@@ -76,15 +72,15 @@ def run(
     if video:
         recording.check_video(video)
     chosen = _read_policy(policy)
-    own = import_object(task) if task else None
-    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=own)
+    user_task = import_object(task) if task else None
+    env = InfantEnv(load_infant(infant), render_mode="human" if window else None, task=user_task)
     with closing(env), ExitStack() as recorded:
         act = policy_of(env, chosen)  # Refuses bad names before anything is written.
         recorded.enter_context(_recording(env, record))
         rollout = Run(env, lambda env: act, seed)
         options: Any = {"eyes": eyes, "rate_hz": fps, "height_px": size, "body": body.value}
-        filmed = recording.filming(rollout, video, **options) if video else nullcontext()
-        _run(rollout, steps, filmed, [each for each in (video, record) if each])
+        filmed = recording.film_of(video, env.manifest.step_ms, **options) if video else nullcontext()
+        _run(rollout, steps, filmed, [path for path in (video, record) if path])
     console.print_run(rollout.summary())
     for written in (video, record):
         if written:
@@ -100,15 +96,17 @@ def _recording(env: "InfantEnv", folder: Path | None) -> "AbstractContextManager
     return Recording([env], folder)
 
 
-def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Capture | None]", written: Sequence[Path]) -> None:
+def _run(rollout: "Run", steps: int, filmed: "AbstractContextManager[Watch | None]", written: Sequence[Path]) -> None:
     """Take some control steps with a progress bar, and film them if there is a video."""
     from mimoc.cli import console
 
-    with _interruptible(written), console.progress("running") as show, filmed as capture:
+    with _interruptible(written), console.progress("running") as show, filmed as watch:
+        if watch:
+            watch(rollout.env, rollout.observation)
         for step in range(steps):
             rollout.step()
-            if capture:
-                capture()
+            if watch:
+                watch(rollout.env, rollout.observation)
             show(step + 1, steps)
 
 

@@ -5,12 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import InfantPath
-from mimoc.cli.custom import import_object
-from mimoc.cli.exit_codes import resumable
-from mimoc.cli.infants import load_infant
-
-EXAMPLE = "Example:  mimoc train reach.yaml -o runs/reach --algo ppo --steps 4096"
+from mimoc.cli.arguments import InfantPath, import_object, load_infant
+from mimoc.cli.terminal import resumable
 
 CheckpointEvery = Annotated[
     int | None,

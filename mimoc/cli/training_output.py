@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from rich.table import Table
 
 from mimoc.cli import console
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import printable
 from mimoc.training import Row, Training
 
 LABELS = {

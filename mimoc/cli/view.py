@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mimoc.bundle.files import check_page
-from mimoc.cli.infants import load_infant
-from mimoc.cli.printable import printable
+from mimoc.cli.arguments import load_infant
+from mimoc.cli.terminal import printable
 from mimoc.errors import MimocError
 
 if TYPE_CHECKING:
     from mimoc.bundle.io import Bundle
     from mimoc.viewer.viewing import View
 
-EXAMPLE = "Example:  mimoc view nine_months.yaml -o infant.html"
 
 Shown = Annotated[
     Path,
@@ -81,8 +80,8 @@ def view(
 def _tell(page: "View") -> None:
     """Print where a page is, and what is to be known of it."""
     if page.difference:
-        told = "the page shows what is simulated now, which differs from the recording"
-        print(printable(f"{told}: {page.difference}"), file=sys.stderr)
+        message = "the page shows what is simulated now, which differs from the recording"
+        print(printable(f"{message}: {page.difference}"), file=sys.stderr)
     print(printable(page.path))
 
 

@@ -7,16 +7,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from mimoc.cohorts.checking import check_steps
 from mimoc.cohorts.engines import find_engine
-from mimoc.cohorts.infants import Infant, infants_of
+from mimoc.cohorts.infants import CohortInfant, infants_of
 from mimoc.cohorts.job import Job, jobs_of
-from mimoc.cohorts.perform import lost
+from mimoc.cohorts.perform import failed_result
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import MISSING, Cell, rows_of, write_csv, write_parquet
-from mimoc.errors import MimocError, SpecError
+from mimoc.errors import MimocError, MissingExtraError, SpecError, UnknownNameError
+from mimoc.policies import POLICIES
 from mimoc.schema import source as sources
 from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
+from mimoc.schema.cohort_steps import ExperimentStep, RunStep, StepSpec, TrainStep, step_of
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.plain import plain
 from mimoc.schema.source import Source
@@ -68,7 +69,7 @@ class Cohort:
             source = sources.in_memory(plain(source), "<cohort>", Path())
         self._source = source if isinstance(source, Source) else sources.read(source, COHORT)
         spec, base = _tried(read_cohort_spec, self._source), _tried(_base, self._source)
-        if problems := [problem for each in (spec, base) if isinstance(each, SpecError) for problem in each.problems]:
+        if problems := [problem for part in (spec, base) if isinstance(part, SpecError) for problem in part.problems]:
             raise SpecError(problems)
         self.spec: CohortSpec = spec
         self._base: Source = base
@@ -78,7 +79,7 @@ class Cohort:
         return f"Cohort({self.spec.cohort!r}, {self._source.file!r})"
 
     @cached_property
-    def infants(self) -> tuple[Infant, ...]:
+    def infants(self) -> tuple[CohortInfant, ...]:
         """All its infants, each with the factors that tell it from the others.
 
         Raises:
@@ -151,16 +152,15 @@ class Cohort:
         if todo:
             engine(todo, store, options, lambda done: report(ready + done, len(share)))
         for job in store.missing(todo):
-            store.write(job, lost(job, f"the engine '{on}' has ended without a result"))
+            store.write(job, failed_result(job, f"the engine '{on}' has ended without a result"))
         return status_of(share, store)
 
     def retry(self, out: str | Path, on: str = "local", *, progress: Progress | None = None, **options: Any) -> Status:
         """Do all failed jobs again, and those that have no result yet; see `run`."""
-        store = Store(Path(out).expanduser())
-        store.check()
+        store = _store(out)
         find_engine(on, options)
         self.check_steps()
-        for failure in self.status(out).failures:
+        for failure in status_of(self.jobs(), store).failures:
             store.forget(failure.job)
         return self.run(out, on, progress=progress, **options)
 
@@ -170,9 +170,7 @@ class Cohort:
         Raises:
             MimocError: If the folder is not that of a cohort.
         """
-        store = Store(Path(out).expanduser())
-        store.check()
-        return status_of(self.jobs(), store)
+        return status_of(self.jobs(), _store(out))
 
     def rows(self, out: str | Path, *, progress: Progress = lambda done, total: None) -> list[dict[str, Cell]]:
         """Return the table, one row a job; see `table`.
@@ -180,9 +178,7 @@ class Cohort:
         Raises:
             MimocError: If the folder is not that of a cohort.
         """
-        store = Store(Path(out).expanduser())
-        store.check()
-        return rows_of(self.jobs(), store, self.spec.measure, progress)
+        return rows_of(self.jobs(), _store(out), self.spec.measure, progress)
 
     def table(
         self, out: str | Path, *, parquet: bool = True, progress: Progress = lambda done, total: None
@@ -201,6 +197,17 @@ class Cohort:
         rows, folder = self.rows(out, progress=progress), Path(out).expanduser()
         written = [write_csv(rows, folder)]
         return [*written, write_parquet(rows, folder)] if parquet else written
+
+
+def _store(out: str | Path) -> Store:
+    """Return the folder of a cohort.
+
+    Raises:
+        MimocError: If it is none.
+    """
+    store = Store(Path(out).expanduser())
+    store.check()
+    return store
 
 
 def read_cohort(path: str | Path) -> Cohort:
@@ -228,16 +235,16 @@ def _base(source: Source) -> Source:
     """
     base = source.data.get("base")
     if isinstance(base, Mapping):
-        found = source.section("base")
+        spec = source.section("base")
     elif isinstance(base, str) and base:
         try:
-            found = sources.read(source.folder / Path(base).expanduser())
+            spec = sources.read(source.folder / Path(base).expanduser())
         except SpecError as error:
             raise SpecError(source.problem(("base",), problem.message) for problem in error.problems) from None
     else:
         return source  # The cohort's own problems say what is wrong with it.
-    read_spec(found)
-    return found
+    read_spec(spec)
+    return spec
 
 
 def status_of(jobs: Iterable[Job], store: Store) -> Status:
@@ -250,3 +257,44 @@ def status_of(jobs: Iterable[Job], store: Store) -> Status:
         if result and not result.ok:
             failures.append(Failure(job, result.error, store.log(job)))
     return Status(counts, tuple(failures))
+
+
+def check_steps(cohort: CohortSpec, source: Source) -> None:
+    """Check that there are the policies, experiments and settings of trainings that the steps of a cohort name.
+
+    Args:
+        cohort: The cohort.
+        source: Its file.
+
+    Raises:
+        SpecError: If some are unknown or impossible; the error lists all, with their places.
+        MissingExtraError: If it trains, and Stable-Baselines3 is not installed.
+    """
+    problems = []
+    for index, item in enumerate(cohort.do):
+        name, step = step_of(item)
+        try:
+            _check(step)
+        except MissingExtraError:
+            raise
+        except MimocError as error:
+            problems.append(source.problem(("do", index, name), str(error)))
+    if problems:
+        raise SpecError(problems)
+
+
+def _check(step: StepSpec) -> None:
+    if isinstance(step, RunStep) and not step.policy.endswith(".zip"):
+        POLICIES.find(step.policy)
+    elif isinstance(step, ExperimentStep):
+        from mimoc.experiments import EXPERIMENTS  # Takes time to import, in each process that does jobs.
+
+        if step.name not in EXPERIMENTS:
+            raise UnknownNameError("known experiment", step.name, EXPERIMENTS)
+    elif isinstance(step, TrainStep):
+        from mimoc.training.growth import growth_settings  # Needs Stable-Baselines3.
+        from mimoc.training.settings import Settings
+
+        growth_settings(step.grow, step.schedule, step.grow_steps, step.steps)
+        settings = step.algo, step.steps, 0, step.envs, step.checkpoint_every, step.hyper
+        Settings.choose(*settings, steps_per_episode=step.steps_per_episode)

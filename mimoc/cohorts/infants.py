@@ -1,21 +1,25 @@
 """The infants of a cohort: every combination of children and varied keys, as a spec each."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
+from statistics import NormalDist
 from typing import Any
 
-from mimoc.cohorts.children import draw_children
-from mimoc.cohorts.levels import draws, levels_of
+import numpy as np
+
 from mimoc.errors import Problem, SpecError
-from mimoc.random_streams import stream, whole_between
+from mimoc.random_streams import between, stream, whole_between
+from mimoc.rounding import rounded
 from mimoc.schema.base import KeyedError
 from mimoc.schema.body import IndividualSpec
-from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, SampleDesign
+from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, RangeSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, read_spec
 from mimoc.schema.key_paths import dotted
 from mimoc.schema.plain import changed, given, plain
+from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
 from mimoc.schema.same_child import at_another_age
 from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
@@ -27,7 +31,7 @@ Place = tuple[str | int, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class DesignRow:
     """One infant, as the cohort's design chooses it."""
 
     child: int | None
@@ -37,7 +41,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Infant:
+class CohortInfant:
     """One infant of a cohort."""
 
     factors: Mapping[str, Any]
@@ -54,7 +58,7 @@ def children_of(cohort: CohortSpec) -> tuple[IndividualSpec, ...]:
     return cohort.children or ()
 
 
-def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant, ...]:
+def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[CohortInfant, ...]:
     """Return all infants of a cohort, in the order of its design.
 
     Args:
@@ -69,7 +73,7 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
     _check_number(cohort, source)
     children, origin = children_of(cohort), read_spec(base)
     _check_children(cohort, source, origin)
-    found, problems = [], []
+    infants, problems = [], []
     for choice in _choices(cohort, len(children)):
         child = None if choice.child is None else children[choice.child]
         data = _data(base.data, origin, choice, child)
@@ -78,10 +82,10 @@ def infants_of(cohort: CohortSpec, source: Source, base: Source) -> tuple[Infant
         except SpecError as error:
             problems += [_traced(problem, choice, source) for problem in error.problems]
         else:
-            found.append(Infant(_factors(choice, child), data, spec))
+            infants.append(CohortInfant(_factors(choice, child), data, spec))
     if problems:
         raise SpecError(problems)
-    return tuple(found)
+    return tuple(infants)
 
 
 def _check_children(cohort: CohortSpec, source: Source, origin: InfantSpec) -> None:
@@ -104,8 +108,8 @@ def _check_lengths(cohort: CohortSpec, source: Source) -> None:
     """Raise a SpecError if lists that are gone through in parallel differ in length."""
     lengths = {key: len(levels_of(key, levels)) for key, levels in cohort.vary.items()}
     if cohort.design == "zip" and len({*lengths.values()}) > 1:
-        told = ", ".join(f"{key} {length}" for key, length in lengths.items())
-        raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {told}")])
+        listed = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        raise SpecError([source.problem(("design",), f"'zip' requires equally many values of each key, got {listed}")])
 
 
 def _check_number(cohort: CohortSpec, source: Source) -> None:
@@ -120,7 +124,7 @@ def _check_number(cohort: CohortSpec, source: Source) -> None:
         raise SpecError([source.problem((), f"{number:,} infants are more than {MAX_INFANTS:,}; {advice}")])
 
 
-def _choices(cohort: CohortSpec, children: int) -> Iterator[Choice]:
+def _choices(cohort: CohortSpec, children: int) -> Iterator[DesignRow]:
     """Yield what the design chooses, the children outermost."""
     numbers: Sequence[int | None] = range(children) if children else (None,)
     if isinstance(cohort.design, SampleDesign):
@@ -128,10 +132,10 @@ def _choices(cohort: CohortSpec, children: int) -> Iterator[Choice]:
         return
     columns = [_column(key, levels_of(key, levels)) for key, levels in cohort.vary.items()]
     rows = [*(zip(*columns, strict=True) if cohort.design == "zip" and columns else product(*columns))]
-    yield from (Choice(number, row) for number in numbers for row in rows)
+    yield from (DesignRow(number, row) for number in numbers for row in rows)
 
 
-def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | None]) -> Iterator[Choice]:
+def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | None]) -> Iterator[DesignRow]:
     size, columns = design.sample, []
     for key, levels in cohort.vary.items():
         if isinstance(levels, DrawsSpec):
@@ -142,14 +146,16 @@ def _sampled(cohort: CohortSpec, design: SampleDesign, numbers: Sequence[int | N
     generator = stream(size.seed, "cohort.sample.child")
     for index in range(size.n):
         number = numbers[whole_between(generator, 0, len(numbers) - 1)]
-        yield Choice(number, tuple(column[index] for column in columns))
+        yield DesignRow(number, tuple(column[index] for column in columns))
 
 
 def _column(key: str, levels: Sequence[Any]) -> list[tuple[str, Any, Place]]:
     return [(key, value, ("vary", key, index)) for index, value in enumerate(levels)]
 
 
-def _data(base: Mapping[str, Any], origin: InfantSpec, choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
+def _data(
+    base: Mapping[str, Any], origin: InfantSpec, choice: DesignRow, child: IndividualSpec | None
+) -> dict[str, Any]:
     """Return the spec of an infant: the base as it is at the chosen age, the varied keys, and its child.
 
     What base and children say in cm and kg is of the base's age; varied values are of the infant's own.
@@ -175,12 +181,12 @@ def _with(data: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str,
     return rest if value is None else {**rest, first: value}
 
 
-def _factors(choice: Choice, child: IndividualSpec | None) -> dict[str, Any]:
-    told = {} if child is None else {"child": choice.child, **given(child)}
-    return {**told, **{key: value for key, value, _ in choice.values}}
+def _factors(choice: DesignRow, child: IndividualSpec | None) -> dict[str, Any]:
+    of_child = {} if child is None else {"child": choice.child, **given(child)}
+    return {**of_child, **{key: value for key, value, _ in choice.values}}
 
 
-def _traced(problem: Problem, choice: Choice, source: Source) -> Problem:
+def _traced(problem: Problem, choice: DesignRow, source: Source) -> Problem:
     """Return the problem of an infant's spec as one of the value in the cohort file that it comes from."""
     for key, _, place in choice.values:
         if f"{problem.key}.".startswith(f"{key}.") or f"{key}.".startswith(f"{problem.key}."):
@@ -188,3 +194,84 @@ def _traced(problem: Problem, choice: Choice, source: Source) -> Problem:
             return source.problem(place, f"{deeper}: {problem.message}" if deeper else problem.message)
     values = ", ".join(f"{key}: {value}" for key, value, _ in choice.values)
     return source.problem(("vary",), f"with {values}: {problem.key}: {problem.message}")
+
+
+def levels_of(key: str, levels: Any) -> tuple[Any, ...]:
+    """Return the values of a key: those of a list or a range, or as many draws as it says."""
+    if isinstance(levels, RangeSpec):
+        return _range(levels)
+    if isinstance(levels, DrawsSpec):
+        return draws(key, levels, levels.n or 1)
+    return levels
+
+
+def draws(key: str, levels: DrawsSpec, number: int) -> tuple[Any, ...]:
+    """Return a number of values drawn from a distribution."""
+    generator = stream(levels.seed, f"cohort.vary.{key}")
+    return tuple(_whole(rounded(_draw(levels, generator))) for _ in range(number))
+
+
+def _range(levels: RangeSpec) -> tuple[Any, ...]:
+    steps = math.floor((levels.to - levels.start) / levels.step + 1e-9)
+    return tuple(_whole(rounded(levels.start + index * levels.step)) for index in range(steps + 1))
+
+
+def _draw(levels: DrawsSpec, generator: np.random.Generator) -> float:
+    if levels.uniform:
+        value = between(generator, *levels.uniform)
+    elif levels.log_uniform:
+        value = math.exp(between(generator, *map(math.log, levels.log_uniform)))
+    else:
+        mean, deviation = levels.normal or (0.0, 1.0)
+        value = mean + deviation * NormalDist().inv_cdf(between(generator, 1e-9, 1 - 1e-9))
+    return round(value / levels.step) * levels.step if levels.step else value
+
+
+def _whole(value: float) -> float | int:
+    """Return a whole number as an integer, since some keys take no others."""
+    return int(value) if value.is_integer() else value
+
+
+PERCENTILES = ("length_percentile", "weight_percentile", "head_percentile")
+
+LENGTH_WEIGHT = 0.74
+"""Correlation of the z-scores of length and weight.
+
+Derived for mimoc (D) from WHO's own standards: log BMI is log weight minus twice log length, so that their coefficients
+of variation give r = (S_weight^2 + 4 S_length^2 - S_bmi^2) / (4 S_weight S_length). At 24 months, where S_bmi is .07771
+for boys and .08545 for girls (last day of WHO's tables of BMI for age from birth to two years, read in a copy), that is
+.75 and .74. Its change with age is left out.
+"""
+LENGTH_HEAD, WEIGHT_HEAD = 0.45, 0.5
+"""Correlations of the z-score of head circumference with those of length and weight: an assumption (M), not a source's.
+
+Geraedts et al. 2011 (Horm Res Paediatr 75:213-219; 14,500 Dutch children) find that the head correlates with both, most
+at birth and, after a rapid decline, at a stable level. Only their abstract was at hand, which gives no numbers.
+"""
+CORRELATIONS = np.array(
+    [[1, LENGTH_WEIGHT, LENGTH_HEAD], [LENGTH_WEIGHT, 1, WEIGHT_HEAD], [LENGTH_HEAD, WEIGHT_HEAD, 1]]
+)
+"""Correlations of the z-scores of length, weight and head, shape (3, 3)."""
+
+_FURTHEST = 1e-9
+"""Smallest probability of a tail that is drawn from, so that no draw is infinite."""
+
+
+def draw_children(wanted: DrawnChildren) -> tuple[IndividualSpec, ...]:
+    """Return children whose percentiles are those of WHO's healthy children, and stay the same as they age.
+
+    Each child has random numbers of its own: the first children of a seed are the same however many are drawn.
+    """
+    mixing, normal = np.linalg.cholesky(CORRELATIONS), NormalDist()
+    sexes = ("female", "male") if wanted.sex == "both" else (wanted.sex,)
+    children = []
+    for index in range(wanted.draw):
+        shares = stream(wanted.seed, f"cohort.child.{index}").random(len(PERCENTILES))
+        z = mixing @ [normal.inv_cdf(min(max(float(share), _FURTHEST), 1 - _FURTHEST)) for share in shares]
+        probabilities = (normal.cdf(float(score)) for score in z)
+        percentiles = {
+            name: rounded(min(max(100 * probability, LEAST_PERCENTILE), LARGEST_PERCENTILE))
+            for name, probability in zip(PERCENTILES, probabilities, strict=True)
+        }
+        children.append(IndividualSpec(sex=sexes[index % len(sexes)], **percentiles))
+    return tuple(children)

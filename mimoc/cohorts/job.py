@@ -1,14 +1,18 @@
-"""A job: one step with one infant and one seed, named by the hash of all it does."""
+"""A job: one step with one infant and one seed, named by the hash of all it does, and functions of a user."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
+from importlib import import_module, invalidate_caches
+from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from mimoc.cohorts.infants import Infant
-from mimoc.cohorts.own_code import digest_of
+from mimoc.cohorts.infants import CohortInfant
 from mimoc.errors import MimocError
 from mimoc.rounding import rounded
 from mimoc.schema.cohort_file import MEASURES, CohortSpec
@@ -50,41 +54,41 @@ class Job:
         return "" if self.data is None else _text(self.data)
 
 
-def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
+def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, spec_folder: Path) -> tuple[Job, ...]:
     """Return all jobs of a cohort, those of one infant next to each other; equal ones are one.
 
     Raises:
         MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
     """
     place, home = str(folder.resolve()), str(spec_folder.resolve())
-    own = tuple(name for name in cohort.measure if name not in MEASURES)
+    functions_of_user = tuple(name for name in cohort.measure if name not in MEASURES)
     steps = [*_steps(cohort)]
     if (number := len(infants) * len(steps)) > MAX_JOBS:
         raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
-    functions = {*own, *(options["function"] for step, options, _ in steps if step == "python")}
+    functions = {*functions_of_user, *(options["function"] for step, options, _ in steps if step == "python")}
     policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
     code = {name: digest_of(name, place) for name in functions}
     code |= {name: _policy_digest(Path(place) / name) for name in policies}
-    found: dict[str, Job] = {}
+    jobs: dict[str, Job] = {}
     for infant in infants:
         resolved = rounded(to_data(infant.spec))
         for step, options, seed in steps:
             alone = step in WITHOUT_INFANT
-            used = {*own, options.get("function"), options.get("policy")} & code.keys()
+            used = {*functions_of_user, options.get("function"), options.get("policy")} & code.keys()
             what = {
                 "mimoc": __version__,
                 "spec": None if alone else resolved,
                 "step": step,
                 "options": options,
                 "seed": seed,
-                "measure": own,
+                "measure": functions_of_user,
                 "code": {name: code[name] for name in sorted(used)},
             }
             key = sha256(_text(what).encode()).hexdigest()[:32]
             factors, data = ({}, None) if alone else (infant.factors, infant.data)
-            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, own)
-            found.setdefault(key, job)
-    return tuple(found.values())
+            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, functions_of_user)
+            jobs.setdefault(key, job)
+    return tuple(jobs.values())
 
 
 def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None]]:
@@ -111,3 +115,64 @@ def _policy_digest(path: Path) -> str:
 def _text(data: Any) -> str:
     """Return plain data as text, the same for the same data."""
     return json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False, default=dict)
+
+
+def import_function(name: str, folder: str) -> Callable[..., Any]:
+    """Return a function that is named as `module:function`; the module can be in a folder.
+
+    Raises:
+        MimocError: If there is no such module or function.
+    """
+    module_name, _, function = name.partition(":")
+    with _found_in(folder):
+        _forget_another(module_name, folder)
+        try:
+            module = import_module(module_name)
+        except ImportError as error:
+            raise MimocError(f"'{name}': {error}; put the module beside the cohort file, or install it") from None
+    if not callable(user_function := getattr(module, function, None)):
+        raise MimocError(f"'{name}': the module has no function '{function}'")
+    return user_function
+
+
+def digest_of(name: str, folder: str) -> str:
+    """Return the digest of the file of a function's module, so that jobs with an older version are done again.
+
+    Raises:
+        MimocError: If there is no such module.
+    """
+    module_name = name.partition(":")[0]
+    with _found_in(folder):
+        try:
+            spec = _beside(module_name, folder) or find_spec(module_name)
+        except (ImportError, ValueError):
+            spec = None
+        except Exception as error:  # Whatever the package that the module is in does when it is imported.
+            raise MimocError(f"'{name}': its package cannot be imported ({error}); mend it") from None
+    if spec is None:
+        raise MimocError(f"'{name}': there is no module '{module_name}'; put it beside the cohort file, or install it")
+    source = Path(spec.origin or "")
+    return f"sha256:{sha256(source.read_bytes()).hexdigest()}" if source.is_file() else ""
+
+
+def _beside(module: str, folder: str) -> ModuleSpec | None:
+    """Return where a module is in a folder; None if it is not there, or is part of a package."""
+    return None if "." in module else PathFinder.find_spec(module, [folder])
+
+
+def _forget_another(module: str, folder: str) -> None:
+    """Forget a module of the same name that was imported from elsewhere, such as from beside another cohort file."""
+    known, wanted = sys.modules.get(module), _beside(module, folder)
+    if known and wanted and getattr(known, "__file__", None) != wanted.origin:
+        del sys.modules[module]
+
+
+@contextmanager
+def _found_in(folder: str) -> Iterator[None]:
+    """Let modules in a folder be found."""
+    invalidate_caches()
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)

@@ -1,6 +1,6 @@
 """Doing jobs in this process: each leaves a result, whatever happens to it.
 
-This is all that an engine needs: it hands jobs and the folder to `perform` on some machine that shares the folder.
+This is all that an engine needs: it hands jobs and the folder to `run_jobs` on some machine that shares the folder.
 """
 
 import os
@@ -18,7 +18,7 @@ from mimoc.bundle.files import open_new_file, write_error
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.steps import measured
 from mimoc.cohorts.store import Result, Store
-from mimoc.cohorts.work import Bench, Work
+from mimoc.cohorts.work import JobWorkspace, Work
 from mimoc.errors import MimocError
 from mimoc.version import __version__
 
@@ -39,7 +39,7 @@ LIBRARIES = {"": ("mujoco", "numpy"), "train": ("torch", "stable_baselines3", "g
 """Libraries whose versions a result names: those of every step, and those of single ones."""
 
 
-def perform(jobs: Sequence[Job], store: Store, bench: Bench | None = None) -> int:
+def run_jobs(jobs: Sequence[Job], store: Store, workspace: JobWorkspace | None = None) -> int:
     """Do jobs one after the other, and write the result of each; return how many have failed.
 
     Jobs that have a result are left out, so that jobs can be handed out twice.
@@ -47,22 +47,22 @@ def perform(jobs: Sequence[Job], store: Store, bench: Bench | None = None) -> in
     Args:
         jobs: The jobs, those of one infant next to each other.
         store: The folder of the cohort.
-        bench: Where to keep the infant between calls.
+        workspace: Where to keep the infant between calls.
     """
-    bench, failed = bench or Bench(), 0
+    workspace, failed = workspace or JobWorkspace(), 0
     for job in store.missing(jobs):
-        result = perform_one(job, store, bench)
+        result = run_job(job, store, workspace)
         store.write(job, result)
         failed += not result.ok
     return failed
 
 
-def perform_one(job: Job, store: Store, bench: Bench) -> Result:
+def run_job(job: Job, store: Store, workspace: JobWorkspace) -> Result:
     """Do a job and return its result, also if it fails."""
     start = perf_counter()
     with _logged(store.log(job), store.folder):
         try:
-            measures = dict(measured(Work(job, store, bench)))
+            measures = dict(measured(Work(job, store, workspace)))
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # Also SystemExit: a user's function must not end the process.
@@ -74,7 +74,7 @@ def perform_one(job: Job, store: Store, bench: Bench) -> Result:
     return Result("ok", measures, _versions(job.step), seconds=perf_counter() - start)
 
 
-def lost(job: Job, reason: str) -> Result:
+def failed_result(job: Job, reason: str) -> Result:
     """Return the result of a job whose process ended without one."""
     return Result("failed", {}, _versions(job.step), reason)
 
@@ -116,14 +116,14 @@ def _flush() -> None:
 
 def _line(error: BaseException) -> str:
     """Return what went wrong in one line."""
-    told = "; ".join(str(error).split("\n")).strip()
-    return told if isinstance(error, MimocError) and told else f"{type(error).__name__}: {told}".rstrip(": ")
+    message = "; ".join(str(error).split("\n")).strip()
+    return message if isinstance(error, MimocError) and message else f"{type(error).__name__}: {message}".rstrip(": ")
 
 
 @cache
 def _versions(step: str) -> dict[str, str]:
-    found = {"mimoc": __version__, "python": platform.python_version()}
+    software = {"mimoc": __version__, "python": platform.python_version()}
     for library in (*LIBRARIES[""], *LIBRARIES.get(step, ())):
         with suppress(PackageNotFoundError):
-            found[library] = version(library)
-    return found
+            software[library] = version(library)
+    return software

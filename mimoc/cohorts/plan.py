@@ -80,20 +80,20 @@ def plan(cohort: Cohort, out: str | Path, progress: Progress = lambda done, tota
     jobs, store = cohort.jobs(), Store(Path(out).expanduser())
     store.check_usable()
     cohort.check_steps()
-    steps, found = _by_step(jobs), list[StepPlan]()
+    steps, estimates = _by_step(jobs), list[StepPlan]()
     for step, alike in steps.items():
-        progress(len(found), len(steps))
-        found.append(_planned(step, alike, store))
-    return Plan(len(cohort.infants), tuple(found), len(os.sched_getaffinity(0)))
+        progress(len(estimates), len(steps))
+        estimates.append(_planned(step, alike, store))
+    return Plan(len(cohort.infants), tuple(estimates), len(os.sched_getaffinity(0)))
 
 
 def _by_step(jobs: Sequence[Job]) -> dict[str, list[Job]]:
     """Return the jobs of each step with the same options, which take alike long, by what is said of it."""
-    varied, found = varied_options(jobs), dict[str, list[Job]]()
+    varied, by_name = varied_options(jobs), dict[str, list[Job]]()
     for job in jobs:
-        told = ", ".join(f"{name} {job.options[name]}" for step, name in varied if step == job.step)
-        found.setdefault(f"{job.step} ({told})" if told else job.step, []).append(job)
-    return found
+        options = ", ".join(f"{name} {job.options[name]}" for step, name in varied if step == job.step)
+        by_name.setdefault(f"{job.step} ({options})" if options else job.step, []).append(job)
+    return by_name
 
 
 def _planned(step: str, jobs: Sequence[Job], store: Store) -> StepPlan:
@@ -125,8 +125,8 @@ def _trials(first: Job, job: Job) -> list[Job]:
     short, long = (SHORT, LONG) if job.step == "run" else _rollouts(job)
     lengths = [(first, short), (job, short), (job, short), (job, long)]
     return [
-        replace(each, key=f"{number:032x}", options={**each.options, "steps": steps})
-        for number, (each, steps) in enumerate(lengths)
+        replace(trial, key=f"{number:032x}", options={**trial.options, "steps": steps})
+        for number, (trial, steps) in enumerate(lengths)
     ]
 
 

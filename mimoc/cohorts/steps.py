@@ -9,7 +9,7 @@ from typing import Any
 
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import LOCK, Bundle
-from mimoc.cohorts.own_code import import_function
+from mimoc.cohorts.job import import_function
 from mimoc.cohorts.self_contacts import SelfContacts
 from mimoc.cohorts.work import Work
 from mimoc.errors import MimocError

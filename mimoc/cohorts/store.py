@@ -1,17 +1,18 @@
 """The folder of a cohort, which all processes and machines that work on it share."""
 
+import json
 import os
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
-from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
+from mimoc.bundle.files import check_unlinked, make_folder, remove, write_error, write_file
 from mimoc.bundle.io import Bundle, read_bundle, without, write_bundle
-from mimoc.bundle.json_files import read_json_file
+from mimoc.bundle.json_files import parse_json, read_json_file
 from mimoc.bundle.json_text import render_json
-from mimoc.bundle.leftovers import remove
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import RegularFiles, UnusableFileError, regular_files
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.cohorts.job import Job
 from mimoc.errors import BundleError, MimocError, OutputError
@@ -128,9 +129,9 @@ class Store:
             return
         place = self.result(job)
         make_folder(place.parent, below=self.folder)
-        told = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
-        found = {name: getattr(result, name) for name in Result.__slots__}
-        write_file(place, render_json(_plain({"job": job.key, **told, **found})), below=self.folder)
+        of_job = {name: getattr(job, name) for name in ("cohort", "step", "seed", "options", "factors")}
+        of_result = {name: getattr(result, name) for name in Result.__slots__}
+        write_file(place, render_json(_plain({"job": job.key, **of_job, **of_result})), below=self.folder)
 
     def forget(self, job: Job) -> None:
         """Remove the result of a job, so that it is done again.
@@ -216,3 +217,69 @@ def size_bytes(folder: Path) -> int:
             status = os.lstat(os.path.join(path, name))
             sizes[status.st_dev, status.st_ino] = status.st_size
     return sum(sizes.values())
+
+
+STEPS = ("build", "check", "run", "train", "experiment", "python")
+MOST_BYTES_IN_ALL = 2**30
+"""Of all results; 1 GB. Those of a million jobs have less."""
+_FOLDER, _FILE = re.compile("[0-9a-f]{2}"), re.compile(r"[^.].*\.json")
+"""Names of folders of results, and of results; of those that are being written they begin with a dot."""
+
+
+def kept_jobs(store: Store) -> tuple[tuple[Job, ...], tuple[str, ...]]:
+    """Return the jobs that have a result, by step, factors and seed, and the names of results that cannot be read.
+
+    The jobs do not know the specs of their infants, so that they can be told of, but not be done again.
+
+    Raises:
+        MimocError: If the folder is not that of a cohort.
+    """
+    store.check()
+    jobs, damaged = list[Job](), list[str]()
+    with regular_files(store.folder, MOST_BYTES_IN_ALL) as files:
+        for path in _results(files):
+            try:
+                jobs.append(_job(files, path))
+            except UnusableFileError:
+                damaged.append(path.name)
+    return tuple(sorted(jobs, key=_place)), tuple(damaged)
+
+
+def _results(files: RegularFiles) -> Iterator[PurePosixPath]:
+    """Yield the paths of all results, and those of folders that are none or links, which cannot be read."""
+    results = PurePosixPath(RESULTS)
+    folders = [results / name for name in _names(files, results) or () if _FOLDER.fullmatch(name)]
+    for folder in folders or [results]:
+        names = _names(files, folder)
+        yield from [folder] if names is None else (folder / name for name in names if _FILE.fullmatch(name))
+
+
+def _names(files: RegularFiles, folder: PurePosixPath) -> list[str] | None:
+    """Return what is in a folder; None if it is a link, or not a folder."""
+    try:
+        return files.names(folder.as_posix())
+    except UnusableFileError:
+        return None
+
+
+def _job(files: RegularFiles, path: PurePosixPath) -> Job:
+    """Return the job in the file of a result; raise an UnusableFileError if it is in none."""
+    file = parse_json(files.read(path.as_posix(), MOST_BYTES) or b"", ResultFile)
+    if path != PurePosixPath(RESULTS, file.job[:2], f"{file.job}.json"):
+        raise UnusableFileError("is the result of another job")
+    known = {name: getattr(file, name) for name in ("cohort", "step", "seed", "options", "factors")}
+    return Job(key=file.job, **known, data=None, folder="", spec_folder="", own_measures=())
+
+
+def _place(job: Job) -> tuple[Any, ...]:
+    """Return what jobs are sorted by."""
+    step = STEPS.index(job.step) if job.step in STEPS else len(STEPS)
+    factors = tuple((name, _order(value)) for name, value in sorted(job.factors.items()))
+    return step, job.step, factors, _order(job.seed), job.key
+
+
+def _order(value: Any) -> tuple[int, float, str]:
+    """Return what values of any kind are sorted by: numbers first."""
+    if isinstance(value, (int, float)):
+        return 0, float(value), ""
+    return 1, 0.0, json.dumps(value, sort_keys=True)

@@ -20,7 +20,7 @@ class Work:
 
     job: Job
     store: Store
-    bench: "Bench"
+    workspace: "JobWorkspace"
     """The infant that this process built last."""
     measures: dict[str, Any] = field(default_factory=dict)
     """What has been measured so far, by name."""
@@ -38,12 +38,12 @@ class Work:
     @property
     def spec(self) -> InfantSpec:
         """The spec of the infant."""
-        return self.bench.spec(self.job)
+        return self.workspace.spec(self.job)
 
     @property
     def bundle(self) -> Bundle:
         """The infant; it is built when first asked for."""
-        return self.bench.bundle(self.job)
+        return self.workspace.bundle(self.job)
 
     @cached_property
     def folder(self) -> Path:
@@ -51,7 +51,7 @@ class Work:
         return self.store.runs(self.job, empty=True)
 
 
-class Bench:
+class JobWorkspace:
     """Keeps the infant that was built last, since the jobs of one infant come one after the other."""
 
     def __init__(self) -> None:

@@ -8,9 +8,8 @@ from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from mimoc.bundle.files import make_folder, write_file
+from mimoc.bundle.files import make_folder, remove, write_file
 from mimoc.bundle.json_files import read_json_file
-from mimoc.bundle.leftovers import remove
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.milestones import Conditions, Outcome
 from mimoc.milestones.search import SearchResult, search, worker_pool

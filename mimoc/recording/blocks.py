@@ -12,8 +12,6 @@ from mimoc.senses.sense import Observation
 Array = npt.NDArray[Any]
 SPARSE_FROM = 1024
 """Observations of more numbers are kept as those that are not zero: touch has thousands, of which few are touched."""
-WORD = 8
-"""Numbers that are tested for zero together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,18 +33,12 @@ class Reading:
         """How many numbers it has."""
         return int(np.prod(self.shape))
 
-    @property
-    def row_bytes(self) -> int:
-        """Memory of a row at most, as far as it is taken beforehand."""
-        return 0 if self.kind == "sparse" else self.size * np.dtype(self.dtype).itemsize
-
 
 def reading_of(name: str, array: Array, layout: Sequence[str] = ()) -> Reading:
     """Return how an array of an observation is kept."""
     is_picture = array.dtype == np.uint8 and array.ndim == 3 and array.shape[-1] == 3
     kind = "picture" if is_picture else "sparse" if array.size > SPARSE_FROM else "dense"
-    told = tuple(layout) if len(layout) == array.size else ()
-    return Reading(name, array.shape, array.dtype.name, kind, told)
+    return Reading(name, array.shape, array.dtype.name, kind, tuple(layout) if len(layout) == array.size else ())
 
 
 class Sparse:
@@ -55,27 +47,28 @@ class Sparse:
     def __init__(self, reading: Reading, rows: int):
         """Make room for some rows."""
         self._bits = np.dtype(f"u{np.dtype(reading.dtype).itemsize}")
-        self._touched = np.zeros(-(-reading.size // WORD) * WORD, bool)
-        self._words = self._touched.view(np.uint64)
-        self._by_word = self._touched.reshape(-1, WORD)
-        self._places = np.arange(len(self._touched), dtype=np.int32).reshape(-1, WORD)
         self.index = np.empty(64 * rows, np.int32)
         self.value = np.empty(64 * rows, reading.dtype)
         self.ends = np.zeros(rows + 1, np.int32)
         """Where the numbers of each row end; the first row begins at 0."""
 
     def put(self, row: int, array: Array) -> None:
-        """Keep a row, which is the next one; it is searched in words, since few numbers are not zero."""
+        """Keep a row, which is the next one."""
         flat = array.reshape(-1)
-        np.not_equal(flat.view(self._bits), 0, out=self._touched[: flat.size])
-        words = (self._words != 0).nonzero()[0]
-        found = self._places.take(words, 0)[self._by_word.take(words, 0)]
+        index = (flat.view(self._bits) != 0).nonzero()[0]
         start = self.ends[row]
-        end = self.ends[row + 1] = start + len(found)
+        end = self.ends[row + 1] = start + len(index)
         if end > len(self.index):
             self._extend(end)
-        self.index[start:end] = found
-        flat.take(found, out=self.value[start:end], mode="clip")
+        self.index[start:end] = index
+        flat.take(index, out=self.value[start:end], mode="clip")
+
+    def dense(self, rows: int, size: int) -> Array:
+        """Return the first rows with all their zeros, shape (rows, size)."""
+        array = np.zeros((rows, size), self.value.dtype)
+        end = self.ends[rows]
+        array[np.repeat(np.arange(rows), np.diff(self.ends[: rows + 1])), self.index[:end]] = self.value[:end]
+        return array
 
     def _extend(self, count: int) -> None:
         """Make room for a number of numbers, and for more."""
@@ -101,10 +94,12 @@ class Block:
         self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
         self._infos: dict[str, Array] = {}
         self._terms: dict[str, Array] = {}
-        self.dense = {
-            each.name: np.empty((rows, *each.shape), each.dtype) for each in self.readings if each.kind != "sparse"
-        }
-        self.sparse = {each.name: Sparse(each, rows) for each in self.readings if each.kind == "sparse"}
+        self.dense, self.sparse = dict[str, Array](), dict[str, Sparse]()
+        for reading in self.readings:
+            if reading.kind == "sparse":
+                self.sparse[reading.name] = Sparse(reading, rows)
+            else:
+                self.dense[reading.name] = np.empty((rows, *reading.shape), reading.dtype)
 
     @property
     def is_full(self) -> bool:
@@ -147,9 +142,8 @@ class Block:
 
     def _column(self, known: dict[str, Array], prefix: str, name: str, value: Any) -> Array:
         """Return the array of a number of the info; where there is none, it is NaN or False."""
-        found = known.get(name)
-        if found is None:
+        if name not in known:
             is_flag = isinstance(value, (bool, np.bool_))
-            found = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
-            known[name] = self.numbers[f"{prefix}.{name}"] = found
-        return found
+            column = np.zeros(self.room, bool) if is_flag else np.full(self.room, np.nan)
+            known[name] = self.numbers[f"{prefix}.{name}"] = column
+        return known[name]

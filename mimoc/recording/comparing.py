@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,8 @@ from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.described import OBSERVATION
 from mimoc.recording.reading import Episode
 from mimoc.recording.state_text import is_same
-from mimoc.recording.table_check import sparse_of
 
-Found = tuple[int, str, int, float, float]
+Number = tuple[int, str, int, float, float]
 """Row, array, index in it, and both values of a number that differs."""
 ALLOWED_LATER = "truncated"
 """A limit of steps around the environment ends an episode, of which the infant itself knows nothing."""
@@ -56,25 +56,25 @@ class Recorded:
         rows = self._episode.table.slice(self._taken, block.rows)
         first = self._taken
         self._taken += block.rows
-        found = [each for each in self._differences(rows, block) if each is not None]
-        earliest = min(found, key=lambda each: each[0], default=None)
-        if earliest is None:
+        numbers = [number for number in self._differences(rows, block) if number is not None]
+        if not numbers:
             return None
-        row, what, index, recorded, now = earliest
+        row, what, index, recorded, now = min(numbers, key=itemgetter(0))
         return Difference(first + row, what, _label(self._episode, what, index), recorded, now)
 
-    def _differences(self, rows: Any, block: Block) -> Iterator[Found | None]:
+    def _differences(self, rows: Any, block: Block) -> Iterator[Number | None]:
         for reading in block.readings:
             name = reading.name
             if reading.kind == "picture":
                 recorded = np.stack([next(self._pictures[name]) for _ in range(block.rows)])
-                yield _first(name, recorded, block.dense[name][: block.rows])
-            elif reading.kind == "dense":
-                recorded = tables.array_of(rows, OBSERVATION + name, reading)
-                yield _first(name, recorded, block.dense[name][: block.rows])
             else:
-                yield _first_sparse(name, sparse_of(rows, OBSERVATION + name), block)
-        for name in sorted(block.numbers.keys() | {each for each in rows.column_names if each.startswith("term.")}):
+                recorded = tables.array_of(rows, OBSERVATION + name, reading)
+            is_sparse = reading.kind == "sparse"
+            now = block.sparse[name].dense(block.rows, reading.size) if is_sparse else block.dense[name][: block.rows]
+            yield _first(name, recorded, now)
+        for name in sorted(
+            block.numbers.keys() | {column for column in rows.column_names if column.startswith("term.")}
+        ):
             now = block.numbers.get(name, np.full(block.room, np.nan))[: block.rows]
             known = name in rows.column_names
             recorded = tables.array_of(rows, name) if known else np.full_like(now, np.nan if now.dtype == float else 0)
@@ -85,43 +85,30 @@ class Recorded:
 
 def state_differs(step: int, recorded: Mapping[str, Any], now: Mapping[str, Any]) -> Difference | None:
     """Compare two complete states; return the first part that differs."""
-    for part in recorded:
-        if not is_same(recorded[part], now.get(part)):
-            ours, theirs = recorded[part], now.get(part)
-            if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray) and ours.shape == theirs.shape:
-                found = _first(part, ours[None], theirs[None])
-                if found:
-                    return Difference(step, "state", f"{part} {found[2]}", found[3], found[4])
+    for part, ours in recorded.items():
+        theirs = now.get(part)
+        if not is_same(ours, theirs):
+            if (
+                isinstance(ours, np.ndarray)
+                and isinstance(theirs, np.ndarray)
+                and ours.shape == theirs.shape
+                and (number := _first(part, ours[None], theirs[None]))
+            ):
+                return Difference(step, "state", f"{part} {number[2]}", *number[3:])
             return Difference(step, "state", part, np.nan, np.nan)
     return None
 
 
-def _first(what: str, recorded: Array, now: Array) -> Found | None:
+def _first(what: str, recorded: Array, now: Array) -> Number | None:
     """Return the first number whose bits differ."""
-    ours, theirs = (np.ascontiguousarray(each).reshape(len(each), -1) for each in (recorded, now))
+    ours, theirs = (np.ascontiguousarray(array).reshape(len(array), -1) for array in (recorded, now))
     if ours.dtype != theirs.dtype:
         ours, theirs = ours.astype(float), theirs.astype(float)
     differs = _bits(ours) != _bits(theirs)
     if not differs.any():
         return None
-    row, index = (int(each) for each in np.argwhere(differs)[0])
+    row, index = np.argwhere(differs)[0].tolist()
     return row, what, index, float(ours[row, index]), float(theirs[row, index])
-
-
-def _first_sparse(what: str, recorded: tuple[Array, Array, Array], block: Block) -> Found | None:
-    kept = block.sparse[what]
-    end = kept.ends[block.rows]
-    rows = np.repeat(np.arange(block.rows), np.diff(kept.ends[: block.rows + 1]))
-    now = rows, kept.index[:end], kept.value[:end]
-    if all(np.array_equal(_bits(ours), _bits(theirs)) for ours, theirs in zip(recorded, now, strict=True)):
-        return None
-    ours, theirs = (
-        {(row, index): value for row, index, value in zip(*(part.tolist() for part in each), strict=True)}
-        for each in (recorded, now)
-    )
-    keys = [key for key in ours.keys() | theirs.keys() if ours.get(key) != theirs.get(key)]
-    row, index = min(keys, default=(0, 0))
-    return row, what, index, ours.get((row, index), 0.0), theirs.get((row, index), 0.0)
 
 
 def _bits(array: Array) -> Array:
@@ -131,7 +118,7 @@ def _bits(array: Array) -> Array:
 
 def _label(episode: Episode, what: str, index: int) -> str:
     """Return the name of a number in an array of the observation, or where it is in a picture."""
-    reading = next((each for each in episode.described.readings if each.name == what), None)
+    reading = {reading.name: reading for reading in episode.described.readings}.get(what)
     if reading is None or index >= reading.size:  # A number of the info may have the name of an observation.
         return ""
     if reading.layout:
@@ -141,7 +128,7 @@ def _label(episode: Episode, what: str, index: int) -> str:
 
 
 def _frames(episode: Episode, reading: Reading) -> Iterator[Any]:
-    paths = episode.files.pictures(reading.name, frames.LOSSLESS)
+    paths = episode.videos(reading.name)
     for path in paths:
         yield from frames.decoded(path, reading.shape, episode.sidecar.rows)
     raise RecordingError(f"{paths[-1]}: there are fewer pictures in it than control steps")

@@ -4,15 +4,17 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Literal
 
 from mimoc.bundle.json_files import parse_json
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording.blocks import Reading
-from mimoc.recording.layouts import shortened, written_out
+from mimoc.recording.layout_names import compact_names, expand_names
 from mimoc.schema.base import Model
 from mimoc.schema.entries import ControlStep, Count
+from mimoc.units import ms_to_s
 
 KEY = b"mimoc"
 """Key of the description in the schema's metadata."""
@@ -43,7 +45,7 @@ Dtype = Literal[
 
 
 class _Run(Model, alias_generator=lambda name: name.removesuffix("_")):
-    """Numbered names, as `shortened` writes them."""
+    """Numbered names, as `compact_names` writes them."""
 
     name: str
     from_: Count
@@ -78,19 +80,24 @@ class Described:
     step_ms: float
     """Duration of a control step."""
 
+    @property
+    def rate_hz(self) -> Fraction:
+        """How many control steps, and pictures, there are in a second."""
+        return 1 / Fraction(ms_to_s(self.step_ms)).limit_denominator(1_000_000)
+
     @cached_property
     def json(self) -> bytes:
         """It as it stands in the metadata."""
-        found = {
-            OBSERVATION + each.name: {
-                "kind": each.kind,
-                "shape": list(each.shape),
-                "dtype": each.dtype,
-                "layout": shortened(each.layout),
+        observations = {
+            OBSERVATION + reading.name: {
+                "kind": reading.kind,
+                "shape": list(reading.shape),
+                "dtype": reading.dtype,
+                "layout": compact_names(reading.layout),
             }
-            for each in self.readings
+            for reading in self.readings
         }
-        columns = {ACTION: {"layout": shortened(self.actions)}, **found}
+        columns = {ACTION: {"layout": compact_names(self.actions)}, **observations}
         return json.dumps({"recording": 1, "step_ms": self.step_ms, "columns": columns}, ensure_ascii=False).encode()
 
     @classmethod
@@ -129,6 +136,6 @@ def _reading(column_name: str, column: _Column) -> Reading:
 
 def _layout(place: str, layout: Sequence[str | _Run]) -> tuple[str, ...]:
     try:
-        return written_out([each if isinstance(each, str) else each.model_dump(by_alias=True) for each in layout])
+        return expand_names([item if isinstance(item, str) else item.model_dump(by_alias=True) for item in layout])
     except ValueError as error:
         raise UnusableFileError(f"{place}.layout: {error}") from None

@@ -105,6 +105,8 @@ class Part(Model):
     """What was done besides control steps, in order."""
     states: tuple[KeptState, ...]
     """Complete states, in order."""
+    ended: str = UNFINISHED
+    """How the episode ended, if this is its last part."""
 
 
 class Sidecar(Part):
@@ -122,8 +124,6 @@ class Sidecar(Part):
     """Its reset; None if it began without one."""
     start: dict[str, Any]
     """Complete state before the first control step, as `to_plain` returns it."""
-    ended: str = UNFINISHED
-    """How it ended."""
 
 
 class _Version(Model, extra="ignore"):
@@ -168,6 +168,7 @@ def read_sidecar(paths: Sequence[Path], *, below: Path) -> Sidecar:
         "rows": sum(part.rows for part in parts),
         "changes": tuple(change for part in parts for change in part.changes),
         "states": tuple(state for part in parts for state in part.states),
+        "ended": parts[-1].ended,
     }
     return first.model_copy(update=together)
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-import mujoco
 import numpy as np
 
 from mimoc.errors import RenderingError
@@ -32,7 +31,7 @@ SHARP = 2
 """Factor of supersampling for the views of eyes that the infant does not observe."""
 
 
-class Film:
+class VideoFrames:
     """Renders the frames of a video of one environment."""
 
     def __init__(self, env: InfantEnv, height_px: int, eyes: bool = False, shown: Shown = "skin"):
@@ -47,8 +46,10 @@ class Film:
         Raises:
             RenderingError: If OpenGL is not available, or the infant has no eyes.
         """
-        self._env = env
-        self._eyes = _eyes_of(env, _cell_px(height_px), shown) if eyes else None
+        self._env, vision = env, env.manifest.senses.vision
+        self._observed = vision.cameras if eyes and vision else ()
+        """Cameras whose images are observed, with the infant's acuity, foveation and delay."""
+        self._sharp = _sharp_eyes(env, SHARP * _cell_px(height_px), shown) if eyes and not vision else None
         root = env.manifest.root_body
         view = view_of_body(FROM_THE_SIDE, env.data, root)
         size_px = round(SHAPE * height_px), height_px
@@ -69,7 +70,11 @@ class Film:
         self.shot = self._followed()
         self._time_s = self._env.data.time
         outside = self._camera.render(self._env.data, shot=self.shot)
-        return outside if self._eyes is None else _beside(outside, self._eyes.pictures(self._env.data, observation))
+        seen = [observation[camera] for camera in self._observed]
+        if self._sharp:
+            sharp = average_down(self._sharp(self._env.data).astype(np.float32), SHARP)
+            seen = list(np.rint(sharp).astype(np.uint8))
+        return _beside(outside, seen) if seen else outside
 
     @property
     def spheres(self) -> Spheres:
@@ -84,8 +89,8 @@ class Film:
     def close(self) -> None:
         """Free the OpenGL contexts; closing twice is fine."""
         self._camera.close()
-        if self._eyes is not None:
-            self._eyes.close()
+        if self._sharp:
+            self._sharp.close()
 
     def _followed(self) -> Shot:
         """Return the next shot: the previous one, unless the infant leaves it or becomes small in it."""
@@ -102,43 +107,18 @@ class Film:
         return shot
 
 
-class _Observed:
-    """The images in the observation, with the infant's acuity, foveation and delay."""
+def _sharp_eyes(env: InfantEnv, size_px: int, shown: Shown) -> Eyes:
+    """Return what draws unblurred views of the eyes of an infant without vision, without its head in the way.
 
-    def __init__(self, cameras: Sequence[str]):
-        self._cameras = cameras
-
-    def pictures(self, data: mujoco.MjData, observation: Observation) -> list[Picture]:
-        return [observation[camera] for camera in self._cameras]
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to free."""
-
-
-class _Sharp:
-    """Unblurred views of the eyes of an infant without vision."""
-
-    def __init__(self, model: mujoco.MjModel, cameras: Sequence[str], size_px: int, shown: Shown):
-        bodies = model.cam_bodyid[[model.camera(camera).id for camera in cameras]]
-        own = {model.body(index).name for body in bodies for index in (body, model.body_parentid[body])}
-        self._eyes = Eyes(model, cameras, SHARP * size_px, SHARP * size_px, own, shown)
-
-    def pictures(self, data: mujoco.MjData, observation: Observation) -> list[Picture]:
-        return list(np.rint(average_down(self._eyes(data).astype(np.float32), SHARP)).astype(np.uint8))
-
-    def close(self) -> None:
-        self._eyes.close()
-
-
-def _eyes_of(env: InfantEnv, size_px: int, shown: Shown) -> _Observed | _Sharp:
-    """Return the source of the eyes' views; *size_px* is the size of views that are not observed."""
-    vision = env.manifest.senses.vision
-    if vision is not None:
-        return _Observed(vision.cameras)
-    cameras = [eye.camera for eye in env.manifest.anatomy.eyes]
+    Raises:
+        RenderingError: If it has no eyes.
+    """
+    model, cameras = env.model, [eye.camera for eye in env.manifest.anatomy.eyes]
     if not cameras:
         raise RenderingError(f"'{env.manifest.name}' has no eyes; record it without their views")
-    return _Sharp(env.model, cameras, size_px, shown)
+    bodies = model.cam_bodyid[[model.camera(camera).id for camera in cameras]]
+    hidden = {model.body(index).name for body in bodies for index in (body, model.body_parentid[body])}
+    return Eyes(model, cameras, size_px, size_px, hidden, shown)
 
 
 def _between(one: Shot, other: Shot, share: float) -> Shot:

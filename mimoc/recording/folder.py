@@ -5,44 +5,40 @@ import json
 import os
 import platform
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
+from itertools import count, takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from mimoc.bundle.files import check_unlinked, make_folder, write_error, write_file
 from mimoc.bundle.io import LOCK, Bundle, write_bundle
-from mimoc.bundle.regular_files import UnusableFileError, regular_files
+from mimoc.bundle.regular_files import UnusableFileError, open_regular_file, regular_files
 from mimoc.errors import OutputError, RecordingError
 from mimoc.recording.description import FORMAT, Description, Mark, RecordedInfant, as_json, read_description
 from mimoc.version import __version__
 
 RECORDING, EPISODES, BUNDLES = "recording.json", "episodes", "bundles"
-WHOLE, PART = ".parquet", ".arrow"
-"""Extensions of the rows of an episode, and of those of a part."""
+TABLE = ".parquet"
 LIBRARIES = ("mujoco", "gymnasium", "numpy", "pyarrow", "av")
-NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.part([0-9]{4,}))?\.json")
+NAME = re.compile(r"([0-9]{4,})-([0-9]{6,})(?:\.([0-9]{4,}))?\.json")
+EARLIER = re.compile(r"([0-9]{4,}-[0-9]{6,})\.part[0-9]{4,}\.json")
+"""Parts as mimoc wrote them before, and joined at the end of an episode."""
 DIGITS = 16
 """Of a bundle's digest in the name of its folder."""
 
 
 @dataclass(frozen=True, slots=True)
 class EpisodeFiles:
-    """Where an episode is: in one set of files, or, while it is recorded and after a kill, in parts."""
+    """Where an episode is: in one or several parts, each of a table, a sidecar and the videos of what eyes saw."""
 
     infant: int
     number: int
     stems: tuple[Path, ...]
-    """Paths without extensions of the set, or of all parts from the first on."""
-    is_whole: bool
-    """Whether it is in one set."""
-
-    @property
-    def stem(self) -> Path:
-        """Path of all its files without what tells them apart."""
-        return self.stems[0].with_name(_name(self.infant, self.number))
+    """Paths of the parts without extensions."""
 
     @property
     def folder(self) -> Path:
@@ -52,16 +48,16 @@ class EpisodeFiles:
     @property
     def sidecars(self) -> list[Path]:
         """The sidecar of each part."""
-        return [with_extension(stem, ".json") for stem in self.stems]
+        return self.with_extension(".json")
 
     @property
     def tables(self) -> list[Path]:
         """The rows of each part."""
-        return [with_extension(stem, WHOLE if self.is_whole else PART) for stem in self.stems]
+        return self.with_extension(TABLE)
 
-    def pictures(self, name: str, extension: str) -> list[Path]:
-        """Return the videos of a picture's name in each part."""
-        return [with_extension(stem, f".{name}{extension}") for stem in self.stems]
+    def with_extension(self, extension: str) -> list[Path]:
+        """Return the path of each part with an extension added."""
+        return [with_extension(stem, extension) for stem in self.stems]
 
 
 def with_extension(stem: Path, extension: str) -> Path:
@@ -89,10 +85,10 @@ class RecordingFolder:
 
     def next_numbers(self) -> list[int]:
         """Return the number of each infant's next episode."""
-        found = [0] * len(self.bundles)
-        for each in self.episodes():
-            found[each.infant] = max(found[each.infant], each.number + 1)
-        return found
+        numbers = [0] * len(self.bundles)
+        for episode in self.episodes():
+            numbers[episode.infant] = max(numbers[episode.infant], episode.number + 1)
+        return numbers
 
     def episodes(self) -> list[EpisodeFiles]:
         """Return the episodes in it.
@@ -111,23 +107,23 @@ class RecordingFolder:
             OutputError: If the folder cannot be written.
         """
         marks = self.description.marks
-        here = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
-        if here and all(mark.run == run for mark in marks[here[-1] :]):
-            marks = marks[: here[-1] + 1]
+        places = [index for index, mark in enumerate(marks) if (mark.run, mark.steps) == (run, steps)]
+        if places and all(mark.run == run for mark in marks[places[-1] :]):
+            marks = marks[: places[-1] + 1]
             for episode in self.episodes():
                 if episode.number >= marks[-1].episodes[episode.infant]:
                     remove(episode)
         else:
             marks = (*marks, Mark(run=run, steps=steps, episodes=tuple(self.next_numbers())))
-        self.description = self.description.model_copy(update={"marks": marks})
-        self.write_description()
+        self.describe(marks=marks)
 
-    def write_description(self) -> None:
-        """Write `recording.json`.
+    def describe(self, **changes: Any) -> None:
+        """Write `recording.json`, with some changes.
 
         Raises:
             OutputError: If it cannot be written.
         """
+        self.description = self.description.model_copy(update=changes)
         write_json(self.path / RECORDING, as_json(self.description))
 
     def close(self) -> None:
@@ -150,18 +146,21 @@ def open_folder(path: str | Path, bundles: Sequence[Bundle], *, step_ms: float) 
         handle = os.open(folder, os.O_RDONLY)
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
-    opened = RecordingFolder(folder, previous or _description_of(bundles, step_ms), handle)
+    infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
+    new = Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
+    recording = RecordingFolder(folder, previous or new, handle)
     try:
         _lock(handle, folder)
         for bundle in bundles:
             home = bundle_folder(folder, digest(bundle))
             if not check_unlinked(home, below=folder).exists():
                 write_bundle(bundle, home)
-        _note_versions(opened)
+        sessions, software = recording.description.sessions, versions()
+        recording.describe(sessions=sessions if sessions and sessions[-1] == software else (*sessions, software))
     except BaseException:
-        opened.close()
+        recording.close()
         raise
-    return opened
+    return recording
 
 
 def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | None:
@@ -172,19 +171,19 @@ def check_recordable(folder: Path, bundles: Sequence[Bundle]) -> Description | N
     """
     if os.path.lexists(folder) and not folder.is_dir():
         raise RecordingError(f"{folder}: this is a file; name a new folder")
-    inside = {each.name for each in folder.iterdir()} if folder.is_dir() else set()
+    inside = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     if RECORDING not in inside:
         if inside - {EPISODES, BUNDLES}:
             raise RecordingError(f"{folder}: the folder is not empty and no recording; name a new or empty folder")
         return None
     description = description_in(folder)
-    found, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
-    if len(found) != len(wanted):
+    recorded, wanted = [infant.bundle for infant in description.infants], [digest(bundle) for bundle in bundles]
+    if len(recorded) != len(wanted):
         raise RecordingError(
-            f"{folder}: the recording here is of {len(found)} infants side by side, not {len(wanted)}; name another"
+            f"{folder}: the recording here is of {len(recorded)} infants side by side, not {len(wanted)}; name another"
             " folder"
         )
-    for infant, (theirs, ours) in enumerate(zip(found, wanted, strict=True)):
+    for infant, (theirs, ours) in enumerate(zip(recorded, wanted, strict=True)):
         if theirs != ours:
             name = description.infants[infant].name
             raise RecordingError(
@@ -209,27 +208,58 @@ def description_in(folder: Path) -> Description:
 
 
 def episodes_in(folder: Path, infants: int) -> list[EpisodeFiles]:
-    """Return the episodes in the folder of a recording, by infant and number; those without any part are left out.
+    """Return the episodes in the folder of a recording, by infant and number; those without a first part are left out.
 
     Raises:
-        RecordingError: If one is of none of so many infants, or the folder with the episodes is a link.
+        RecordingError: If one is of none of so many infants or was written in parts by an earlier version, or the
+            folder with the episodes is a link.
     """
-    home, whole = folder / EPISODES, set[tuple[int, int]]()
-    parts: dict[tuple[int, int], set[int]] = {}
-    for name in _names_in(folder):
-        if found := NAME.fullmatch(name):
-            key = int(found[1]), int(found[2])
-            if key[0] >= infants:
-                raise RecordingError(f"{home / name}: there is no infant {key[0]} in this recording of {infants}")
-            if found[3] is None:
-                whole.add(key)
-            else:
-                parts.setdefault(key, set()).add(int(found[3]))
-    listed = (_files(home, key, key in whole, parts.get(key, set())) for key in sorted(whole | parts.keys()))
-    return [each for each in listed if each.stems]
+    home, parts = folder / EPISODES, dict[tuple[int, int], set[int]]()
+    names = names_in(folder)
+    for name in names:
+        if match := NAME.fullmatch(name):
+            infant, number, part = (int(digits or 0) for digits in match.groups())
+            if infant >= infants:
+                raise RecordingError(f"{home / name}: there is no infant {infant} in this recording of {infants}")
+            parts.setdefault((infant, number), set()).add(part)
+        elif (match := EARLIER.fullmatch(name)) and f"{match[1]}.json" not in names:
+            raise RecordingError(
+                f"{home / name}: a part of an episode that an earlier version of mimoc was recording when it was"
+                f" killed; convert it by 'mimoc export {folder} --to recording -o NEW'"
+            )
+
+    def stems(key: tuple[int, int]) -> tuple[Path, ...]:
+        stem = home / _name(*key)
+        return tuple(part_stem(stem, part) for part in takewhile(parts[key].__contains__, count()))
+
+    return [EpisodeFiles(*key, stems(key)) for key in sorted(parts) if 0 in parts[key]]
 
 
-def _names_in(folder: Path) -> list[str]:
+@contextmanager
+def opened(path: Path, most_bytes: int, *damage: type[Exception]) -> Iterator[BinaryIO]:
+    """Open a file of an episode; whatever is wrong with it is one clear line.
+
+    Args:
+        path: The file.
+        most_bytes: The largest size that is read.
+        damage: What is raised if its content is not what it should be.
+
+    Raises:
+        RecordingError: If it is missing, too large, no regular file or damaged.
+    """
+    try:
+        file = open_regular_file(path, most_bytes, below=path.parents[1])
+        if file is None:
+            raise UnusableFileError("the file is missing")
+        with file:
+            yield file
+    except UnusableFileError as error:
+        raise RecordingError(f"{path}: {error}") from None
+    except damage:
+        raise RecordingError(f"{path}: the file is damaged") from None
+
+
+def names_in(folder: Path) -> list[str]:
     """Return the names of what is in the folder of the episodes."""
     try:
         with regular_files(folder) as files:
@@ -244,17 +274,8 @@ def remove(episode: EpisodeFiles) -> None:
     Raises:
         OutputError: If one cannot be removed.
     """
-    files = episode.stem.parent.glob(f"{episode.stem.name}.*")
-    remove_files(sorted(files, key=lambda path: path.suffix != ".json"))
-
-
-def remove_files(paths: Iterable[Path]) -> None:
-    """Remove files, if they exist.
-
-    Raises:
-        OutputError: If one cannot be removed.
-    """
-    for path in paths:
+    home, name = episode.stems[0].parent, episode.stems[0].name
+    for path in sorted(home.glob(f"{name}.*"), key=lambda path: path.suffix != ".json"):
         try:
             path.unlink(missing_ok=True)
         except OSError as error:
@@ -273,13 +294,13 @@ def digest(bundle: Bundle) -> str:
 
 def versions() -> dict[str, str]:
     """Return the versions of the software here."""
-    found = {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine()}
+    software = {"mimoc": __version__, "python": platform.python_version(), "machine": platform.machine()}
     for name in LIBRARIES:
         try:
-            found[name] = version(name)
+            software[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return software
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
@@ -296,30 +317,9 @@ def _name(infant: int, number: int) -> str:
     return f"{infant:04d}-{number:06d}"
 
 
-def _description_of(bundles: Sequence[Bundle], step_ms: float) -> Description:
-    infants = tuple(RecordedInfant(name=bundle.manifest.name, bundle=digest(bundle)) for bundle in bundles)
-    return Description(recording=FORMAT, step_ms=step_ms, infants=infants, sessions=())
-
-
-def _note_versions(folder: RecordingFolder) -> None:
-    """Write the description, with the versions of the software here if they have changed."""
-    sessions, current = folder.description.sessions, versions()
-    if not sessions or sessions[-1] != current:
-        folder.description = folder.description.model_copy(update={"sessions": (*sessions, current)})
-    folder.write_description()
-
-
-def _files(home: Path, key: tuple[int, int], is_whole: bool, parts: set[int]) -> EpisodeFiles:
-    stem = home / _name(*key)
-    if is_whole:
-        return EpisodeFiles(*key, (stem,), True)
-    count = next(number for number in range(len(parts) + 1) if number not in parts)
-    return EpisodeFiles(*key, tuple(part_stem(stem, number) for number in range(count)), False)
-
-
 def part_stem(stem: Path, number: int) -> Path:
-    """Return the path without extension of a part of an episode."""
-    return with_extension(stem, f".part{number:04d}")
+    """Return the path without extension of a part of an episode; the first one is that of the episode."""
+    return with_extension(stem, f".{number:04d}") if number else stem
 
 
 def _lock(handle: int, path: Path) -> None:

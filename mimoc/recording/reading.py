@@ -1,6 +1,6 @@
 """Reading recordings: episodes with arrays, and tables for pandas."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -142,8 +142,11 @@ class Episode:
         reading = self.reading(name)
         if reading.kind != "picture":
             return tables.array_of(self.table, OBSERVATION + name, reading)
-        paths = self.files.pictures(name, frames.LOSSLESS)
-        return frames.read_pictures(paths, len(self.step), reading.shape)
+        return frames.read_pictures(self.videos(name), len(self.step), reading.shape)
+
+    def videos(self, name: str) -> list[Path]:
+        """Return the videos of what an eye saw, one for each part of the episode."""
+        return self.files.with_extension(f".{name}{frames.EXTENSION}")
 
     def layout(self, name: str) -> tuple[str, ...]:
         """Return name and unit of each number of an observation, or of `action`, as `InfantEnv.layout` does.
@@ -172,15 +175,15 @@ class Episode:
         Raises:
             UnknownNameError: If there is no observation of this name, or it is one of pictures.
         """
-        found = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
-        found |= {name: self.column(name) for name in self.table.column_names if name.startswith(("term.", "info."))}
+        columns = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
+        columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(("term.", "info."))}
         usual = ["action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
             array = self.column("action") if name == "action" else self._numbers(name)
             flat = array.reshape(len(array), -1)
             layout = self.layout(name) or [f"{index}" for index in range(flat.shape[1])]
-            found |= {f"{name}: {label}": flat[:, index] for index, label in enumerate(layout)}
-        return found
+            columns |= {f"{name}: {label}": flat[:, index] for index, label in enumerate(layout)}
+        return columns
 
     @property
     def options(self) -> Mapping[str, Any]:
@@ -212,11 +215,11 @@ class Episode:
     @cached_property
     def changes(self) -> dict[int, list[tuple[str, Any]]]:
         """What was done to the infant besides control steps, in order, by the number of steps before it."""
-        found: dict[int, list[tuple[str, Any]]] = {}
+        by_step: dict[int, list[tuple[str, Any]]] = {}
         for change in self.sidecar.changes:
             (kind,) = change.kinds
-            found.setdefault(change.step, []).append((kind, self._restored(getattr(change, kind))))
-        return found
+            by_step.setdefault(change.step, []).append((kind, self._restored(getattr(change, kind))))
+        return by_step
 
     def column(self, name: str) -> Array:
         """Return a column of the file as an array of k + 1 rows."""
@@ -269,10 +272,6 @@ class ReadRecording(Sequence[Episode]):
         """Return an episode, or several."""
         return self.episodes[index]
 
-    def __iter__(self) -> Iterator[Episode]:
-        """Return the episodes, one after the other."""
-        return iter(self.episodes)
-
     def __repr__(self) -> str:
         """Return the folder and the number of episodes."""
         return f"ReadRecording({str(self.path)!r}, {len(self)} episodes)"
@@ -297,12 +296,12 @@ class ReadRecording(Sequence[Episode]):
         if home.is_symlink() or home.parent.is_symlink():
             raise RecordingError(f"{home}: this is a link, or in one, which mimoc never writes")
         try:
-            found = read_bundle(home)
+            bundle = read_bundle(home)
         except BundleError as error:
             raise RecordingError(f"the bundle of this recording cannot be read: {error}") from None
-        if digest(found) != wanted:
+        if digest(bundle) != wanted:
             raise RecordingError(f"{home}: this is not the bundle that was recorded ({wanted[7:15]})")
-        return found
+        return bundle
 
     def summary(self) -> dict[str, list[Any]]:
         """Return a row for each episode: `pandas.DataFrame(recording.summary())`."""
@@ -349,14 +348,10 @@ def _check(episode: Episode, description: Description) -> None:
     if (sidecar.infant, sidecar.bundle) != (episode.infant, description.infants[episode.infant].bundle):
         raise RecordingError(f"{place}: this is an episode of another infant or recording")
     for name, kept in (("changes", sidecar.changes), ("states", sidecar.states)):
-        if late := [each.step for each in kept if each.step >= sidecar.rows]:
+        if late := [item.step for item in kept if item.step >= sidecar.rows]:
             raise RecordingError(f"{place}: {name}: there is no control step {late[0]} in this episode")
     for reading in episode.described.readings:
         if reading.kind == "picture":
-            _check_regular(episode.files.pictures(reading.name, frames.LOSSLESS))
-
-
-def _check_regular(paths: Sequence[Path]) -> None:
-    for path in paths:
-        if not is_regular_file(path):
-            raise RecordingError(f"{path}: the file is damaged or missing, or is not a regular file")
+            for path in episode.videos(reading.name):
+                if not is_regular_file(path):
+                    raise RecordingError(f"{path}: the file is damaged or missing, or is not a regular file")

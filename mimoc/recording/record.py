@@ -8,7 +8,7 @@ from typing import Any
 
 import gymnasium
 
-from mimoc.recording.film import Film
+from mimoc.recording.film import VideoFrames
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.renderer import Shown
 from mimoc.runtime.env import InfantEnv
@@ -20,8 +20,6 @@ RATE_HZ = 25
 """Default frame rate: four hundredths of a second per frame, which a GIF can represent."""
 HEIGHT_PX = 360
 """Default height of a video."""
-Capture = Callable[[], None]
-"""Called after each control step; captures a frame when one is due."""
 Watch = Callable[[InfantEnv, Observation], None]
 """Called with an environment and what it observes."""
 
@@ -68,29 +66,14 @@ def record(
     if not isinstance(infant, InfantEnv):
         raise TypeError(f"expected an environment of mimoc's, got {type(infant).__name__}")
     run = Run(infant, policy, seed)
-    with filming(run, file, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as capture:
+    look: dict[str, Any] = {"eyes": eyes, "rate_hz": rate_hz, "height_px": height_px, "body": body}
+    with film_of(file, infant.manifest.step_ms, **look) as watch:
+        watch(infant, run.observation)
         for done in range(1, steps + 1):
             run.step()
-            capture()
+            watch(infant, run.observation)
             progress(done, steps)
     return run.summary()
-
-
-@contextmanager
-def filming(
-    run: Run,
-    file: str | Path,
-    *,
-    eyes: bool = False,
-    rate_hz: int = RATE_HZ,
-    height_px: int = HEIGHT_PX,
-    body: Shown = "skin",
-) -> Iterator[Capture]:
-    """Record a run, as `record` does; yield the function to call after each step."""
-    step_ms = run.env.manifest.step_ms
-    with film_of(file, step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as watch:
-        watch(run.env, run.observation)
-        yield lambda: watch(run.env, run.observation)
 
 
 @contextmanager
@@ -109,7 +92,7 @@ def film_of(
     """
     step_s = Fraction(ms_to_s(step_ms)).limit_denominator(1_000_000)
     with ExitStack() as opened:
-        film: Film | None = None
+        film: VideoFrames | None = None
         video: Video | None = None
         steps = 0
 
@@ -117,7 +100,7 @@ def film_of(
             """Capture a frame if one is due."""
             nonlocal film, video, steps
             if film is None or video is None:
-                film = opened.enter_context(closing(Film(env, height_px, eyes, body)))
+                film = opened.enter_context(closing(VideoFrames(env, height_px, eyes, body)))
                 video = open_video(file, min(Fraction(rate_hz), 1 / step_s))
             if steps * step_s * video.rate_hz >= video.pictures:
                 video.add(film.frame(observation))

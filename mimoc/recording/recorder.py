@@ -5,18 +5,15 @@ import warnings
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Literal
+from typing import Any
 
 import gymnasium
 from gymnasium.vector import VectorEnv, VectorWrapper
 
 from mimoc.bundle import files
 from mimoc.errors import RecordingError
-from mimoc.recording import episode_writer
-from mimoc.recording.description import UNFINISHED
-from mimoc.recording.folder import EPISODES, RecordingFolder, digest, open_folder, versions
-from mimoc.recording.infant_journal import InfantJournal, Pace
+from mimoc.recording.folder import EPISODES, digest, open_folder, versions
+from mimoc.recording.observer import Pace, RecordingObserver
 from mimoc.recording.video import require_av
 from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
@@ -25,7 +22,7 @@ from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.senses.custom import CustomSense
 from mimoc.tasks.custom import CustomTask
 
-PART_ROWS = 500
+PART_ROWS = 1000
 """Control steps in a part of an episode: what a kill can lose."""
 LEAST_ROWS = 16
 STATES_EVERY = 1000
@@ -55,7 +52,8 @@ class Recording:
         self._infants = tuple(infants)
         self._folder = open_folder(folder, bundles, step_ms=infants[0].manifest.step_ms)
         try:
-            _tidy(self._folder)
+            for leftover in (self.path / EPISODES).glob(".mimoc-*.tmp"):
+                files.discard(leftover)
             self._writer = Writer()
             self._journals = self._begun(Pace(part_rows, states_every), [digest(bundle) for bundle in bundles])
         except BaseException:
@@ -118,19 +116,20 @@ class Recording:
         """Return itself."""
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close it; after Ctrl-C or any other error, what was recorded so far is kept."""
         self.close()
 
-    def _begun(self, pace: Pace, digests: Sequence[str]) -> list[InfantJournal]:
+    def _begun(self, pace: Pace, digests: Sequence[str]) -> list[RecordingObserver]:
         """Give each infant its journal."""
-        here, journals, folder = versions(), [], self._folder
+        software, journals, folder = versions(), [], self._folder
         for number, (infant, first) in enumerate(zip(self._infants, folder.next_numbers(), strict=True)):
-            about = {"infant": number, "bundle": digests[number], "versions": here, "objects": _objects(infant)}
-            stem_of = partial(folder.stem, number)
-            journal = InfantJournal(infant, self._writer, stem_of, first, _fitting(pace, infant, len(digests)), about)
-            infant.journal = journal
-            journals.append(journal)
+            about = {"infant": number, "bundle": digests[number], "versions": software, "objects": _objects(infant)}
+            fitting = _fitting(pace, infant, len(digests))
+            infant.journal = RecordingObserver(
+                infant, self._writer, partial(folder.stem, number), first, fitting, about
+            )
+            journals.append(infant.journal)
         return journals
 
 
@@ -148,15 +147,6 @@ class EnvRecorder(gymnasium.Wrapper[Any, Any, Any, Any]):
             self.recording.close()
         finally:
             super().close()
-
-    def __enter__(self) -> "EnvRecorder":
-        """Return itself."""
-        return self
-
-    def __exit__(self, *error: Any) -> Literal[False]:
-        """Close it."""
-        self.close()
-        return False
 
 
 class VectorRecorder(VectorWrapper):
@@ -178,9 +168,7 @@ class VectorRecorder(VectorWrapper):
         """Return itself."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close it."""
         self.close()
 
@@ -229,22 +217,13 @@ def infants_of(env: Any) -> tuple[InfantEnv, ...]:
         return (inside,)
     if isinstance(inside, ManyInfants):
         return inside.infants
-    several = [each.unwrapped for each in getattr(inside, "envs", ())]
-    if several and all(isinstance(each, InfantEnv) for each in several):
+    several = [env.unwrapped for env in getattr(inside, "envs", ())]
+    if several and all(isinstance(env, InfantEnv) for env in several):
         return tuple(several)
     raise RecordingError(
         f"cannot record {type(inside or env).__name__}: give an environment of mimoc.make, or one of mimoc.make_vec on"
         " the CPU"
     )
-
-
-def _tidy(folder: RecordingFolder) -> None:
-    """Put together the episodes of a process that was killed, and remove what it had begun to write."""
-    for leftover in (folder.path / EPISODES).glob(".mimoc-*.tmp"):
-        files.discard(leftover)
-    for episode in folder.episodes():
-        if not episode.is_whole:
-            episode_writer.finish(episode, UNFINISHED)
 
 
 def _fitting(pace: Pace, infant: InfantEnv, infants: int) -> Pace:
@@ -269,6 +248,6 @@ def _notes_on(infant: InfantEnv) -> list[str]:
 
 def _objects(infant: InfantEnv) -> dict[str, str]:
     """Return the class of each object that a script has passed, by what it is."""
-    objects = {f"senses.{name}": each for name, each in infant.senses.items() if isinstance(each, CustomSense)}
+    objects = {f"senses.{name}": item for name, item in infant.senses.items() if isinstance(item, CustomSense)}
     task = {"task": infant.task} if isinstance(infant.task, CustomTask) else {}
-    return {what: each.class_name for what, each in {**task, **objects}.items()}
+    return {what: item.class_name for what, item in {**task, **objects}.items()}

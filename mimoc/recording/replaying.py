@@ -14,7 +14,7 @@ from mimoc.errors import MimocError, RecordingError
 from mimoc.recording.blocks import Block
 from mimoc.recording.comparing import Difference, Recorded, state_differs
 from mimoc.recording.folder import versions
-from mimoc.recording.infant_journal import ACTION, NOTHING_YET
+from mimoc.recording.observer import ACTION, NOTHING_YET
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.runtime.env import InfantEnv
@@ -41,11 +41,11 @@ class Replayed:
     @property
     def other_versions(self) -> str:
         """What software has another version now, which may be why; empty if all are the same."""
-        here = versions()
+        software = versions()
         changed = [
-            f"{name} {then}, now {here.get(name, 'none')}"
+            f"{name} {then}, now {software.get(name, 'none')}"
             for name, then in self.episode.versions.items()
-            if here.get(name) != then
+            if software.get(name) != then
         ]
         return ", ".join(changed)
 
@@ -81,14 +81,14 @@ def replay(
     chosen = recording.episodes if episodes is None else tuple(episodes)
     total, done = sum(episode.steps for episode in chosen), 0
     for infant in dict.fromkeys(episode.infant for episode in chosen):
-        own = [episode for episode in chosen if episode.infant == infant]
+        same_infant = [episode for episode in chosen if episode.infant == infant]
         bundle = recording.bundle(infant)
-        env = open_env(bundle, any(_other_scene(episode, bundle.manifest.seed) for episode in own))
+        env = open_env(bundle, any(_other_scene(episode, bundle.manifest.seed) for episode in same_infant))
         try:
-            for episode in own:
+            for episode in same_infant:
                 _check_observations(env, episode)
-                told = partial(_told, progress, done, total)
-                yield Replayed(episode, _Replay(env, episode, watch, told)())
+                report = partial(_told, progress, done, total)
+                yield Replayed(episode, _Replay(env, episode, watch, report)())
                 done += episode.steps
         finally:
             env.close()
@@ -112,27 +112,27 @@ class _Replay:
                 f"{self._episode.files.sidecars[0]}: cannot be begun again: {_in_a_line(error)}"
             ) from None
         self._watch(self._env, observation)
-        found = state_differs(0, self._episode.start, self._env.get_state())
-        found = self._differs(None, (*NOTHING_YET, info), observation) or found
+        difference = state_differs(0, self._episode.start, self._env.get_state())
+        difference = self._differs(None, (*NOTHING_YET, info), observation) or difference
         for step, action in enumerate(self._episode.actions):
-            if found:
-                return found
+            if difference:
+                return difference
             for what, value in self._episode.changes.get(step, []):
                 self._change(what, value)
             action = self._as_given(action)
             observation, *judged = self._env.step(action)
             self._watch(self._env, observation)
-            found = self._differs(action, tuple(judged), observation)
+            difference = self._differs(action, tuple(judged), observation)
             if step + 1 in self._episode.states:
                 state = state_differs(step + 1, self._episode.states[step + 1], self._env.get_state())
-                found = found or (state and (self._compared() or state))
+                difference = difference or (state and (self._compared() or state))
             self._progress(step + 1)
-        return found or self._compared()
+        return difference or self._compared()
 
     def _begin(self) -> tuple[Observation, dict[str, Any]]:
         """Reset the infant as it was, going on from the same random numbers; or restore the state it began in."""
         env, episode = self._env, self._episode
-        with _damage_told(episode):
+        with _damage_message(episode):
             if (before := episode.before) is None:
                 return env.set_state(episode.start), {}
             if before[SEED] != env.manifest.seed:
@@ -143,7 +143,7 @@ class _Replay:
     def _change(self, what: str, value: Any) -> None:
         """Do again what was done besides control steps."""
         env = self._env
-        with _damage_told(self._episode):
+        with _damage_message(self._episode):
             if what == "age_months":
                 env.grow(to=value)
             elif what == "state":
@@ -186,7 +186,7 @@ class _Replay:
 
 
 @contextmanager
-def _damage_told(episode: Episode) -> Iterator[None]:
+def _damage_message(episode: Episode) -> Iterator[None]:
     """Turn what a damaged state or value leads to into one clear line."""
     try:
         yield
@@ -216,10 +216,10 @@ def _told(progress: Callable[[int, int], None], before: int, total: int, steps: 
 
 def _other_scene(episode: Episode, seed: int) -> bool:
     """Return whether an episode is in another scene than its bundle, or comes from one."""
-    with _damage_told(episode):
+    with _damage_message(episode):
         seeds = [episode.start[SEED], *([episode.before[SEED]] if episode.before else [])]
         seeds += [value[SEED] for changes in episode.changes.values() for what, value in changes if what == "state"]
-    return any(each != seed for each in seeds)
+    return any(scene_seed != seed for scene_seed in seeds)
 
 
 def _check_observations(env: InfantEnv, episode: Episode) -> None:
@@ -228,9 +228,9 @@ def _check_observations(env: InfantEnv, episode: Episode) -> None:
     Raises:
         RecordingError: If it does not.
     """
-    here = {name: (space.shape, space.dtype.name) for name, space in _spaces(env).items()}
+    observed = {name: (space.shape, space.dtype.name) for name, space in _spaces(env).items()}
     for reading in episode.described.readings:
-        if here.get(reading.name) != (reading.shape, reading.dtype):
+        if observed.get(reading.name) != (reading.shape, reading.dtype):
             raise RecordingError(
                 f"infant {episode.infant}, episode {episode.number}: the observation '{reading.name}' of shape"
                 f" {reading.shape} and type {reading.dtype} is recorded, but the infant does not have it now"

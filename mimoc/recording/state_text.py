@@ -37,13 +37,13 @@ def to_plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else {MARK + FLOAT: str(value)}
     if isinstance(value, list):
-        return [to_plain(each) for each in value]
+        return [to_plain(item) for item in value]
     if isinstance(value, tuple):
-        return {MARK + TUPLE: [to_plain(each) for each in value]}
+        return {MARK + TUPLE: [to_plain(item) for item in value]}
     if isinstance(value, Mapping):
         if all(isinstance(key, str) and not key.startswith(MARK) for key in value):
-            return {key: to_plain(each) for key, each in value.items()}
-        return {MARK + ITEMS: [[to_plain(key), to_plain(each)] for key, each in value.items()]}
+            return {key: to_plain(item) for key, item in value.items()}
+        return {MARK + ITEMS: [[to_plain(key), to_plain(item)] for key, item in value.items()]}
     raise RecordingError(f"an object of type {type(value).__name__} cannot be kept")
 
 
@@ -54,7 +54,7 @@ def from_plain(value: Any) -> Any:
         RecordingError: If the data is damaged.
     """
     if isinstance(value, list):
-        return [from_plain(each) for each in value]
+        return [from_plain(item) for item in value]
     if not isinstance(value, dict):
         return value
     try:
@@ -63,12 +63,12 @@ def from_plain(value: Any) -> Any:
         if MARK + FLOAT in value:
             return float(value[MARK + FLOAT])
         if MARK + TUPLE in value:
-            return tuple(from_plain(each) for each in value[MARK + TUPLE])
+            return tuple(from_plain(item) for item in value[MARK + TUPLE])
         if MARK + ITEMS in value:
-            return {from_plain(key): from_plain(each) for key, each in value[MARK + ITEMS]}
+            return {from_plain(key): from_plain(item) for key, item in value[MARK + ITEMS]}
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError, zlib.error) as error:
         raise RecordingError(f"a state is damaged ({error})") from None
-    return {key: from_plain(each) for key, each in value.items()}
+    return {key: from_plain(item) for key, item in value.items()}
 
 
 def _array(packed: bytes, dtype: np.dtype, shape: Sequence[int]) -> np.ndarray:

@@ -100,8 +100,8 @@ def sparse_of(table: Any, name: str) -> tuple[Array, Array, Array]:
     """Return row, index and value of all numbers of a sparse column that are not zero."""
     column = table.column(name).combine_chunks()
     rows = np.repeat(np.arange(len(column)), np.diff(column.offsets.to_numpy()))
-    found = column.flatten()
-    return rows, found.field("index").to_numpy(), found.field("value").to_numpy(zero_copy_only=False)
+    pairs = column.flatten()
+    return rows, pairs.field("index").to_numpy(), pairs.field("value").to_numpy(zero_copy_only=False)
 
 
 def _check_indices(table: Any, reading: Reading) -> None:

@@ -1,27 +1,27 @@
 """Rows of a recording as Parquet, with the names and units of all numbers in its schema."""
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
-from mimoc.bundle import files
-from mimoc.bundle.regular_files import UnusableFileError, open_regular_file
-from mimoc.errors import RecordingError
+from mimoc.bundle.files import write_file
+from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
-from mimoc.recording.folder import WHOLE
+from mimoc.recording.folder import opened
 from mimoc.recording.table_check import STEP, check_rows, check_schema, has_numbers, lists_of, pairs_of, sparse_of
 
 SMALL_BYTES, MOST_RATIO = 2**29, 100
 """What a file may hold however small it is, and how many times its size."""
 MOST_DENSE_RATIO = 2**10
 """The same of arrays with all the zeros that a sparse column leaves out."""
-MOST_BYTES, MOST_PART_BYTES = 2**40, 2**30
-"""Of a file, and of a part, of which all infants together have no more than `ROOM_BYTES` in memory."""
+MOST_BYTES = 2**40
+"""Of a file."""
 LEVEL = -4
 """Of zstd: a third faster than 1, for files that are a tenth larger."""
 SPLIT = ("float", "double")
@@ -29,56 +29,38 @@ SPLIT = ("float", "double")
 
 
 def write_block(path: Path, block: Block, described: Described) -> None:
-    """Write the rows of a block, but for pictures, as an Arrow stream, which takes hardly any time.
+    """Write the rows of a block, but for pictures.
 
     Raises:
         OutputError: If the file cannot be written.
     """
-    temporary, table = files.temporary_path(path), _table(block, described)
-    try:
-        with pa.OSFile(str(temporary), "wb") as sink, pa.ipc.new_stream(sink, table.schema) as writer:
-            writer.write_table(table)
-    except OSError as error:
-        files.discard(temporary)
-        raise files.write_error(path, error) from None
-    files.move_into_place(temporary, path)
+    write_table(path, _table(block, described))
 
 
-def join(path: Path, parts: Sequence[Path]) -> None:
-    """Write the rows of some parts as one file of Parquet, with a row group for each.
+def write_table(path: Path, table: Any) -> None:
+    """Write a table as one file of Parquet, whole or not at all.
 
     Raises:
         OutputError: If the file cannot be written.
-        RecordingError: If a part is damaged.
     """
-    described, schema, temporary = describe(parts), _joined_schema(parts), files.temporary_path(path)
-    first_step = 0
-    try:
-        with pq.ParquetWriter(temporary, schema, write_statistics=False, **_encoding(schema)) as writer:
-            for part in parts:
-                table = _aligned(_read(part, described, first_step), schema)
-                if len(table):  # Parquet has no empty groups.
-                    writer.write_table(table, row_group_size=len(table))
-                first_step += len(table)
-    except RecordingError:
-        files.discard(temporary)
-        raise
-    except OSError as error:
-        files.discard(temporary)
-        raise files.write_error(path, error) from None
-    files.move_into_place(temporary, path)
+    leaves = [leaf for field in table.schema for leaf in _leaves(field.name, field.type)]
+    split = {leaf: "BYTE_STREAM_SPLIT" for leaf, kind in leaves if str(kind) in SPLIT}
+    how: dict[str, Any] = {"use_dictionary": False, "write_statistics": False, "column_encoding": split}
+    content = io.BytesIO()
+    pq.write_table(table, content, compression="zstd", compression_level=LEVEL, **how)
+    write_file(path, content.getvalue())
 
 
 def describe(paths: Sequence[Path]) -> Described:
-    """Return what the schemas of some files of one episode say, which all say the same.
+    """Return what the schemas of all parts of one episode say, which all say the same.
 
     Raises:
         RecordingError: If one is damaged, not a recording's, or has other columns than it says.
     """
     described: Described | None = None
     for path in paths:
-        with _opened(path) as reader:
-            current = _described(reader)
+        with _opened(path) as file:
+            current = described_by(file.schema_arrow)
             if described not in (None, current):
                 raise UnusableFileError("it describes other columns than the part before")
             described = current
@@ -86,17 +68,33 @@ def describe(paths: Sequence[Path]) -> Described:
     return described
 
 
+def described_by(schema: Any) -> Described:
+    """Return what the schema of a file says of its columns, which it must have.
+
+    Raises:
+        UnusableFileError: If it is not a recording's, or has other columns than it says.
+    """
+    described = Described.from_json((schema.metadata or {}).get(KEY, b""))
+    check_schema(schema, described)
+    return described
+
+
 def read_columns(paths: Sequence[Path], described: Described) -> Any:
-    """Return the rows of some files of one episode as one Arrow table.
+    """Return the rows of all parts of one episode as one Arrow table.
+
+    What is a flag in one part and a number in another is a number; a column that a part lacks is NaN or False there.
 
     Raises:
         RecordingError: If a file is damaged, or is not as described.
     """
-    schema, tables = _joined_schema(paths), list[Any]()
+    parts, kinds = list[Any](), dict[str, Any]()
     for path in paths:
-        first_step = sum(map(len, tables))
-        tables.append(_aligned(_read(path, described, first_step), schema))
-    return pa.concat_tables(tables)
+        part = _read(path, described, first_step=sum(map(len, parts)))
+        parts.append(part)
+        for field in part.schema:
+            kinds[field.name] = field.type if kinds.get(field.name, field.type) == field.type else pa.float64()
+    schema = pa.schema([pa.field(name, kind, nullable=False) for name, kind in kinds.items()], parts[0].schema.metadata)
+    return pa.concat_tables([_aligned(part, schema) for part in parts])
 
 
 def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
@@ -123,11 +121,11 @@ def _table(block: Block, described: Described) -> Any:
     columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
     columns[ACTION] = _fixed(block.action[:rows])
     columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
-    for each in block.readings:
-        if each.kind == "dense":
-            columns[OBSERVATION + each.name] = _fixed(block.dense[each.name][:rows])
-        elif each.kind == "sparse":
-            columns[OBSERVATION + each.name] = _listed(block.sparse[each.name], rows)
+    for reading in block.readings:
+        if reading.kind == "dense":
+            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
+        elif reading.kind == "sparse":
+            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
     columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
     fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
     return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))
@@ -155,36 +153,15 @@ def flat_size(array: Array) -> int:
     return int(np.prod(array.shape[1:]))
 
 
-def _joined_schema(paths: Sequence[Path]) -> Any:
-    """Return a schema with the columns of all files; what is a flag in some and a number in others is a number."""
-    metadata, kinds = None, dict[str, Any]()
-    for path in paths:
-        with _opened(path) as reader:
-            schema = _schema(reader)
-        metadata = metadata or {KEY: schema.metadata[KEY]}
-        for field in schema:
-            kinds[field.name] = field.type if kinds.get(field.name, field.type) == field.type else pa.float64()
-    return pa.schema([pa.field(name, kind, nullable=False) for name, kind in kinds.items()], metadata)
-
-
 def _aligned(table: Any, schema: Any) -> Any:
-    """Return a table with all columns of a schema; what it has not is NaN or False."""
-    missing = {
-        field.name: pa.array(np.full(len(table), np.nan) if pa.types.is_floating(field.type) else [False] * len(table))
-        for field in schema
-        if field.name not in table.column_names
-    }
-    columns = [
-        missing[field.name] if field.name in missing else table.column(field.name).cast(field.type) for field in schema
-    ]
-    return pa.table(columns, schema=schema)
+    """Return a table with all columns of a schema."""
 
+    def column(field: Any) -> Any:
+        if field.name in table.column_names:
+            return table.column(field.name).cast(field.type)
+        return pa.array(np.full(len(table), np.nan if pa.types.is_floating(field.type) else False))
 
-def _encoding(schema: Any) -> dict[str, Any]:
-    """Return how the columns of a schema are encoded and compressed."""
-    leaves = [leaf for field in schema for leaf in _leaves(field.name, field.type)]
-    split = {path: "BYTE_STREAM_SPLIT" for path, kind in leaves if str(kind) in SPLIT}
-    return {"use_dictionary": False, "column_encoding": split, "compression": "zstd", "compression_level": LEVEL}
+    return pa.table([column(field) for field in schema], schema=schema)
 
 
 def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
@@ -199,50 +176,20 @@ def _leaves(path: str, kind: Any) -> Iterator[tuple[str, Any]]:
 
 
 @contextmanager
-def _opened(path: Path, *, for_rows: bool = False) -> Iterator[Any]:
-    """Open a file to read its schema, or its rows as well; whatever is wrong with it is one clear line."""
-    is_whole = path.suffix == WHOLE
-    try:
-        file = open_regular_file(path, MOST_BYTES if is_whole else MOST_PART_BYTES, below=path.parents[1])
-        if file is None:
-            raise UnusableFileError("the file is missing")
-        with file, pq.ParquetFile(file) if is_whole else _stream(file, for_rows) as reader:
-            yield reader
-    except UnusableFileError as error:
-        raise RecordingError(f"{path}: {error}") from None
-    except DAMAGED:
-        raise RecordingError(f"{path}: the file is damaged") from None
-
-
-def _stream(file: BinaryIO, for_rows: bool) -> Any:
-    if not for_rows:
-        return pa.ipc.open_stream(file)
-    content = pa.py_buffer(file.read())
-    _check_unpacked(content)
-    return pa.ipc.open_stream(content)
-
-
-def _schema(reader: Any) -> Any:
-    return reader.schema_arrow if isinstance(reader, pq.ParquetFile) else reader.schema
-
-
-def _described(reader: Any) -> Described:
-    """Return what the schema of an open file says, which it must be itself."""
-    schema = _schema(reader)
-    described = Described.from_json((schema.metadata or {}).get(KEY, b""))
-    check_schema(schema, described)
-    return described
+def _opened(path: Path) -> Iterator[Any]:
+    """Open a file of Parquet; whatever is wrong with it is one clear line."""
+    with opened(path, MOST_BYTES, *DAMAGED) as file, pq.ParquetFile(file) as parquet:
+        yield parquet
 
 
 def _read(path: Path, described: Described, first_step: int) -> Any:
     """Return the rows of a file, of which the first has a number."""
-    with _opened(path, for_rows=True) as reader:
+    with _opened(path) as file:
         size = path.stat().st_size
-        if _described(reader) != described:
+        if described_by(file.schema_arrow) != described:
             raise UnusableFileError("it describes other columns than the recording")
-        if path.suffix == WHOLE:
-            _check_packed(reader.metadata, size)
-        table = reader.read() if path.suffix == WHOLE else reader.read_all()
+        _check_packed(file.metadata, size)
+        table = file.read()
         check_rows(table, described, first_step)
         dense = max((reading.size for reading in described.readings if reading.kind == "sparse"), default=0)
         if 8 * dense * len(table) > max(SMALL_BYTES, MOST_DENSE_RATIO * size):
@@ -260,38 +207,6 @@ def _check_packed(about: Any, size: int) -> None:
     numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
     if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * size):
         raise UnusableFileError("it would unpack to more than it can hold")
-
-
-def _check_unpacked(content: Any) -> None:
-    """Check that a part is as mimoc writes it: nothing in it is packed, so that it unpacks to no more than it has.
-
-    Raises:
-        UnusableFileError: If it is not.
-    """
-    for message in pa.ipc.MessageReader.open_stream(pa.BufferReader(content)):
-        is_rows = message.type == "record batch"
-        if not (is_rows or message.type == "schema") or (is_rows and _is_packed(message.metadata.to_pybytes())):
-            raise UnusableFileError("it is packed, or has more than rows")
-
-
-def _is_packed(message: bytes) -> bool:
-    """Return whether the rows of an Arrow message are compressed.
-
-    Its metadata is a FlatBuffer: the field `compression`, the fourth of the table `RecordBatch`, is there or not, and
-    this table is the third field of the table `Message`, as Arrow's `format/Message.fbs` says.
-    """
-
-    def number(at: int, size: int) -> int:
-        return int.from_bytes(message[at : at + size], "little")
-
-    def field(table: int, index: int) -> int:
-        """Return where a field of a table is, 0 if it is left out."""
-        listed = table - int.from_bytes(message[table : table + 4], "little", signed=True)
-        at = number(listed + 4 + 2 * index, 2) if 4 + 2 * index < number(listed, 2) else 0
-        return table + at if at else 0
-
-    header = field(number(0, 4), 2)
-    return bool(field(header + number(header, 4), 3))
 
 
 DAMAGED = (

@@ -15,8 +15,7 @@ import numpy.typing as npt
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.model import begin, bounded, broke_down
-from mimoc.bundle.poses import pose_of
+from mimoc.bundle.model import begin, bounded, broke_down, pose_of
 from mimoc.bundle.variants import Variant, Variants, opened
 from mimoc.delays.schedule import Schedule
 from mimoc.errors import check_name

@@ -11,14 +11,14 @@ from PIL import Image
 
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import Packed
-from mimoc.viewer.skins import rows_of, skin_of
+from mimoc.viewer.meshes import pixels_of, rows_of, skin_of
+from mimoc.viewer.packing import EncodedArrays
 
 BONES = 4
 """Bodies that move a vertex, at most."""
 
 
-def describe_materials(packed: Packed, model: mujoco.MjModel) -> dict[str, Any]:
+def describe_materials(packed: EncodedArrays, model: mujoco.MjModel) -> dict[str, Any]:
     """Return the materials of a model and their pictures as PNGs; those of a cube are six, one below the other."""
     textures = model.mat_texid[:, mujoco.mjtTextureRole.mjTEXROLE_RGB]
     used = sorted({int(texture) for texture in textures if texture >= 0})
@@ -43,27 +43,26 @@ def describe_materials(packed: Packed, model: mujoco.MjModel) -> dict[str, Any]:
 
 
 def _png(model: mujoco.MjModel, index: int) -> bytes:
-    height, width, channels = model.tex_height[index], model.tex_width[index], model.tex_nchannel[index]
-    first = model.tex_adr[index]
-    pixels = model.tex_data[first : first + height * width * channels].reshape(height, width, channels)
-    file = io.BytesIO()
-    Image.fromarray(pixels[..., 0] if channels == 1 else pixels).save(file, "PNG", compress_level=9)
+    pixels, file = pixels_of(model, index), io.BytesIO()
+    Image.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels).save(file, "PNG", compress_level=9)
     return file.getvalue()
 
 
-def describe_skins(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+def describe_skins(
+    packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]
+) -> dict[str, Any] | None:
     """Return the skins of an infant at some ages, which have the same vertices at each; None if it has none."""
     models = [variant.model for variant in variants]
     if not models[0].nskin:
         return None
-    own = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
+    bodies = own_parts(models[0], variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
-        "layers": [_layer(packed, models, index, own) for index in range(models[0].nskin)],
+        "layers": [_layer(packed, models, index, bodies) for index in range(models[0].nskin)],
     }
 
 
-def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: list[int]) -> dict[str, Any]:
+def _layer(packed: EncodedArrays, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
     verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))
@@ -75,12 +74,12 @@ def _layer(packed: Packed, models: Sequence[mujoco.MjModel], index: int, own: li
         "material": int(model.skin_matid[index]),
         "faces": packed.put(model.skin_face[faces].astype(np.uint32)),
         "texcoords": None if texcoords is None else packed.put(texcoords),
-        "bones": packed.put(np.array([own.index(body) for body in model.skin_bonebodyid[bones]])),
+        "bones": packed.put(np.array([bodies.index(body) for body in model.skin_bonebodyid[bones]])),
         "moved_by": packed.put(moved_by.astype(np.uint8)),
         "weights": packed.put(weights),
-        "verts": packed.put_places(np.stack([each.skin_vert[verts] for each in models])),
-        "bind_pos": packed.put(np.stack([each.skin_bonebindpos[bones] for each in models])),
-        "bind_quat": packed.put(np.stack([each.skin_bonebindquat[bones] for each in models])),
+        "verts": packed.put_places(np.stack([variant.skin_vert[verts] for variant in models])),
+        "bind_pos": packed.put(np.stack([variant.skin_bonebindpos[bones] for variant in models])),
+        "bind_quat": packed.put(np.stack([variant.skin_bonebindquat[bones] for variant in models])),
     }
 
 

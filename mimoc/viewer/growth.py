@@ -2,18 +2,21 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.bundle.manifest import Manifest
+from mimoc import fits
+from mimoc.bundle.manifest import ChildEntry, Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
 from mimoc.errors import MimocError
+from mimoc.fits.who import percentile
 from mimoc.senses.binding import bind_sense
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 
 IntArray = npt.NDArray[np.intp]
 
@@ -58,7 +61,7 @@ def own_parts(model: mujoco.MjModel, manifest: Manifest) -> Own:
     )
 
 
-def describe_growth(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
+def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any]:
     """Return the body of an infant at some ages; arrays that change with age have it as their first axis.
 
     Args:
@@ -82,7 +85,7 @@ def describe_growth(packed: Packed, variants: Sequence[Variant], ages_months: Se
     }
 
 
-def _skeleton(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _skeleton(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
     """Return bodies and joints; numbers of bodies are those within the infant."""
     model, own = models[0], parts[0]
     number = {body: index for index, body in enumerate(own.bodies.tolist())}
@@ -104,7 +107,7 @@ def _skeleton(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[
     }
 
 
-def _flesh(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _flesh(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
     """Return geoms and eyes, with the numbers of their bodies within the infant."""
     model, own = models[0], parts[0]
     return {
@@ -130,14 +133,16 @@ def _flesh(packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own
 
 
 def _by_age(
-    packed: Packed, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
+    packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
 ) -> dict[str, Any]:
     """Return an array of a model at each age, of what is the infant's."""
     found = [getattr(model, name)[getattr(own, kind)] for model, own in zip(models, parts, strict=True)]
     return packed.put(np.stack(found))
 
 
-def describe_touch(packed: Packed, variants: Sequence[Variant], ages_months: Sequence[float]) -> dict[str, Any] | None:
+def describe_touch(
+    packed: EncodedArrays, variants: Sequence[Variant], ages_months: Sequence[float]
+) -> dict[str, Any] | None:
     """Return the skin points of an infant at some ages, in the frames of their bodies; None if it feels nothing."""
     if variants[0].bundle.manifest.senses.touch is None:
         return None
@@ -150,7 +155,9 @@ def describe_touch(packed: Packed, variants: Sequence[Variant], ages_months: Seq
     }
 
 
-def _poses(packed: Packed, variants: Sequence[Variant], parts: Sequence[Own]) -> Iterator[tuple[str, dict[str, Any]]]:
+def _poses(
+    packed: EncodedArrays, variants: Sequence[Variant], parts: Sequence[Own]
+) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
@@ -164,3 +171,36 @@ def posed(variant: Variant) -> mujoco.MjData:
     mujoco.mj_resetDataKeyframe(variant.model, data, variant.model.key(variant.bundle.manifest.pose).id)
     mujoco.mj_forward(variant.model, data)
     return data
+
+
+INDICATORS = ("length_cm", "weight_kg", "head_circumference_cm")
+PERCENTILES = (3.0, 15.0, 50.0, 85.0, 97.0)
+"""Those that WHO's own charts show."""
+CURVE_AGES_MONTHS = tuple(half / 2 for half in range(49))
+"""Ages of the points of the curves."""
+
+
+def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) -> dict[str, Any]:
+    """Return WHO's percentiles by age for children of this sex, and the child's own measures at its ages.
+
+    Args:
+        packed: Where the arrays go.
+        children: The child at each age.
+    """
+    reference = children[0].sex or "mean"
+    tables = fits.load_tables().who
+    z_scores = [NormalDist().inv_cdf(share / 100) for share in PERCENTILES]
+    found = {}
+    for name in INDICATORS:
+        curves = [[tables[name].value(z, age, reference) for z in z_scores] for age in CURVE_AGES_MONTHS]
+        values = [getattr(child, name) for child in children]
+        z_of = [
+            tables[name].z_score(value, child.age_months, reference)
+            for value, child in zip(values, children, strict=True)
+        ]
+        found[name] = {
+            "curves": packed.put(np.array(curves)),
+            "child": packed.put(np.array(values)),
+            "percentile": packed.put(np.array([percentile(z) for z in z_of])),
+        }
+    return {"reference": reference, "percentiles": PERCENTILES, "ages_months": CURVE_AGES_MONTHS, "measures": found}

@@ -14,8 +14,7 @@ from mimoc.errors import MimocError, MissingExtraError
 from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.runtime.env import InfantEnv
 from mimoc.viewer.access import HOST, Access
-from mimoc.viewer.skins import coloured_faces, skin_of, texture_of
-from mimoc.viewer.solids import mesh_of
+from mimoc.viewer.meshes import coloured_faces, mesh_of, skin_of, texture_of
 
 PORT = 8080
 CAMERA_M = (0.9, 0.6, 0.5)

@@ -1,15 +1,17 @@
-"""Numbers and names as text that fits into a page: JSON, and beside it the arrays, compressed, in base64."""
+"""What pages are made of: numbers as text and compressed arrays, and the files beside this module."""
 
 import base64
 import gzip
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib import resources
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.errors import MimocError
 from mimoc.rounding import rounded
 
 Array = npt.NDArray[Any]
@@ -22,7 +24,7 @@ ALIGNMENT = 4
 
 
 @dataclass(slots=True)
-class Packed:
+class EncodedArrays:
     """What a page knows: plain data, in which arrays are named by `{"array": number}`."""
 
     arrays: list[Array] = field(default_factory=list)
@@ -56,3 +58,23 @@ class Packed:
         packed = gzip.compress(bytes(block), mtime=0)
         text = json.dumps(rounded({**data, "arrays": places}), separators=(",", ":"))
         return {"data": text.replace("<", "\\u003c"), "block": base64.b64encode(packed).decode()}
+
+
+FOLDER = resources.files("mimoc.viewer")
+
+
+def source(name: str) -> str:
+    """Return a text that goes into pages as it is."""
+    return (FOLDER / "source" / name).read_text(encoding="utf-8")
+
+
+def built(name: str) -> bytes:
+    """Return a file that `make viewer` builds.
+
+    Raises:
+        MimocError: If it is missing.
+    """
+    try:
+        return (FOLDER / "built" / name).read_bytes()
+    except FileNotFoundError:
+        raise MimocError(f"mimoc/viewer/built/{name} is missing; in a checkout, `make viewer` builds it") from None

@@ -14,12 +14,18 @@ from mimoc.errors import SpecError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
 from mimoc.viewer.appearance import describe_materials, describe_skins
-from mimoc.viewer.growth import AGES_MONTHS, SKIN_AGES_MONTHS, describe_growth, describe_touch, own_parts, posed
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.growth import (
+    AGES_MONTHS,
+    SKIN_AGES_MONTHS,
+    describe_growth,
+    describe_standards,
+    describe_touch,
+    own_parts,
+    posed,
+)
+from mimoc.viewer.packing import EncodedArrays, built, source
 from mimoc.viewer.physics import AGES_MONTHS as PHYSICS_AGES_MONTHS
 from mimoc.viewer.physics import describe_physics, engine
-from mimoc.viewer.program import built, source
-from mimoc.viewer.standards import describe_standards
 from mimoc.viewer.surroundings import describe_surroundings
 
 Progress = Callable[[int, int], None]
@@ -42,12 +48,12 @@ def page_of(infant: Bundle, physics: bool = False, progress: Progress = lambda *
         MimocError: If it has other parts at other ages.
     """
     built(PROGRAM)
-    packed = Packed()
+    packed = EncodedArrays()
     return fill(packed, describe(packed, infant, physics, progress))
 
 
 def describe(
-    packed: Packed, infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None
+    packed: EncodedArrays, infant: Bundle, physics: bool = False, progress: Progress = lambda *_: None
 ) -> dict[str, Any]:
     """Return what a page knows of an infant: see `page_of`."""
     spec = spec_of(infant)
@@ -100,7 +106,7 @@ def _faces(manifest: Manifest, expression: str, model: mujoco.MjModel) -> dict[s
     return {"geom": face.geom, "materials": materials, "shown": expression}
 
 
-def fill(packed: Packed, data: Mapping[str, Any]) -> str:
+def fill(packed: EncodedArrays, data: Mapping[str, Any]) -> str:
     """Return the page that shows some data.
 
     Raises:

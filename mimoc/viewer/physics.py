@@ -2,7 +2,6 @@
 
 import base64
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
 from typing import Any
 from xml.etree import ElementTree
 
@@ -12,8 +11,7 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import Packed
-from mimoc.viewer.program import built
+from mimoc.viewer.packing import EncodedArrays, built
 
 ENGINE, WASM = "mujoco.js", "mujoco.wasm.gz"
 AGES_MONTHS = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 24.0)
@@ -22,7 +20,7 @@ SHOWN_ONLY = ("material", "texture", "skin")
 """Elements of MJCF that physics does not need."""
 
 
-def describe_physics(packed: Packed, variants: Sequence[Variant]) -> dict[str, Any]:
+def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict[str, Any]:
     """Return the models of an infant at some ages as MJCF, and what of them is the infant's.
 
     Args:
@@ -30,18 +28,17 @@ def describe_physics(packed: Packed, variants: Sequence[Variant]) -> dict[str, A
         variants: The infant at each age.
     """
     model, manifest = variants[0].model, variants[0].bundle.manifest
-    own = own_parts(model, manifest)
+    parts = own_parts(model, manifest)
     return {
         "models": [_model(packed, variant) for variant in variants],
-        "bodies": packed.put(own.bodies),
-        "qpos": packed.put(own.qpos),
+        "bodies": packed.put(parts.bodies),
+        "qpos": packed.put(parts.qpos),
         "around": [model.body(body).name for body in range(model.nbody)],
         "step_s": manifest.step_ms / 1000,
         "commanded": packed.put(np.array(_commanded(manifest, variants[0]), int)),
     }
 
 
-@cache
 def engine() -> Mapping[str, str]:
     """Return what a page with physics contains besides: MuJoCo's program, and its WebAssembly in base64.
 
@@ -52,7 +49,7 @@ def engine() -> Mapping[str, str]:
     return {"eval": " 'unsafe-eval'", "engine": built(ENGINE).decode(), "wasm": base64.b64encode(built(WASM)).decode()}
 
 
-def _model(packed: Packed, variant: Variant) -> dict[str, Any]:
+def _model(packed: EncodedArrays, variant: Variant) -> dict[str, Any]:
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
     return {
         "age_months": variant.bundle.manifest.child.age_months,
@@ -75,11 +72,11 @@ def _bare(mjcf: str) -> bytes:
     root = ElementTree.fromstring(mjcf)
     for parent in list(root.iter()):
         parent.attrib.pop("material", None)
-        for child in [each for each in parent if each.tag in SHOWN_ONLY]:
+        for child in [element for element in parent if element.tag in SHOWN_ONLY]:
             parent.remove(child)
     return ElementTree.tostring(root)
 
 
 def _commanded(manifest: Manifest, variant: Variant) -> list[int]:
     """Return the actuators that an action commands, in its order."""
-    return [variant.model.actuator(each.name).id for each in manifest.actuation.actuators if each.commanded]
+    return [variant.model.actuator(actuator.name).id for actuator in manifest.actuation.actuators if actuator.commanded]

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from fractions import Fraction
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,15 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.recording.episode_writer import rate_hz
-from mimoc.recording.frames import VIDEO, join_videos, read_video
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.video import SMALL, Mp4
 from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
 from mimoc.viewer.growth import Own, own_parts
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import describe, fill
 from mimoc.viewer.surroundings import bodies_around, describe_surroundings
 
@@ -67,14 +65,14 @@ def page_of_recording(
         MimocError: See `mimoc.viewer.page.page_of`.
     """
     episode = chosen_episodes(recording, infant, number)[0]
-    packed = Packed()
+    packed = EncodedArrays()
     data = describe(packed, recording.bundle(episode.infant), physics)
     replayed, difference = describe_episode(packed, recording, episode, progress)
     return RecordedPage(fill(packed, {**data, **replayed}), episode, difference)
 
 
 def describe_episode(
-    packed: Packed, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
+    packed: EncodedArrays, recording: ReadRecording, episode: Episode, progress: Progress = lambda *_: None
 ) -> tuple[dict[str, Any], str | None]:
     """Return what a page knows of an episode, simulated again, and the first number that did not come out again."""
     film = _Film(packed, stride=-(-(episode.steps + 1) // FRAMES))
@@ -88,7 +86,7 @@ def describe_episode(
             "episode": episode.number,
             "infant": episode.infant if recording.infants > 1 else None,
             "seconds": packed.put(episode.time_s[kept] - episode.time_s[0]),
-            **film.told(),
+            **film.describe(),
             "curves": list(_curves(packed, episode, kept)),
             "pictures": dict(_videos(packed, episode)),
             "picture_s": episode.step_ms / 1000,
@@ -102,7 +100,7 @@ def describe_episode(
 class _Film:
     """Keeps the motion of an infant while it is simulated again."""
 
-    packed: Packed
+    packed: EncodedArrays
     stride: int
     """Of how many control steps each frame is the first."""
     surroundings: dict[str, Any] = field(default_factory=dict)
@@ -126,19 +124,19 @@ class _Film:
             self._keep(env, observation, self._own)
         self._row += 1
 
-    def _keep(self, env: InfantEnv, observation: Observation, own: Own) -> None:
+    def _keep(self, env: InfantEnv, observation: Observation, parts: Own) -> None:
         self.rows.append(self._row)
-        self.qpos.append(env.data.qpos[own.qpos])
+        self.qpos.append(env.data.qpos[parts.qpos])
         self.ages_months.append(env.manifest.child.age_months)
         self.expressions.append(expression_of(env.manifest, env.model))
-        bodies = bodies_around(env.model, own)
+        bodies = bodies_around(env.model, parts)
         self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
         if "touch" in observation:
             self.felt.append(_felt(observation["touch"], len(env.skin.bodies)))
 
-    def told(self) -> dict[str, Any]:
+    def describe(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
-        around = np.stack(self.around) if len({each.shape for each in self.around}) == 1 else np.zeros((1, 0, 7))
+        around = np.stack(self.around) if len({places.shape for places in self.around}) == 1 else np.zeros((1, 0, 7))
         expressions = [name for name in dict.fromkeys(self.expressions) if name is not None]
         ends = np.cumsum([0, *(len(points) for points, _ in self.felt)])
         return {
@@ -169,11 +167,11 @@ def _sum_n(observed: Array) -> float:
 def _felt(observed: Array, points: int) -> tuple[Array, Array]:
     """Return the skin points with any force, and its size, [N]."""
     forces_n = np.linalg.norm(observed.reshape(points, -1), axis=1)
-    found = np.flatnonzero(forces_n)
-    return found, forces_n[found]
+    points_felt = np.flatnonzero(forces_n)
+    return points_felt, forces_n[points_felt]
 
 
-def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
+def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
     """Yield all that was recorded as numbers but touch, of which a page has the sum."""
     yield _curve(packed, "action", episode.layout("action"), episode.column("action")[rows])
     yield _curve(packed, "reward", ("reward",), episode.column("reward")[rows, None])
@@ -188,7 +186,7 @@ def _curves(packed: Packed, episode: Episode, rows: list[int]) -> Iterator[dict[
             yield _curve(packed, reading.name, reading.layout, values.reshape(len(rows), -1))
 
 
-def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
+def _curve(packed: EncodedArrays, name: str, layout: tuple[str, ...], values: Array) -> dict[str, Any]:
     """Return numbers by time, each in whole steps between its least and its largest value; NaN is 0."""
     known = np.clip(np.nan_to_num(values.astype(float)), -MOST, MOST)
     low, high = known.min(axis=0), known.max(axis=0)
@@ -202,18 +200,13 @@ def _curve(packed: Packed, name: str, layout: tuple[str, ...], values: Array) ->
     }
 
 
-def _videos(packed: Packed, episode: Episode) -> Iterator[tuple[str, Any]]:
-    """Yield what the eyes saw as small videos; the parts of an episode that was interrupted are joined."""
+def _videos(packed: EncodedArrays, episode: Episode) -> Iterator[tuple[str, Any]]:
+    """Yield what the eyes saw as small videos."""
     for reading in episode.described.readings:
         if reading.kind == "picture":
-            video = _joined(episode.files.pictures(reading.name, VIDEO), rate_hz(episode.step_ms))
-            yield reading.name, packed.put(np.frombuffer(video, np.uint8))
-
-
-def _joined(parts: list[Path], rate: Fraction) -> bytes:
-    if len(parts) == 1:
-        return read_video(parts[0])
-    with TemporaryDirectory() as folder:
-        whole = Path(folder, "whole").with_suffix(VIDEO)
-        join_videos(whole, parts, rate)
-        return whole.read_bytes()
+            with TemporaryDirectory() as folder:
+                video = Mp4(Path(folder, "seen.mp4"), episode.described.rate_hz, SMALL)
+                for picture in episode.observation(reading.name):
+                    video.add(picture)
+                content = video.save().read_bytes()
+            yield reading.name, packed.put(np.frombuffer(content, np.uint8))

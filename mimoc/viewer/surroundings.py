@@ -7,19 +7,21 @@ import numpy as np
 
 from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
 from mimoc.viewer.growth import IntArray, Own
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 
 
-def describe_surroundings(packed: Packed, model: mujoco.MjModel, data: mujoco.MjData, own: Own) -> dict[str, Any]:
+def describe_surroundings(
+    packed: EncodedArrays, model: mujoco.MjModel, data: mujoco.MjData, parts: Own
+) -> dict[str, Any]:
     """Return the geoms that are not the infant's, with their bodies where they are now.
 
     Args:
         packed: Where the arrays go.
         model: The model.
         data: Its state, with what is derived from it.
-        own: What is the infant's.
+        parts: What is the infant's.
     """
-    shown, bodies = _geoms(model, own), bodies_around(model, own)
+    shown, bodies = _geoms(model, parts), bodies_around(model, parts)
     meshes = np.unique(model.geom_dataid[shown][model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
     rgba = np.where(model.geom_matid[shown, None] >= 0, 1.0, model.geom_rgba[shown])
     return {
@@ -47,16 +49,16 @@ def describe_surroundings(packed: Packed, model: mujoco.MjModel, data: mujoco.Mj
     }
 
 
-def bodies_around(model: mujoco.MjModel, own: Own) -> IntArray:
+def bodies_around(model: mujoco.MjModel, parts: Own) -> IntArray:
     """Return the bodies with geoms that are not the infant's, sorted."""
-    return np.unique(model.geom_bodyid[_geoms(model, own)])
+    return np.unique(model.geom_bodyid[_geoms(model, parts)])
 
 
-def _geoms(model: mujoco.MjModel, own: Own) -> IntArray:
-    return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), own.geoms)
+def _geoms(model: mujoco.MjModel, parts: Own) -> IntArray:
+    return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), parts.geoms)
 
 
-def _mesh(packed: Packed, model: mujoco.MjModel, index: int) -> dict[str, Any]:
+def _mesh(packed: EncodedArrays, model: mujoco.MjModel, index: int) -> dict[str, Any]:
     first, face = model.mesh_vertadr[index], model.mesh_faceadr[index]
     return {
         "verts": packed.put(model.mesh_vert[first : first + model.mesh_vertnum[index]]),

@@ -17,7 +17,7 @@ from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import Progress, describe, fill, page_of
 from mimoc.viewer.surroundings import describe_surroundings
 
@@ -142,7 +142,7 @@ def _recording_of(shown: object) -> "ReadRecording | None":
 
 def _page_of_env(env: InfantEnv, physics: bool) -> str:
     """Return the page of an infant that is as it is now; at other ages the same, as high as it is long."""
-    packed = Packed()
+    packed = EncodedArrays()
     data: dict[str, Any] = describe(packed, env.bundle, physics)
     own = own_parts(env.model, env.manifest)
     lengths_cm = packed.arrays[data["standards"]["measures"]["length_cm"]["child"]["array"]]

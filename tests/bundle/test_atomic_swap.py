@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from support.bundles import ONE, TWO
 
-from mimoc.bundle import atomic_swap
-from mimoc.bundle.atomic_swap import swap_folders
+from mimoc.bundle import files
+from mimoc.bundle.files import swap_folders
 from mimoc.bundle.io import read_bundle, write_bundle
 
 
@@ -41,7 +41,7 @@ def test_two_folders_are_swapped(folders):
 
 @pytest.mark.parametrize("number", [errno.ENOSYS, errno.EINVAL, errno.ENOTSUP])
 def test_two_folders_are_swapped_if_the_system_has_no_atomic_swap(folders, monkeypatch, number):
-    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(number))
+    monkeypatch.setattr(files, "_swap_at_once", refuse(number))
     swap_folders(*folders)
     assert names(*folders) == ["second", "first"]
     assert len(os.listdir(folders[0].parent)) == 2
@@ -54,7 +54,7 @@ def test_two_folders_are_swapped_on_an_unknown_system(folders, monkeypatch):
 
 
 def test_a_failed_swap_without_atomic_swap_restores_both_folders(folders, monkeypatch):
-    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(errno.EINVAL))
+    monkeypatch.setattr(files, "_swap_at_once", refuse(errno.EINVAL))
     rename = os.rename
     monkeypatch.setattr(os, "rename", lambda a, b: refuse(errno.EIO)() if a == folders[0] else rename(a, b))
     with pytest.raises(OSError, match=os.strerror(errno.EIO)):
@@ -65,7 +65,7 @@ def test_a_failed_swap_without_atomic_swap_restores_both_folders(folders, monkey
 def test_other_failures_of_a_swap_are_raised(folders, monkeypatch):
     with pytest.raises(FileNotFoundError):
         swap_folders(folders[0], folders[1] / "nothing")
-    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(errno.EACCES))
+    monkeypatch.setattr(files, "_swap_at_once", refuse(errno.EACCES))
     with pytest.raises(PermissionError):
         swap_folders(*folders)
     assert names(*folders) == ["first", "second"]
@@ -73,7 +73,7 @@ def test_other_failures_of_a_swap_are_raised(folders, monkeypatch):
 
 def test_a_bundle_is_replaced_without_atomic_swap_too(out, monkeypatch):
     write_bundle(ONE, out)
-    monkeypatch.setattr(atomic_swap, "_swap_at_once", refuse(errno.EINVAL))
+    monkeypatch.setattr(files, "_swap_at_once", refuse(errno.EINVAL))
     write_bundle(TWO, out, force=True)
     assert read_bundle(out).files == TWO.files
     assert os.listdir(out.parent) == [out.name]

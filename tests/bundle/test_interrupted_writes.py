@@ -15,8 +15,8 @@ import pytest
 from support.bundles import ONE, TWO, contents
 
 from mimoc.bundle import io as bundle_io
+from mimoc.bundle.files import writer_prefix
 from mimoc.bundle.io import read_bundle, write_bundle
-from mimoc.bundle.leftovers import writer_prefix
 from mimoc.errors import BundleError
 
 # What is interrupted leaves nothing.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import printable
 
 
 @pytest.mark.parametrize(

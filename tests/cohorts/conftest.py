@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mimoc.cohorts import Cohort, engines
-from mimoc.cohorts.perform import perform
-from mimoc.cohorts.work import Bench
+from mimoc.cohorts.perform import run_jobs
+from mimoc.cohorts.work import JobWorkspace
 from mimoc.schema.yaml_scalars import dump
 
 BASE = {"mimoc": 1, "name": "infant", "age_months": 9}
@@ -40,9 +40,9 @@ def here(monkeypatch) -> str:
     module = ModuleType("engine_of_the_tests")
 
     def run(jobs, store, options, done):
-        bench = Bench()
+        workspace = JobWorkspace()
         for number, job in enumerate(reversed(jobs), start=1):
-            perform([job], store, bench)
+            run_jobs([job], store, workspace)
             done(number)
 
     vars(module).update(run=run, OPTIONS=(), check=lambda options: None)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.body.individual import targets
-from mimoc.cohorts.children import CORRELATIONS, PERCENTILES, draw_children
+from mimoc.cohorts.infants import CORRELATIONS, PERCENTILES, draw_children
 from mimoc.fits import load_tables
 from mimoc.schema.cohort_file import DrawnChildren
 

@@ -12,7 +12,7 @@ from support.commands import process
 
 import mimoc
 from mimoc.cohorts import perform as performing
-from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.plan import plan
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, OutputError
@@ -110,7 +110,7 @@ def test_a_log_that_cannot_be_written_is_one_clear_error(cohort, own, tmp_path, 
     monkeypatch.setattr(performing, "open_new_file", lambda path, below: os.open("/dev/full", os.O_WRONLY))
     (job,) = cohort(do=[{"python": {"function": "own:probe", "options": {"at": 0}}}]).jobs()
     with pytest.raises(OutputError, match=r"\.txt: cannot be written \(No space left on device\); choose another"):
-        perform([job], Store(tmp_path))
+        run_jobs([job], Store(tmp_path))
 
 
 @pytest.mark.slow
@@ -194,7 +194,7 @@ KILLED = """
 import os, random, signal, sys
 from pathlib import Path
 import mimoc
-from mimoc.cohorts.perform import perform
+from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Store
 
 study, store, chance = mimoc.read_cohort(sys.argv[1]), Store(Path(sys.argv[2])), random.Random(1)
@@ -214,7 +214,7 @@ for moment in [chance.randrange(100) for _ in range(30)]:
     if not (child := os.fork()):
         die_at(moment)
         store.create("small")
-        perform(jobs, store)
+        run_jobs(jobs, store)
         os._exit(0)
     os.waitpid(child, 0)
 """

@@ -5,7 +5,7 @@ import pytest
 
 import mimoc
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.perform import perform
+from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Store, size_bytes
 from mimoc.compiler import explain
 from mimoc.errors import BundleError
@@ -20,7 +20,7 @@ def built(tmp_path_factory):
     keys = {"cohort": "small", "base": base, "children": {"draw": NUMBER}, "do": ["build"]}
     study, store = Cohort({"mimoc": 1, **keys}), Store(tmp_path_factory.mktemp("cohort"))
     store.create("small")
-    perform(study.jobs(), store)
+    run_jobs(study.jobs(), store)
     return study, store
 
 

@@ -9,7 +9,7 @@ import pytest
 from pyarrow import parquet
 
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.perform import perform
+from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
 from mimoc.schema.yaml_scalars import dump
@@ -33,7 +33,7 @@ def finished(tmp_path_factory) -> tuple[Cohort, Path]:
     (folder / "cohort.yaml").write_text(dump({"mimoc": 1, **keys}))
     study, store = Cohort(folder / "cohort.yaml"), Store(folder / "out")
     store.create("small")
-    perform(study.jobs(), store)
+    run_jobs(study.jobs(), store)
     return study, store.folder
 
 

@@ -5,9 +5,9 @@ import sys
 import pytest
 
 from mimoc.cohorts.engines.tasks import End, RefusedError, do_on, tasks_of
-from mimoc.cohorts.perform import perform
+from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Store
-from mimoc.cohorts.work import Bench
+from mimoc.cohorts.work import JobWorkspace
 from mimoc.errors import MimocError
 
 OWN = "def nothing(work):\n    return {}\n"
@@ -20,7 +20,7 @@ class Cluster:
     def __init__(self, store, room=1000, dies_at=(), never_begins=0, cancels=False, refuses=0):
         self.store, self.room, self.dies_at = store, room, set(dies_at)
         self.never_begins, self.cancels, self.refuses = never_begins, cancels, refuses
-        self.queue, self.submitted, self.most, self.cancelled, self.bench = {}, [], 0, False, Bench()
+        self.queue, self.submitted, self.most, self.cancelled, self.workspace = {}, [], 0, False, JobWorkspace()
 
     def submit(self, tasks):
         if self.refuses and self.submitted:
@@ -47,7 +47,7 @@ class Cluster:
                 self.store.log(job).parent.mkdir(exist_ok=True)
                 self.store.log(job).touch()
                 return End("the task was killed")
-            perform([job], self.store, self.bench)
+            run_jobs([job], self.store, self.workspace)
         return End("the task has ended")
 
     def cancel(self):

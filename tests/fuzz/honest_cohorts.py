@@ -20,7 +20,7 @@ from mimoc import cli
 from mimoc.cohorts import Cohort, Job, engines
 from mimoc.cohorts import plan as plans
 from mimoc.cohorts.infants import children_of
-from mimoc.cohorts.perform import perform
+from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MimocError, SpecError
 from mimoc.policies import POLICIES
@@ -223,7 +223,7 @@ def in_this_process() -> Iterator[None]:
 
 
 def _try_out(jobs: Sequence[Job], store: Store, _: float) -> list[Result | None]:
-    perform(jobs, store)
+    run_jobs(jobs, store)
     return [store.read(job) for job in jobs]
 
 
@@ -236,7 +236,7 @@ def check(_: Any) -> None:
 
 def run(jobs: Any, store: Any, _: Any, done: Any) -> None:
     """Do jobs in this process."""
-    perform(jobs, store)
+    run_jobs(jobs, store)
     done(len(jobs))
 
 

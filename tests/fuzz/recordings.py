@@ -9,10 +9,11 @@ from pathlib import Path
 from shutil import copytree, rmtree
 
 import numpy as np
+import pyarrow.parquet as pq
 from fuzz.fuzzing import Fuzzer
 from fuzz.mutations import changed_bytes, changed_data, pick
 from fuzz.strange_infants import CANARIES, honest_bundle
-from fuzz.table_mutations import changed_table, read_table, write_table
+from fuzz.table_mutations import changed_table, write_table
 
 import mimoc
 from mimoc.recording.frames import write_pictures
@@ -20,6 +21,7 @@ from mimoc.recording.video import require_av
 
 CODECS = ("ffv1", "rawvideo", "mpeg4", "mjpeg", "h264", "vp8", "libvpx-vp9", "mp2", "flac")
 """Of videos, and of what is none."""
+EXPORTS = ("csv", "lerobot", "minari", "recording")
 INFANTS = (0, 1)
 """Numbers of the honest bundles that are recorded: one sees, and one reaches and grows."""
 
@@ -33,7 +35,7 @@ class Prepared:
 
 
 def prepare(folder: Path) -> Prepared:
-    """Return recordings of two infants, each of two episodes that are whole, and one that is still in parts."""
+    """Return recordings of two infants, each of two episodes in one part, and one in two that is still going on."""
     bundles = tuple(_without_eyes(number) if number else honest_bundle(number) for number in INFANTS)
     for number, bundle in enumerate(bundles):
         _record(bundle, folder / f"running{number}", folder / f"recording{number}")
@@ -58,14 +60,16 @@ def _without_eyes(number: int) -> mimoc.Bundle:
 def _record(bundle: mimoc.Bundle, running: Path, kept: Path) -> None:
     """Record two episodes and a half; what is kept is as a kill leaves it."""
     env = mimoc.InfantEnv(bundle)
-    recorder = mimoc.Recorder(env, running, states_every=3, part_rows=2)
-    recorder.action_space.seed(0)
-    for episode in range(3):
+    for episode, part_rows in ((0, 5), (1, 5), (2, 2)):
+        recorder = mimoc.Recorder(env, running, states_every=3, part_rows=part_rows)
+        recorder.action_space.seed(episode)
         recorder.reset(seed=episode or None, options={"pose": bundle.manifest.pose})
         for step in range(4):
             recorder.step(recorder.action_space.sample())
             if step == 1:
                 env.set_state(env.get_state())
+        if episode < 2:
+            recorder.recording.close()
     recorder.recording.wait()
     copytree(running, kept)
     recorder.close()
@@ -94,7 +98,7 @@ def change(generator: np.random.Generator, place: Path, other: Path, outside: Pa
         content = theirs.read_bytes() if theirs.is_file() else b""
         path.unlink()
         path.write_bytes(content)
-    elif path.suffix in (".parquet", ".arrow") and kind < 0.9:
+    elif path.suffix == ".parquet" and kind < 0.9:
         _change_table(generator, path)
     elif path.suffix == ".json" and kind < 0.9:
         _change_json(generator, path)
@@ -131,7 +135,7 @@ def _change_json(generator: np.random.Generator, path: Path) -> None:
 
 def _change_table(generator: np.random.Generator, path: Path) -> None:
     try:
-        table = read_table(path)
+        table = pq.read_table(path)
     except Exception:  # It was changed before.
         return
     honest = path.read_bytes()
@@ -150,7 +154,7 @@ def _change_video(generator: np.random.Generator, path: Path) -> None:
     path.unlink(missing_ok=True)
     try:
         if generator.random() < 0.3:
-            write_pictures(path.with_suffix(""), pictures, Fraction(100))
+            write_pictures(path, pictures, Fraction(100))
             return
         with av.open(str(path), "w", format=pick(generator, ("matroska", "matroska", "mp4", "nut"))) as container:
             stream = container.add_stream(pick(generator, CODECS), rate=50)
@@ -171,7 +175,7 @@ def use(generator: np.random.Generator, place: Path, bundle: mimoc.Bundle, folde
         if way < 0.25:
             read(place)
         elif way < 0.6:
-            mimoc.export_recording(place, pick(generator, ("csv", "lerobot", "minari")), folder / "exported")
+            mimoc.export_recording(place, pick(generator, EXPORTS), folder / "exported")
         elif way < 0.7:
             mimoc.view(place, folder / "page.html")
         elif way < 0.85:

@@ -42,14 +42,11 @@ def changed_table(generator: Generator, table: Table) -> Table:
 
 
 def write_table(generator: Generator, table: Table, path: Path) -> None:
-    """Write a table as one of the kinds of Parquet or, for parts, of Arrow streams; rarely as the other of the two."""
-    is_part = (path.suffix == ".arrow") != (generator.random() < 0.02)
+    """Write a table as one of the kinds of Parquet; rarely as a stream or a file of Arrow's."""
     path.unlink(missing_ok=True)
-    if is_part:
-        options = pa.ipc.IpcWriteOptions(compression=pick(generator, (None,) * 8 + ("zstd", "lz4")))
-        opened = pa.ipc.new_file if generator.random() < 0.03 else pa.ipc.new_stream
-        with opened(path, table.schema, options=options) as writer:
-            writer.write_table(table, max_chunksize=pick(generator, (None, None, 2)))
+    if generator.random() < 0.02:
+        with pick(generator, (pa.ipc.new_file, pa.ipc.new_stream))(path, table.schema) as writer:
+            writer.write_table(table)
         return
     pq.write_table(
         table,
@@ -61,14 +58,6 @@ def write_table(generator: Generator, table: Table, path: Path) -> None:
         data_page_version=pick(generator, ("1.0", "2.0")),
         row_group_size=pick(generator, (None, None, 1, 3)),
     )
-
-
-def read_table(path: Path) -> Table:
-    """Return an honest table."""
-    if path.suffix == ".parquet":
-        return pq.read_table(path)
-    with pa.ipc.open_stream(path.read_bytes()) as reader:  # Not mapped: the file is going to be written.
-        return reader.read_all()
 
 
 def _dropped(generator: Generator, table: Table) -> Table:

@@ -16,8 +16,7 @@ from fuzz.mutations import TEXTS, VALUES
 
 import mimoc
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.kept import kept_jobs
-from mimoc.cohorts.store import MARK, Store
+from mimoc.cohorts.store import MARK, Store, kept_jobs
 from mimoc.errors import MimocError, TrainingError
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.run_folder import CURVE, RUN, STATE, read_training_run

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from mimoc.errors import RenderingError
-from mimoc.recording.film import GAP_PX, Film
+from mimoc.recording.film import GAP_PX, VideoFrames
 from mimoc.render.camera import shows
 
 HEIGHT_PX = 2 * 32 + GAP_PX
@@ -16,7 +16,7 @@ def open_film():
 
     def open_one(env, **options):
         env.model.vis.quality.shadowsize = 0
-        films.append(Film(env, HEIGHT_PX, **options))
+        films.append(VideoFrames(env, HEIGHT_PX, **options))
         return films[-1]
 
     yield open_one
@@ -75,7 +75,7 @@ def test_eyes_that_the_infant_does_not_use_are_drawn_sharp(open_env, open_film):
 def test_an_infant_without_eyes_shows_nothing_of_their_view(open_env):
     env = open_env(body={"remove": ["left_eye", "right_eye"]})
     with pytest.raises(RenderingError, match="'infant' has no eyes"):
-        Film(env, HEIGHT_PX, eyes=True)
+        VideoFrames(env, HEIGHT_PX, eyes=True)
 
 
 def test_an_infant_stays_in_the_picture_while_the_camera_hardly_moves(open_env, open_film):

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from mimoc.errors import RecordingError
-from mimoc.recording import frames, layouts
+from mimoc.recording import frames, layout_names
 from mimoc.recording.blocks import Sparse, reading_of
-from mimoc.recording.layouts import shortened, written_out
+from mimoc.recording.layout_names import compact_names, expand_names
 from mimoc.recording.state_text import from_plain, is_same, to_plain
 
 numbers = arrays.arrays(
@@ -63,15 +63,15 @@ names = st.builds(
 
 @given(layout=st.lists(names | st.text(max_size=3), max_size=14))
 def test_any_layout_comes_back_whatever_counts_as_long(layout):
-    with mock.patch.object(layouts, "LONG", 0):
-        assert written_out(json.loads(json.dumps(shortened(layout)))) == tuple(layout)
-    assert written_out(shortened(layout)) == tuple(layout)
+    with mock.patch.object(layout_names, "LONG", 0):
+        assert expand_names(json.loads(json.dumps(compact_names(layout)))) == tuple(layout)
+    assert expand_names(compact_names(layout)) == tuple(layout)
 
 
 def test_thousands_of_skin_points_take_few_words(open_env):
     layout = open_env(senses={"touch": {}}).layout("touch")
-    assert len(json.dumps(shortened(layout))) < len(layout)
-    assert written_out(shortened(layout)) == layout
+    assert len(json.dumps(compact_names(layout))) < len(layout)
+    assert expand_names(compact_names(layout)) == layout
 
 
 @given(
@@ -92,29 +92,23 @@ def test_a_sparse_row_has_every_number_whose_bits_are_not_zero(rows):
 
 
 @pytest.mark.parametrize("size", [(17, 33), (1, 1), (24, 1), (1, 24), (3, 2)], ids=str)
-def test_pictures_come_back_as_they_were_also_when_joined(size, tmp_path):
+def test_pictures_come_back_as_they_were(size, tmp_path):
     """Of odd sizes, from parts of any length."""
     pictures = np.random.default_rng(0).integers(0, 256, (9, *size, 3), np.uint8)
-    stems = [tmp_path / f"part{number}" for number in range(3)]
-    for stem, part in zip(stems, (pictures[:5], pictures[5:6], pictures[6:]), strict=True):
-        frames.write_pictures(stem, part, Fraction(100))
-    for extension in (frames.LOSSLESS, frames.VIDEO):
-        parts = [stem.with_suffix(extension) for stem in stems]
-        frames.join_videos(tmp_path / f"whole{extension}", parts, Fraction(100))
-    assert np.array_equal(frames.read_pictures([tmp_path / "whole.mkv"], 9), pictures)
-    seen = np.stack(list(frames.decoded(tmp_path / "whole.mp4")))
-    assert seen.shape == (9, *(side + side % 2 for side in size), 3)
+    paths = [tmp_path / "episodes" / f"part{number}.mkv" for number in range(3)]
+    paths[0].parent.mkdir()
+    for path, part in zip(paths, (pictures[:5], pictures[5:6], pictures[6:]), strict=True):
+        frames.write_pictures(path, part, Fraction(100))
+    assert np.array_equal(frames.read_pictures(paths, 9, (*size, 3)), pictures)
 
 
 @pytest.mark.parametrize("damage", ["empty", "no video", "no text"])
 def test_a_damaged_video_is_one_clear_error(damage, tmp_path):
     """Even if its text, such as the name of the library that wrote it, cannot be decoded."""
-    frames.write_pictures(tmp_path / "eye", np.zeros((2, 16, 16, 3), np.uint8), Fraction(100))
-    written = (tmp_path / "eye.mkv").read_bytes()
-    content = {"empty": b"", "no video": b"no video", "no text": written.replace(b"Lavf", b"\x93avf")}[damage]
-    (tmp_path / "eye.mkv").write_bytes(content)
+    path = tmp_path / "episodes" / "eye.mkv"
+    path.parent.mkdir()
+    frames.write_pictures(path, np.zeros((2, 16, 16, 3), np.uint8), Fraction(100))
+    written = path.read_bytes()
+    path.write_bytes({"empty": b"", "no video": b"no video", "no text": written.replace(b"Lavf", b"\x93avf")}[damage])
     with pytest.raises(RecordingError, match=r"eye\.mkv: the file is damaged"):
-        frames.read_pictures([tmp_path / "eye.mkv"])
-    with pytest.raises(RecordingError, match=r"eye\.mkv: the file is damaged"):
-        frames.join_videos(tmp_path / "whole.mkv", [tmp_path / "eye.mkv"], Fraction(100))
-    assert {path.name for path in tmp_path.iterdir()} == {"eye.mkv", "eye.mp4"}
+        frames.read_pictures([path], 2, (16, 16, 3))

@@ -10,8 +10,7 @@ from PIL import Image
 
 import mimoc
 from mimoc.cohorts import Cohort
-from mimoc.cohorts.kept import kept_jobs
-from mimoc.cohorts.store import Result, Store
+from mimoc.cohorts.store import Result, Store, kept_jobs
 from mimoc.cohorts.table import rows_of
 from mimoc.compiler.provenance.child import who_percentiles
 from mimoc.reporting.words import THIN_SPACE

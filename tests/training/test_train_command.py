@@ -20,7 +20,7 @@ from support.commands import process
 import mimoc
 from mimoc import cli
 from mimoc.cli import console
-from mimoc.cli.exit_codes import resumable
+from mimoc.cli.terminal import resumable
 from mimoc.cli.training_output import Lines, shown
 from mimoc.training.checkpoint import read_progress
 from mimoc.training.curve import FinishedEpisode, UnfinishedEpisode, summarize

@@ -17,8 +17,8 @@ from mimoc.bundle.model import load_model
 from mimoc.compiler.variants import SpecVariants
 from mimoc.errors import MimocError
 from mimoc.fits.who import percentile
-from mimoc.viewer import program
-from mimoc.viewer.packing import Packed
+from mimoc.viewer import packing
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import describe, fill, page_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -36,8 +36,8 @@ def variants() -> SpecVariants:
 
 
 @pytest.fixture(scope="module")
-def described(variants) -> tuple[Packed, dict]:
-    packed = Packed()
+def described(variants) -> tuple[EncodedArrays, dict]:
+    packed = EncodedArrays()
     return packed, describe(packed, variants.own)
 
 
@@ -104,15 +104,15 @@ def test_the_same_infant_gives_the_same_page(variants):
 def test_a_page_without_physics_is_smaller_than_four_megabytes(page):
     """Of which the program is less than one."""
     assert len(page.encode()) < 4e6
-    assert len(program.built("viewer.js")) < 1e6
+    assert len(packing.built("viewer.js")) < 1e6
 
 
 def test_the_program_of_pages_was_built_from_its_present_source():
     """`make pages` builds it again and compares every byte."""
-    names = sorted(entry.name for entry in (program.FOLDER / "source").iterdir())
-    sources = [program.source(name) for name in names if name.endswith((".js", ".mjs", ".json"))]
+    names = sorted(entry.name for entry in (packing.FOLDER / "source").iterdir())
+    sources = [packing.source(name) for name in names if name.endswith((".js", ".mjs", ".json"))]
     digest = hashlib.sha256("".join(sources).encode()).hexdigest()
-    assert f"SHA-256 {digest} " in program.built("viewer.js")[:200].decode()
+    assert f"SHA-256 {digest} " in packing.built("viewer.js")[:200].decode()
 
 
 def test_a_name_cannot_break_out_of_its_page(described):
@@ -136,6 +136,6 @@ def test_limbs_and_surroundings_are_those_of_the_spec(config):
 
 
 def test_a_program_that_was_not_built_is_one_clear_error(variants, monkeypatch, tmp_path):
-    monkeypatch.setattr(program, "FOLDER", tmp_path)
+    monkeypatch.setattr(packing, "FOLDER", tmp_path)
     with pytest.raises(MimocError, match=r"mimoc/viewer/.* is missing; in a checkout, `make viewer` builds it"):
         page_of(variants.own)

@@ -11,7 +11,7 @@ from support.pages import read_page
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.viewer.packing import Packed
+from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import describe, fill
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -25,7 +25,7 @@ def bundle() -> mimoc.Bundle:
 @pytest.fixture(scope="module")
 def pages(bundle) -> tuple[str, str]:
     """Return the page with physics, and the same without."""
-    packed = Packed()
+    packed = EncodedArrays()
     data = describe(packed, bundle, physics=True)
     return fill(packed, data), fill(packed, {**data, "physics": None})
 

@@ -10,8 +10,8 @@ from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.appearance import describe_skins
 from mimoc.viewer.growth import own_parts
-from mimoc.viewer.packing import FINE_M, Packed
-from mimoc.viewer.skins import coloured_faces, rows_of, skin_of
+from mimoc.viewer.meshes import coloured_faces, rows_of, skin_of
+from mimoc.viewer.packing import FINE_M, EncodedArrays
 
 SKIN = """<deformable><skin name="sleeve" vertex="{vertex}" face="0 1 2 1 3 2 2 3 4">
 <bone body="left_upper_arm" bindpos="0.1 0.2 0.3" bindquat="0.8 0.6 0 0" vertid="0 1 2 3" vertweight="1 0.5 0.7 0.2"/>
@@ -32,7 +32,7 @@ def test_vertices_go_where_mujoco_moves_them(bundle_at):
     """By the formula of the page, to half a millimetre, as weights are bytes."""
     variant = with_skin(bundle_at(9))
     model, data = variant.model, mujoco.MjData(variant.model)
-    packed = Packed()
+    packed = EncodedArrays()
     described = describe_skins(packed, [variant, variant], [0, 24])
     layer = described["layers"][-1]
 
@@ -70,7 +70,7 @@ def moved(model, data, body, bind_pos, bind_quat, vertex_m) -> np.ndarray:
 def test_an_infant_without_skins_has_none(bundle_at):
     bundle = bundle_at(9)
     model = load_model(bundle)
-    assert model.nskin or describe_skins(Packed(), [Variant(bundle, model)], [9]) is None
+    assert model.nskin or describe_skins(EncodedArrays(), [Variant(bundle, model)], [9]) is None
 
 
 def test_without_textures_a_skin_has_every_face_once_in_colours_near_those_of_its_picture():

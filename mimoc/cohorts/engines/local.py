@@ -1,23 +1,25 @@
-"""Jobs in processes on this machine."""
+"""Jobs in processes on this machine, and such a process (`python -m mimoc.cohorts.engines.local`)."""
 
 import os
 import socket
 import subprocess
 import sys
+from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
+from threading import Thread
 from time import monotonic
 from typing import Any
 
-from mimoc.cohorts.engines.queue import Queue
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, lost
+from mimoc.cohorts.perform import PINNED, failed_result, run_jobs
 from mimoc.cohorts.store import Result, Store
+from mimoc.cohorts.work import JobWorkspace
 from mimoc.errors import MimocError
 
 OPTIONS = ("processes",)
-WORKER = "mimoc.cohorts.engines.local_worker"
+WORKER = "mimoc.cohorts.engines.local"
 TRIES = 2
 """How often a job is begun whose process is killed."""
 PATIENCE_S = 5.0
@@ -53,7 +55,7 @@ def run(jobs: Sequence[Job], store: Store, options: Mapping[str, Any], done: Any
                     if tries[job.key] < TRIES:
                         queue.again(job)
                         continue
-                    store.write(job, lost(job, f"{ended}, {TRIES} times; see the log"))
+                    store.write(job, failed_result(job, f"{ended}, {TRIES} times; see the log"))
                 finished += 1
                 done(finished)
     finally:
@@ -147,3 +149,68 @@ def _heard(workers: Sequence[_Worker]) -> list[_Worker]:
     busy = [worker for worker in workers if worker.job]
     ready = wait([worker.connection for worker in busy], POLL_S)
     return [worker for worker in busy if worker.connection in ready or worker.has_ended]
+
+
+class Queue:
+    """Jobs that wait to be done, by infant."""
+
+    def __init__(self, jobs: Sequence[Job]):
+        """Line up jobs in their order."""
+        self._waiting: dict[str, deque[Job]] = {}
+        for job in jobs:
+            self.again(job)
+        self._begun: dict[str, None] = {}
+        """Infants that some process has built, in the order in which their first jobs were handed out."""
+
+    def __bool__(self) -> bool:
+        """Return whether any job waits."""
+        return bool(self._waiting)
+
+    def again(self, job: Job) -> None:
+        """Line up a job."""
+        self._waiting.setdefault(job.infant, deque()).append(job)
+
+    def next(self, infant: str) -> Job:
+        """Return a job of an infant; if none is left, of one that is not begun; else of any."""
+        if infant not in self._waiting:
+            fresh = (other for other in self._waiting if other not in self._begun)
+            infant = next(fresh, None) or max(self._waiting, key=lambda other: len(self._waiting[other]))
+        self._begun[infant] = None
+        job = self._waiting[infant].popleft()
+        if not self._waiting[infant]:
+            del self._waiting[infant]
+        return job
+
+
+def main(descriptor: int) -> None:
+    """Do the jobs that come over a connection, and answer each with True, or with why the folder cannot be written.
+
+    Args:
+        descriptor: File descriptor of the connection.
+    """
+    os.set_inheritable(descriptor, False)
+    lifeline = os.dup(0)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    Thread(target=_end_with, args=(lifeline,), daemon=True).start()
+    connection, workspace = Connection(descriptor), JobWorkspace()
+    with suppress(EOFError, ConnectionError):  # There are no more jobs, or nobody waits for the answer.
+        while True:
+            job, store = connection.recv()
+            try:
+                run_jobs([job], store, workspace)
+            except MimocError as error:
+                connection.send(error)
+            else:
+                connection.send(True)
+
+
+def _end_with(lifeline: int) -> None:
+    """End this process when the one that started it ends, however it ends."""
+    while os.read(lifeline, 1):
+        pass
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

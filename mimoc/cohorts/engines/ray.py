@@ -8,7 +8,7 @@ from typing import Any
 
 from mimoc.cohorts.engines.tasks import End, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
 
@@ -104,10 +104,10 @@ def _start() -> None:
             raise MimocError(f"Ray does not start on this machine ({problem}); try again, or give an address")
 
 
-def _problem(address: str, **own: Any) -> str | None:
+def _problem(address: str, **options: Any) -> str | None:
     """Return why a cluster cannot be joined or started; None if it is."""
     try:
-        ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **own)
+        ray.init(address=address, logging_level=logging.ERROR, log_to_driver=False, **options)
     except Exception as error:  # Ray raises just that if a node does not start in time.
         ray.shutdown()
         return str(error).strip().partition("\n")[0]
@@ -131,7 +131,7 @@ class _Ray:
     def submit(self, tasks: Sequence[Task]) -> Sequence[str]:
         """Begin tasks."""
         begun = [self._do.remote(task, self._store) for task in tasks]
-        names = [each.hex() for each in begun]
+        names = [task.hex() for task in begun]
         self._running.update(zip(names, begun, strict=True))
         return names
 
@@ -140,17 +140,17 @@ class _Ray:
         ready, _ = ray.wait([*self._running.values()], num_returns=1, timeout=POLL_S)
         if ready:
             ready, _ = ray.wait([*self._running.values()], num_returns=len(self._running), timeout=0)
-        return {each.hex(): _end(self._running.pop(each.hex())) for each in ready}
+        return {task.hex(): _end(self._running.pop(task.hex())) for task in ready}
 
     def cancel(self) -> None:
         """Cancel all tasks."""
-        for each in self._running.values():
-            ray.cancel(each, force=True)
+        for task in self._running.values():
+            ray.cancel(task, force=True)
 
 
 def _do(task: Task, store: Store) -> None:
     """Do the jobs of a task, in a process of the cluster."""
-    perform(task, store)
+    run_jobs(task, store)
 
 
 def _end(task: "ray.ObjectRef") -> End:

@@ -12,7 +12,7 @@ from typing import Any
 from mimoc.bundle.files import make_folder
 from mimoc.cohorts.engines.tasks import End, RefusedError, Task, check_positive, do_on, tasks_of
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import PINNED, perform
+from mimoc.cohorts.perform import PINNED, run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
 
@@ -103,14 +103,14 @@ class _Slurm:
         sleep(self._poll_s)
         self._poll_s = min(1.5 * self._poll_s, POLLS_S[1])
         states = _states()
-        found = {}
+        ends = {}
         for name in self._running:
             state = states.get(name, "unknown")
             if state in ENDED or name not in states:
                 how = f"task {name} was ended by SLURM (state {state})"
-                found[name] = End(how, on_purpose=state == "CANCELLED")
-        self._running -= found.keys()
-        return found
+                ends[name] = End(how, on_purpose=state == "CANCELLED")
+        self._running -= ends.keys()
+        return ends
 
     def cancel(self) -> None:
         """Cancel all tasks."""
@@ -120,9 +120,9 @@ class _Slurm:
 
 def _do(task: Task, store: Store) -> None:
     """Do the jobs of a task, in a process that SLURM has started."""
-    for each in (signal.SIGUSR2, signal.SIGTERM):  # submitit would raise an error in the job instead of ending.
-        signal.signal(each, signal.SIG_DFL)
-    perform(task, store)
+    for number in (signal.SIGUSR2, signal.SIGTERM):  # submitit would raise an error in the job instead of ending.
+        signal.signal(number, signal.SIG_DFL)
+    run_jobs(task, store)
 
 
 def _states() -> dict[str, str]:
@@ -133,16 +133,16 @@ def _states() -> dict[str, str]:
     """
     end_s = monotonic() + PATIENCE_S
     while True:
-        told = subprocess.run(
+        answer = subprocess.run(
             ["squeue", "--me", "--noheader", "--array", "--states=all", "--format=%i %T"],
             capture_output=True,
             text=True,
             check=False,
         )
-        if told.returncode == 0:
-            return dict(line.split(maxsplit=1) for line in told.stdout.splitlines() if " " in line.strip())
+        if answer.returncode == 0:
+            return dict(line.split(maxsplit=1) for line in answer.stdout.splitlines() if " " in line.strip())
         if monotonic() > end_s:
-            raise MimocError(f"SLURM does not answer: {told.stderr.strip()}; run the same command again when it does")
+            raise MimocError(f"SLURM does not answer: {answer.stderr.strip()}; run the same command again when it does")
         sleep(POLLS_S[1])
 
 

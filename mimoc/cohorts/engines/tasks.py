@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import Any, NamedTuple, Protocol
 
 from mimoc.cohorts.job import Job
-from mimoc.cohorts.perform import lost
+from mimoc.cohorts.perform import failed_result
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError
 
@@ -93,11 +93,11 @@ def do_on(cluster: Cluster, tasks: Iterable[Task], store: Store, done: Callable[
 
 def tasks_of(jobs: Sequence[Job], jobs_per_task: int | None) -> list[Task]:
     """Return tasks of neighbouring jobs, as many to a task as asked for; by default one if it takes long, else 50."""
-    found: list[Task] = []
+    tasks: list[Task] = []
     for is_long, alike in groupby(jobs, lambda job: job.step in LONG_STEPS):
         some, size = tuple(alike), jobs_per_task or (1 if is_long else JOBS_PER_TASK)
-        found += [some[start : start + size] for start in range(0, len(some), size)]
-    return found
+        tasks += [some[start : start + size] for start in range(0, len(some), size)]
+    return tasks
 
 
 def check_positive(options: Mapping[str, Any]) -> None:
@@ -137,5 +137,5 @@ class _Again:
 
     def _lost(self, failed: Sequence[Job], left: Task, reason: str) -> Task:
         for job in failed:
-            self._store.write(job, lost(job, reason))
+            self._store.write(job, failed_result(job, reason))
         return tuple(job for job in left if job not in failed)

@@ -3,10 +3,13 @@
 import os
 import secrets
 import shutil
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from mimoc.errors import OutputError, RecordingError, UnknownNameError
+from mimoc.recording.earlier import convert
 from mimoc.recording.export.csv import export_csv
 from mimoc.recording.export.lerobot import export_lerobot
 from mimoc.recording.export.minari import export_minari
@@ -17,6 +20,8 @@ Progress = Callable[[int, int], None]
 Export = Callable[[ReadRecording, Sequence[Episode], Path, Progress], Iterable[str]]
 """Writes episodes into an empty folder, and returns what the format cannot hold, one line each."""
 FORMATS: Mapping[str, Export] = {"minari": export_minari, "lerobot": export_lerobot, "csv": export_csv}
+RECORDING = "recording"
+"""Format of this version itself."""
 
 
 def export_recording(
@@ -30,7 +35,7 @@ def export_recording(
 
     Args:
         recording: The recording, or its folder.
-        to: `minari`, `lerobot` or `csv`.
+        to: `minari`, `lerobot`, `csv`, or `recording`: one of an earlier version as this one records.
         out: A new or empty folder.
         progress: Called with how much is written, and how much there is.
 
@@ -40,20 +45,41 @@ def export_recording(
         OutputError: If the folder is not empty, or cannot be written.
         MissingExtraError: If the format needs a library that is not installed.
     """
-    if to not in FORMATS:
-        raise UnknownNameError("format of recordings", to, FORMATS)
-    found = recording if isinstance(recording, ReadRecording) else read_recording(recording)
-    episodes = [episode for episode in found if episode.steps]
+    if to not in (*FORMATS, RECORDING):
+        raise UnknownNameError("format of recordings", to, (*FORMATS, RECORDING))
+    if to == RECORDING:
+        folder = recording.path if isinstance(recording, ReadRecording) else Path(recording).expanduser()
+        with _staged(out) as staging:
+            convert(folder, staging)
+        return ()
+    source = recording if isinstance(recording, ReadRecording) else read_recording(recording)
+    episodes = [episode for episode in source if episode.steps]
     if not episodes:
-        raise RecordingError(f"{found.path}: there are no control steps in this recording")
-    empty = len(found) - len(episodes)
-    notes = [f"{empty} episodes without any control step are left out"] if empty else []
+        raise RecordingError(f"{source.path}: there are no control steps in this recording")
+    empty = len(source) - len(episodes)
+    if to != "csv":
+        _check_alike(source, episodes)
+    with _staged(out) as staging:
+        notes = FORMATS[to](source, episodes, staging, progress)
+    return (*([f"{empty} episodes without any control step are left out"] if empty else []), *notes)
+
+
+@contextmanager
+def _staged(out: str | Path) -> Iterator[Path]:
+    """Yield an empty folder, which is put in place of a new or empty one if nothing goes wrong.
+
+    Raises:
+        OutputError: If there is anything else, or it cannot be written.
+    """
     target = Path(out).expanduser()
-    _check_free(target)
+    if os.path.lexists(target) and not target.is_dir():
+        raise OutputError(f"{target}: this is a file; name a new folder")
+    if target.is_dir() and any(target.iterdir()):
+        raise OutputError(f"{target}: the folder is not empty; name a new one")
     staging = target.absolute().parent / f".{target.name}.mimoc-{secrets.token_hex(8)}"
     try:
         staging.mkdir(parents=True)
-        notes += FORMATS[to](found, episodes, staging, progress)
+        yield staging
         if target.is_dir():
             target.rmdir()
         os.rename(staging, target)
@@ -61,16 +87,27 @@ def export_recording(
         raise OutputError(f"{target}: cannot be written ({error.strerror}); choose another folder") from None
     finally:
         shutil.rmtree(staging, ignore_errors=True)
-    return tuple(notes)
 
 
-def _check_free(target: Path) -> None:
-    """Check that a folder is new or empty.
+def _check_alike(recording: ReadRecording, episodes: Sequence[Episode]) -> None:
+    """Check that all episodes have the same observations, number of actuators and control step, and that they have any.
 
     Raises:
-        OutputError: If it is not.
+        RecordingError: If one has not, or if no actuator is commanded, which these formats cannot hold.
     """
-    if os.path.lexists(target) and not target.is_dir():
-        raise OutputError(f"{target}: this is a file; name a new folder")
-    if target.is_dir() and any(target.iterdir()):
-        raise OutputError(f"{target}: the folder is not empty; name a new one")
+    first = episodes[0]
+    if not first.described.actions:
+        raise RecordingError(f"{recording.path}: this format holds actions, and this infant has none; export it to csv")
+    for episode in episodes:
+        if _kind(episode) != _kind(first):
+            raise RecordingError(
+                f"{recording.path}: infant {episode.infant}, episode {episode.number} has other observations, actuators"
+                f" or control steps than infant {first.infant}, episode {first.number}, and this format holds one kind"
+                " only; export it to csv"
+            )
+
+
+def _kind(episode: Episode) -> Any:
+    described = episode.described
+    readings = {(reading.name, reading.shape, reading.dtype, reading.kind) for reading in described.readings}
+    return readings, len(described.actions), described.step_ms

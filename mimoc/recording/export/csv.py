@@ -24,7 +24,7 @@ def export_csv(
     notes = dict[str, None]()
     for done, episode in enumerate(episodes):
         progress(done, len(episodes))
-        name = episode.files.stem.name
+        name = episode.files.stems[0].name
         _write(out / f"{name}.csv", episode.columns())
         for reading in episode.described.readings:
             if reading.kind == "picture":

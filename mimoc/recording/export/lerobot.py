@@ -14,11 +14,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from mimoc.recording import frames
 from mimoc.recording.blocks import Array, Reading
-from mimoc.recording.episode_writer import rate_hz
-from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
+from mimoc.recording.video import SMALL, Mp4
 
 VERSION = "v3.0"
 FILE = "chunk-000/file-000"
@@ -38,7 +36,6 @@ def export_lerobot(
     Returns:
         What it cannot hold.
     """
-    check_alike(recording, episodes)
     ends = list(accumulate(episode.steps for episode in episodes))
     starts = [0, *ends[:-1]]
     task = recording.bundle().manifest.task.kind
@@ -59,7 +56,7 @@ def export_lerobot(
     _write(out / "meta" / "episodes" / f"{FILE}.parquet", _episodes(spans, stats))
     _write_json(out / "meta" / "info.json", _info(episodes, readings))
     _write_json(out / "meta" / "stats.json", _joined(stats))
-    sparse = [each.name for each in readings if each.kind == "sparse"]
+    sparse = [reading.name for reading in readings if reading.kind == "sparse"]
     return [
         *(f"'{name}' is written in full, with all its zeros: the format has no sparse columns" for name in sparse),
         *(["pictures are videos with losses: the recording has them without"] if _pictures(readings) else []),
@@ -72,12 +69,12 @@ def _columns(episode: Episode, number: int, start: int) -> dict[str, Array]:
     steps = episode.steps
     done = np.zeros(steps, bool)
     done[-1] = True
-    found: dict[str, Array] = {"action": episode.actions.astype(np.float32)}
+    columns: dict[str, Array] = {"action": episode.actions.astype(np.float32)}
     for reading in episode.described.readings:
         if reading.kind != "picture":
-            found[_feature(reading)] = episode.observation(reading.name)[:-1].reshape(steps, -1)
-    return found | {
-        "timestamp": (np.arange(steps) / float(rate_hz(episode.step_ms))).astype(np.float32),
+            columns[_feature(reading)] = episode.observation(reading.name)[:-1].reshape(steps, -1)
+    return columns | {
+        "timestamp": (np.arange(steps) / float(episode.described.rate_hz)).astype(np.float32),
         "frame_index": np.arange(steps),
         "episode_index": np.full(steps, number),
         "index": np.arange(start, start + steps),
@@ -130,7 +127,7 @@ def _span(number: int, start: int, end: int, episodes: Sequence[Episode], task: 
         "meta/episodes/chunk_index": 0,
         "meta/episodes/file_index": 0,
     }
-    rate = rate_hz(episodes[0].step_ms)
+    rate = episodes[0].described.rate_hz
     for reading in _pictures(episodes[0].described.readings):
         before = sum(episode.steps for episode in episodes[:number])
         place |= {
@@ -144,8 +141,8 @@ def _span(number: int, start: int, end: int, episodes: Sequence[Episode], task: 
 
 def _episodes(spans: Sequence[dict[str, Any]], stats: Sequence[dict[str, dict[str, Any]]]) -> Any:
     rows = [
-        span | {f"stats/{name}/{what}": value for name, each in own.items() for what, value in each.items()}
-        for span, own in zip(spans, stats, strict=True)
+        span | {f"stats/{name}/{what}": value for name, numbers in features.items() for what, value in numbers.items()}
+        for span, features in zip(spans, stats, strict=True)
     ]
     return pa.Table.from_pylist(rows)
 
@@ -153,28 +150,33 @@ def _episodes(spans: Sequence[dict[str, Any]], stats: Sequence[dict[str, dict[st
 def _stats(array: Array) -> dict[str, Any]:
     """Return extremes, mean and standard deviation of each number, and how many there are."""
     rows = array.reshape(len(array), -1).astype(np.float64)
-    found = {"min": rows.min(axis=0), "max": rows.max(axis=0), "mean": rows.mean(axis=0), "std": rows.std(axis=0)}
-    return {**{name: values.tolist() for name, values in found.items()}, "count": [len(array)]}
+    numbers = {"min": rows.min(axis=0), "max": rows.max(axis=0), "mean": rows.mean(axis=0), "std": rows.std(axis=0)}
+    return {**{name: values.tolist() for name, values in numbers.items()}, "count": [len(array)]}
 
 
 def _picture_stats(pictures: Array) -> dict[str, Any]:
     """Return the same for each colour of pictures, from 0 to 1, in the shape (3, 1, 1) of the format."""
-    found = _stats(pictures.reshape(-1, 3) / 255)
-    nested = {name: [[[value]] for value in found[name]] for name in ("min", "max", "mean", "std")}
+    numbers = _stats(pictures.reshape(-1, 3) / 255)
+    nested = {name: [[[value]] for value in numbers[name]] for name in ("min", "max", "mean", "std")}
     return {**nested, "count": [len(pictures)]}
 
 
 def _joined(stats: Sequence[dict[str, dict[str, Any]]]) -> dict[str, Any]:
     """Return the same of all episodes together."""
-    found: dict[str, Any] = {}
+    features: dict[str, Any] = {}
     for name in stats[0]:
-        each = {what: np.array([own[name][what] for own in stats]) for what in stats[0][name]}
-        count = each["count"].reshape(-1, *([1] * (each["mean"].ndim - 1)))
-        mean = (each["mean"] * count).sum(axis=0) / count.sum()
-        square = ((each["std"] ** 2 + (each["mean"] - mean) ** 2) * count).sum(axis=0) / count.sum()
-        joined = {"min": each["min"].min(axis=0), "max": each["max"].max(axis=0), "mean": mean, "std": np.sqrt(square)}
-        found[name] = {what: values.tolist() for what, values in joined.items()} | {"count": [int(count.sum())]}
-    return found
+        parts = {what: np.array([episode[name][what] for episode in stats]) for what in stats[0][name]}
+        count = parts["count"].reshape(-1, *([1] * (parts["mean"].ndim - 1)))
+        mean = (parts["mean"] * count).sum(axis=0) / count.sum()
+        square = ((parts["std"] ** 2 + (parts["mean"] - mean) ** 2) * count).sum(axis=0) / count.sum()
+        joined = {
+            "min": parts["min"].min(axis=0),
+            "max": parts["max"].max(axis=0),
+            "mean": mean,
+            "std": np.sqrt(square),
+        }
+        features[name] = {what: values.tolist() for what, values in joined.items()} | {"count": [int(count.sum())]}
+    return features
 
 
 def _with_pictures(
@@ -183,19 +185,19 @@ def _with_pictures(
     """Write the pictures of all episodes as one video; return statistics that include them."""
     path = out / "videos" / _feature(reading) / f"{FILE}.mp4"
     path.parent.mkdir(parents=True)
-    video = frames.open_small(path, rate_hz(episodes[0].step_ms))
-    found = []
-    for episode, own in zip(episodes, stats, strict=True):
+    video = Mp4(path, episodes[0].described.rate_hz, SMALL)
+    with_pictures = []
+    for episode, features in zip(episodes, stats, strict=True):
         pictures = episode.observation(reading.name)[:-1]
         for picture in pictures:
             video.add(picture)
-        found.append({**own, _feature(reading): _picture_stats(pictures)})
+        with_pictures.append({**features, _feature(reading): _picture_stats(pictures)})
     video.save()
-    return found
+    return with_pictures
 
 
 def _info(episodes: Sequence[Episode], readings: Sequence[Reading]) -> dict[str, Any]:
-    rate = rate_hz(episodes[0].step_ms)
+    rate = episodes[0].described.rate_hz
     return {
         "codebase_version": VERSION,
         "robot_type": "mimoc",
@@ -218,19 +220,19 @@ def _info(episodes: Sequence[Episode], readings: Sequence[Reading]) -> dict[str,
 def _features(episode: Episode, readings: Sequence[Reading]) -> dict[str, Any]:
     """Return type, shape and names of each column and video."""
     actions = list(episode.layout("action"))
-    found: dict[str, Any] = {"action": {"dtype": "float32", "shape": [len(actions)], "names": actions}}
-    rate = float(rate_hz(episode.step_ms))
+    features: dict[str, Any] = {"action": {"dtype": "float32", "shape": [len(actions)], "names": actions}}
+    rate = float(episode.described.rate_hz)
     for reading in readings:
         if reading.kind == "picture":
             height, width, channels = reading.shape
             video = {"video.height": height, "video.width": width, "video.codec": "h264", "video.pix_fmt": "yuv420p"}
             video |= {"video.is_depth_map": False, "video.fps": rate, "video.channels": channels, "has_audio": False}
             names = ["height", "width", "channels"]
-            found[_feature(reading)] = {"dtype": "video", "shape": [*reading.shape], "names": names, "info": video}
+            features[_feature(reading)] = {"dtype": "video", "shape": [*reading.shape], "names": names, "info": video}
         else:
             names = list(reading.layout) or None
-            found[_feature(reading)] = {"dtype": reading.dtype, "shape": [reading.size], "names": names}
-    return found | {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in STEP_COLUMNS.items()}
+            features[_feature(reading)] = {"dtype": reading.dtype, "shape": [reading.size], "names": names}
+    return features | {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in STEP_COLUMNS.items()}
 
 
 def _pictures(readings: Sequence[Reading]) -> list[Reading]:

@@ -13,7 +13,6 @@ from gymnasium import spaces
 from mimoc.actuation.commands import command_range
 from mimoc.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
-from mimoc.recording.export.alike import check_alike
 from mimoc.recording.reading import Episode, ReadRecording
 
 HOME = "MINARI_DATASETS_PATH"
@@ -33,7 +32,6 @@ def export_minari(
         from minari.data_collector import EpisodeBuffer
     except ImportError:
         raise MissingExtraError("minari", "minari") from None
-    check_alike(recording, episodes)
     bundle = recording.bundle()
     name = f"mimoc/{bundle.manifest.name}-v0"
     low, high = (bound.astype(np.float32) for bound in command_range(bundle.manifest.actuation))
@@ -50,7 +48,7 @@ def export_minari(
         minari.create_dataset_from_buffers(
             dataset_id=name,
             buffer=buffers(),  # pyright: ignore[reportArgumentType] - Any iterable will do, one episode at a time.
-            observation_space=spaces.Dict({each.name: _space(each) for each in readings}),
+            observation_space=spaces.Dict({reading.name: _space(reading) for reading in readings}),
             action_space=spaces.Box(low, high, dtype=np.float32),
             data_format="parquet",
             jpeg_encoding=False,

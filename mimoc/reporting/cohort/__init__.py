@@ -5,8 +5,7 @@ from pathlib import Path
 
 from mimoc.cohorts import Cohort, Job
 from mimoc.cohorts.cohort import Progress, Status, status_of
-from mimoc.cohorts.kept import kept_jobs
-from mimoc.cohorts.store import Store
+from mimoc.cohorts.store import Store, kept_jobs
 from mimoc.cohorts.table import Rows, rows_of
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children

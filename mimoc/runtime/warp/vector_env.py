@@ -10,7 +10,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from mimoc.bundle.poses import pose_of
+from mimoc.bundle.model import pose_of
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv

@@ -8,7 +8,7 @@ import pytest
 from support import mesh_kinds
 from support.mesh_kinds import USABLE, obj, put
 
-from mimoc.bundle.leftovers import writer_prefix
+from mimoc.bundle.files import writer_prefix
 from mimoc.errors import ToyError
 from mimoc.toys.model import Mesh, Solid, ToyModel
 from mimoc.toys.toys4k import cache, convex, meshes, subprocesses

@@ -12,33 +12,33 @@ LONG = 100
 """Layouts of fewer names are written out."""
 
 
-def shortened(layout: Sequence[str]) -> list[Any]:
+def compact_names(layout: Sequence[str]) -> list[Any]:
     """Return a layout as it stands in files: names, or runs `{"name", "from", "to", "ends"}` of numbered names."""
     if len(layout) < LONG:
         return list(layout)
-    found: list[Any] = []
+    items: list[Any] = []
     for prefix, names in groupby(layout, key=_prefix):
         run = list(names)
         short = None if prefix is None else _run(prefix, run)
-        found += run if short is None else [short]
-    return found
+        items += run if short is None else [short]
+    return items
 
 
-def written_out(layout: Sequence[Any]) -> tuple[str, ...]:
+def expand_names(layout: Sequence[Any]) -> tuple[str, ...]:
     """Return the names of a layout as it stands in files."""
-    if sum(1 if isinstance(each, str) else _count(each) for each in layout) > MOST:
+    if sum(1 if isinstance(item, str) else _count(item) for item in layout) > MOST:
         raise ValueError("a layout of more numbers than any infant has")
-    return tuple(name for each in layout for name in ([each] if isinstance(each, str) else _names(each)))
+    return tuple(name for item in layout for name in ([item] if isinstance(item, str) else _names(item)))
 
 
 def _prefix(name: str) -> str | None:
-    found = NUMBERED.match(name)
-    return found and found[1]
+    match = NUMBERED.match(name)
+    return match and match[1]
 
 
 def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
     """Return a run that says all names, or None if there is none."""
-    parts = [found for name in names if (found := NUMBERED.match(name))]
+    parts = [match for name in names if (match := NUMBERED.match(name))]
     first = parts[0][2]
     ends = [part[3] for part in takewhile(lambda part: part[2] == first, parts)]
     run = {"name": prefix, "from": int(first), "to": int(parts[-1][2]), "ends": ends}

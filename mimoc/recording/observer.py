@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import RecordingError
-from mimoc.recording import episode_writer
+from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, Reading, reading_of
 from mimoc.recording.described import Described
-from mimoc.recording.folder import EpisodeFiles, part_stem
+from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
 from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
@@ -57,7 +57,7 @@ class _Episode:
     """Complete states, since the last part."""
 
 
-class InfantJournal(Journal):
+class RecordingObserver(Journal):
     """Writes down the episodes of one infant."""
 
     keeps = True
@@ -146,15 +146,9 @@ class InfantJournal(Journal):
 
     def end(self, how: str) -> None:
         """End the episode that is being recorded, if there is one."""
-        episode = self._episode
-        if episode is None:
-            return
-        self._write_part()
-        stem = self._stem_of(episode.number)
-        stems = tuple(part_stem(stem, number) for number in range(episode.parts))
-        self._episode = None
-        files = EpisodeFiles(self._about["infant"], episode.number, stems, is_whole=False)
-        self._writer(partial(episode_writer.finish, files, how, self._described))
+        if self._episode is not None:
+            self._write_part(ended=how)
+            self._episode = None
 
     def go_on_from(self, number: int) -> None:
         """Begin the next episode with another number, where no episode is being recorded."""
@@ -180,14 +174,15 @@ class InfantJournal(Journal):
             self._block = block
         block.put(self._infant.data.time, action, judged, observation)
 
-    def _write_part(self) -> None:
+    def _write_part(self, **ended: str) -> None:
         """Have the rows since the last part written."""
         episode, block = self._episode, self._block
         assert episode is not None
         assert block is not None
-        told = {"changes": episode.changes, "states": episode.states} | ({} if episode.parts else episode.head)
-        stem = self._stem_of(episode.number)
-        self._writer(partial(_write, stem, episode.parts, block, self._described, told))
+        sidecar = {"changes": episode.changes, "states": episode.states, "rows": block.rows, **ended}
+        sidecar |= {} if episode.parts else episode.head
+        stem = part_stem(self._stem_of(episode.number), episode.parts)
+        self._writer(partial(_write, stem, block, self._described, sidecar))
         episode.parts += 1
         episode.changes, episode.states, self._block = [], [], None
 
@@ -204,10 +199,27 @@ class InfantJournal(Journal):
         return self._state.tobytes()
 
 
-def _write(stem: Path, number: int, block: Block, described: Described, told: dict[str, Any]) -> None:
-    """Write a part, in the writer's thread, where states become text."""
-    plain = {name: to_plain(each) for name, each in told.items()}
-    episode_writer.write_part(stem, number, block, described, plain)
+def _write(stem: Path, block: Block, described: Described, sidecar: Mapping[str, Any]) -> None:
+    """Write some rows of an episode; without the sidecar, which comes last, the rest counts for nothing.
+
+    States become text here, in the writer's thread.
+
+    Args:
+        stem: Path of the files, without extension.
+        block: The rows.
+        described: What their numbers are.
+        sidecar: What their sidecar says.
+
+    Raises:
+        OutputError: If a file cannot be written.
+    """
+    for reading in described.readings:
+        if reading.kind == "picture":
+            pictures = block.dense[reading.name][: block.rows]
+            path = with_extension(stem, f".{reading.name}{frames.EXTENSION}")
+            frames.write_pictures(path, pictures, described.rate_hz)
+    tables.write_block(with_extension(stem, TABLE), block, described)
+    write_json(with_extension(stem, ".json"), {name: to_plain(value) for name, value in sidecar.items()})
 
 
 def _described(infant: InfantEnv) -> Described:

@@ -1,4 +1,4 @@
-"""`mimoc import`."""
+"""`mimoc import` and `mimoc schema`: files for other programs and from them."""
 
 import sys
 from pathlib import Path
@@ -6,11 +6,10 @@ from typing import Annotated
 
 import typer
 
-from mimoc.cli.printable import printable
+from mimoc.cli.terminal import printable
 from mimoc.errors import OutputError
 
 STDOUT = Path("-")
-EXAMPLE = "Example:  mimoc import babybench config.yml -o self_touch.yaml"
 
 
 def import_config(
@@ -38,3 +37,20 @@ def import_config(
     for note in imported.notes:
         print(printable(note))
     print(f"{printable(written)}: try it with: mimoc build {printable(written)} -o out/{imported.spec['name']}")
+
+
+def schema(
+    of: Annotated[str, typer.Argument(metavar="FILES", help="infant (specs) or cohort (cohort files).")] = "infant",
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="FILE", help="File to write; default: standard output.")
+    ] = None,
+) -> None:
+    """Print the JSON Schema of specs, by which editors complete keys and underline mistakes."""
+    from mimoc.bundle.files import write_file
+    from mimoc.schema.json_schema import json_schema, json_text
+
+    text = json_text(json_schema(of))
+    if out is None:
+        print(text, end="")
+    else:
+        print(printable(write_file(out, text.encode())))

@@ -1,21 +1,18 @@
-"""`mimoc replay`."""
+"""`mimoc replay` and `mimoc export`: what becomes of recordings."""
 
+import sys
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mimoc.cli.arguments import Body, RecordingPath, ShownBody
-from mimoc.cli.custom import import_object
-from mimoc.cli.exit_codes import FAILED_CHECK
-from mimoc.cli.printable import printable
+from mimoc.cli.arguments import Body, RecordingPath, ShownBody, import_object
+from mimoc.cli.terminal import FAILED_CHECK, printable
 from mimoc.errors import MimocError, counted
 
 if TYPE_CHECKING:
     from mimoc.recording.reading import ReadRecording
-
-EXAMPLE = "Example:  mimoc replay recordings/random"
 
 Infant = Annotated[int | None, typer.Option("--infant", min=0, help="Replay only this one of several infants.")]
 Number = Annotated[int | None, typer.Option("--episode", min=0, help="Replay only the episode of this number.")]
@@ -44,16 +41,16 @@ def replay(
     from mimoc.recording.reading import read_recording
 
     _check_video(video, eyes)
-    found = read_recording(recording)
-    _check_one_infant(found, infant, video)
+    recorded = read_recording(recording)
+    _check_one_infant(recorded, infant, video)
     failed = steps = count = 0
     filmed: Any = nullcontext()
-    if video and found:
-        filmed = videos.film_of(video, found[0].step_ms, eyes=eyes, height_px=size, body=body.value)
+    if video and recorded:
+        filmed = videos.film_of(video, recorded[0].step_ms, eyes=eyes, height_px=size, body=body.value)
     chosen: dict[str, Any] = {"infant": infant, "episode": episode, "task": import_object(task) if task else None}
     with console.progress("replaying") as show, filmed as watch:
         watching: dict[str, Any] = {"watch": watch} if watch else {}
-        for replayed in recordings.replay_recording(found, **chosen, **watching, progress=show):
+        for replayed in recordings.replay_recording(recorded, **chosen, **watching, progress=show):
             count, steps = count + 1, steps + replayed.episode.steps
             if replayed.difference:
                 failed += 1
@@ -80,13 +77,32 @@ def _check_video(video: Path | None, eyes: bool) -> None:
         recording.check_video(video)
 
 
-def _check_one_infant(found: "ReadRecording", infant: int | None, video: Path | None) -> None:
+def _check_one_infant(recorded: "ReadRecording", infant: int | None, video: Path | None) -> None:
     """Check that a video is to show one infant.
 
     Raises:
         MimocError: If there are several.
     """
-    if video and infant is None and found.infants > 1:
+    if video and infant is None and recorded.infants > 1:
         raise MimocError(
-            f"{found.path}: {found.infants} infants are recorded here; choose one for --video with --infant"
+            f"{recorded.path}: {recorded.infants} infants are recorded here; choose one for --video with --infant"
         )
+
+
+FORMATS = "minari (needs `mimoc[minari]`), lerobot or csv; or recording, to convert one that an older mimoc made."
+
+
+def export(
+    recording: RecordingPath,
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help=FORMATS)],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="OUT", help="Folder to write: a new or empty one.")],
+) -> None:
+    """Write a recording in the format of others, and say what that cannot hold."""
+    from mimoc.cli import console
+    from mimoc.recording.export import export_recording
+
+    with console.progress("exporting") as show:
+        notes = export_recording(recording, to, out, progress=show)
+    for note in notes:
+        print(printable(f"note: {note}"), file=sys.stderr)
+    print(printable(out))

@@ -1,4 +1,4 @@
-"""Skins of a model for what draws no textures: bound vertices, weights, and faces by colour."""
+"""Meshes of geoms and skins of a model, for what draws neither MuJoCo's shapes nor textures."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,6 +8,47 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
+from trimesh import creation
+
+from mimoc.errors import MimocError
+
+Mesh = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
+"""Vertices in the frame of the geom, shape (n, 3), [m], and the vertices of each triangle, shape (m, 3)."""
+
+GEOM = mujoco.mjtGeom
+FINENESS = 3
+"""How often the faces of an icosahedron are divided for a ball: 642 vertices."""
+
+
+def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
+    """Return the surface of a geom.
+
+    Raises:
+        MimocError: If it has none, as a plane.
+    """
+    kind, size = GEOM(int(model.geom_type[geom])), model.geom_size[geom]
+    if kind == GEOM.mjGEOM_MESH:
+        mesh = model.geom_dataid[geom]
+        first, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+        vertices_m = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
+        return vertices_m.astype(float), model.mesh_face[face : face + model.mesh_facenum[mesh]].astype(np.int64)
+    if kind == GEOM.mjGEOM_BOX:
+        shape = creation.box(2 * size)
+    elif kind == GEOM.mjGEOM_CYLINDER:
+        shape = creation.cylinder(size[0], 2 * size[1])
+    elif kind in (GEOM.mjGEOM_SPHERE, GEOM.mjGEOM_CAPSULE, GEOM.mjGEOM_ELLIPSOID):
+        shape = creation.icosphere(FINENESS)
+    else:
+        raise MimocError(f"the geom '{model.geom(geom).name}' has no mesh")
+    vertices = np.array(shape.vertices)
+    if kind == GEOM.mjGEOM_ELLIPSOID:
+        vertices = vertices * size
+    elif kind == GEOM.mjGEOM_SPHERE:
+        vertices = vertices * size[0]
+    elif kind == GEOM.mjGEOM_CAPSULE:  # A ball that is cut in the middle and pulled apart.
+        vertices = vertices * size[0] + np.sign(vertices) * (0, 0, size[1])
+    return vertices, np.array(shape.faces, np.int64)
+
 
 Array = npt.NDArray[Any]
 
@@ -75,7 +116,12 @@ def texture_of(model: mujoco.MjModel, material: int) -> Array | None:
     texture = model.mat_texid[material, mujoco.mjtTextureRole.mjTEXROLE_RGB] if material >= 0 else -1
     if texture < 0:
         return None
-    height, width, channels = model.tex_height[texture], model.tex_width[texture], model.tex_nchannel[texture]
+    pixels = pixels_of(model, texture)
+    return np.broadcast_to(pixels, (*pixels.shape[:2], 3)) if pixels.shape[2] == 1 else pixels[..., :3]
+
+
+def pixels_of(model: mujoco.MjModel, texture: int) -> Array:
+    """Return the pixels of a texture, shape (height, width, channels), 0 to 255."""
+    shape = model.tex_height[texture], model.tex_width[texture], model.tex_nchannel[texture]
     first = model.tex_adr[texture]
-    pixels = model.tex_data[first : first + height * width * channels].reshape(height, width, channels)
-    return np.broadcast_to(pixels[..., :3], (height, width, 3)) if channels == 1 else pixels[..., :3]
+    return model.tex_data[first : first + np.prod(shape)].reshape(shape)

@@ -1,14 +1,12 @@
-"""`mimoc report`."""
+"""`mimoc report` and `mimoc experiment`: pages about infants, trainings, cohorts and experiments."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from mimoc.cli.infants import STDIN, load_spec
-from mimoc.cli.printable import printable
-
-EXAMPLE = "Example:  mimoc report out/nine_months -o nine_months.html"
+from mimoc.cli.arguments import STDIN, load_spec
+from mimoc.cli.terminal import printable, resumable
 
 
 def report(
@@ -41,3 +39,25 @@ def report(
     infant = load_spec(source) if source == STDIN else source
     with console.progress("writing the page") as show:
         print(printable(write_report(infant, out, check=not no_check, cohort=study, progress=show)))
+
+
+def experiment(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME", help="One of: growth, strength, acuity, delays, inverse, rooms, development, growing."
+        ),
+    ],
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for tables, figures and report.")],
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help="Fewer ages, seeds or steps: takes seconds, or minutes for delays and growing."),
+    ] = False,
+) -> None:
+    """Reproduce an experiment of the paper: tables (CSV), figures (PNG), and a report that compares the results."""
+    from mimoc import experiments
+    from mimoc.cli import console
+
+    with console.progress(name) as show, resumable():
+        page = experiments.run_experiment(name, out, quick=quick, progress=show)
+    print(printable(page))

@@ -1,11 +1,9 @@
-"""Exit codes of the commands, and their message on an interruption."""
+"""Exit codes, what is said of an interruption, and foreign text as a terminal can show it."""
 
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-from mimoc.cli.printable import printable
 
 BAD_INPUT, FAILED_CHECK = 2, 1
 BROKEN_PIPE = 128 + 13
@@ -21,3 +19,14 @@ def resumable(result: Path | None = None) -> Iterator[None]:
         so_far = f"{result} has the result so far; " if result and result.exists() else ""
         print(printable(f"stopped; {so_far}run the same command again to resume"), file=sys.stderr)
         raise
+
+
+def printable(text: object) -> str:
+    r"""Return a text with all that is not to be printed escaped, such as `\x1b`; line breaks stay."""
+    return "".join(
+        character if character.isprintable() or character == "\n" else _escaped(character) for character in str(text)
+    )
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")

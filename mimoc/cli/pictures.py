@@ -1,0 +1,216 @@
+"""`mimoc render`, `mimoc see` and `mimoc rooms`: pictures of infants, of what they see and of their scenes."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from mimoc.cli.arguments import Body, InfantPath, PicturePath, load_infant, load_spec_of_infant
+from mimoc.cli.terminal import printable
+from mimoc.errors import MimocError, SpecError
+
+if TYPE_CHECKING:
+    from mimoc.schema.infant import InfantSpec
+
+Azimuth = Annotated[
+    float | None,
+    typer.Option(
+        "--azimuth",
+        min=-360,
+        max=360,
+        help="Where the camera stands around the infants, in degrees: 0 in front of them, 90 at their left, 180 behind "
+        "them; default: a little to the right of one infant, in front of several.",
+    ),
+]
+Elevation = Annotated[
+    float | None,
+    typer.Option(
+        "--elevation",
+        min=-90,
+        max=90,
+        help="How high it stands, in degrees: 0 level with them, 90 straight above; default: what suits the pose.",
+    ),
+]
+Distance = Annotated[
+    float | None,
+    typer.Option(
+        "--distance",
+        min=0.1,
+        max=100,
+        help="How far it stands from the middle of them, in metres; default: so that they fill the image.",
+    ),
+]
+Transparent = Annotated[
+    bool,
+    typer.Option("--transparent", help="Draw the infants alone, on a transparent background (.png, .webp or .tiff)."),
+]
+ScaleBar = Annotated[
+    bool,
+    typer.Option("--scale-bar", help="Draw a bar of so many cm, true at the distance of the middle of the infants."),
+]
+
+
+def render(
+    infants: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="INFANT...",
+            help="Bundles or specs (.yaml, or `-` for standard input); several are drawn in a row, to scale.",
+        ),
+    ],
+    file: PicturePath,
+    pose: Annotated[
+        str | None,
+        typer.Option("--pose", help="supine, prone, sitting or standing, of all; default: each one's spec's."),
+    ] = None,
+    width: Annotated[int, typer.Option("--width", min=16, max=4096, help="Width in pixels.")] = 960,
+    height: Annotated[int, typer.Option("--height", min=16, max=4096, help="Height in pixels.")] = 720,
+    skin: Annotated[bool, typer.Option("--skin", help="Show the skin points and the forces on them.")] = False,
+    body: Annotated[
+        Body | None, typer.Option("--body", help="Draw the skin or the solids under it; default: skin, without --skin.")
+    ] = None,
+    azimuth: Azimuth = None,
+    elevation: Elevation = None,
+    distance: Distance = None,
+    transparent: Transparent = False,
+    scale_bar: ScaleBar = False,
+) -> None:
+    """Render an image of the infant, or of several side by side."""
+    from mimoc.bundle.model import load_posed
+    from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render.portrait import Framing, lineup, portrait
+    from mimoc.senses.touch.preview import skin_markers
+
+    check_picture_name(file, transparent=transparent)
+    framing = Framing(azimuth, elevation, distance, transparent, scale_bar)
+    bundles = [load_infant(infant) for infant in infants]
+    shown = (body or (Body.SOLIDS if skin else Body.SKIN)).value
+    markers = [skin_markers(bundle, *load_posed(bundle, pose)) for bundle in bundles] if skin else None
+    if len(bundles) > 1:
+        picture = lineup(bundles, pose, width, height, markers, shown, framing)
+    else:
+        picture = portrait(bundles[0], pose, width, height, markers[0] if markers else None, shown, framing)
+    print(printable(write_picture(file, picture)))
+
+
+Pose = Annotated[str | None, typer.Option("--pose", help="supine, prone, sitting or standing; default: the spec's.")]
+FieldOfView = Annotated[
+    float,
+    typer.Option("--fovy", min=1, max=170, help="Vertical field of view in degrees; acuity shows best if narrow."),
+]
+NOTHING_SEEN = (
+    "note: the eye sees one plain surface (sky, floor, or skin near by), so all views are alike; let it see something: "
+    "another --pose (sitting), --down, a wider --fovy, or a room with toys (`scene: {kind: room}`)"
+)
+
+
+def see(
+    infant: InfantPath,
+    file: PicturePath,
+    ages: Annotated[
+        str, typer.Option("--ages", metavar="MONTHS,...", help="Ages in months, 0 to 36, whose acuity is shown.")
+    ] = "1,2,4,6,12",
+    profile: Annotated[
+        str | None,
+        typer.Option("--profile", help="Acuity by age: tac2, mayer1995 or mimo_v2; default: the spec's."),
+    ] = None,
+    foveation: Annotated[
+        float | None,
+        typer.Option("--foveation", min=0, max=1000, help="Strength of foveation; default: the spec's, or 5 if 0."),
+    ] = None,
+    pose: Pose = None,
+    eye: Annotated[str, typer.Option("--eye", help="left or right.")] = "left",
+    down: Annotated[
+        float | None,
+        typer.Option("--down", min=-90, max=90, help="Downward gaze in degrees; default: towards a toy or a hand."),
+    ] = None,
+    fovy: FieldOfView = 18,
+    size: Annotated[int, typer.Option("--size", min=16, max=1024, help="Size of each view in pixels.")] = 256,
+) -> None:
+    """Render what the infant sees at several ages, with and without foveation, beside the unblurred view."""
+    from mimoc.compiler.variants import spec_of
+    from mimoc.render import picture_files
+    from mimoc.render.picture_grid import tile_pictures
+    from mimoc.schema import VisionSpec
+    from mimoc.senses.vision import comparison
+    from mimoc.senses.vision.preview import is_blank, preview
+
+    picture_files.check_picture_name(file)
+    bundle = load_infant(infant)
+    vision = spec_of(bundle).senses.vision or VisionSpec()
+    months = comparison.read_ages(ages)
+    views = comparison.compare_ages(vision, eye, months, size, profile=profile, foveation=foveation)
+    pictures = preview(bundle, views.entries, pose, down, fovy)
+    print(printable(picture_files.write_picture(file, tile_pictures(pictures, views.columns, views.rows))))
+    if is_blank(pictures[0][-1]):
+        print(NOTHING_SEEN)
+
+
+MAX_ROOMS = 400
+"""Largest number of scenes in one image."""
+
+
+def rooms(
+    spec: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SPEC", help="Spec with a room or toys (.yaml, or `-` for standard input), or a bundle."
+        ),
+    ],
+    file: PicturePath,
+    seeds: Annotated[
+        str, typer.Option("--seeds", metavar="FIRST:END", help="Seeds of the scenes; END is excluded.")
+    ] = "0:12",
+    size: Annotated[int, typer.Option("--size", min=32, max=1024, help="Width of each scene's image in pixels.")] = 320,
+) -> None:
+    """Render the scenes of several seeds in one image."""
+    from mimoc.cli import console
+    from mimoc.compiler import building
+    from mimoc.render.overview import overview
+    from mimoc.render.picture_files import check_picture_name, write_picture
+    from mimoc.render.picture_grid import captioned_grid
+
+    check_picture_name(file)
+    wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), []
+    _check_seed_matters(infant)
+    builder = building.builder(infant)
+    with console.progress("drawing") as show:
+        for number, seed in enumerate(wanted, start=1):
+            pictures.append(overview(builder(seed, check=False), size, size * 3 // 4))
+            show(number, len(wanted))
+    print(printable(write_picture(file, captioned_grid(pictures, [f"seed {seed}" for seed in wanted]))))
+
+
+def _check_seed_matters(spec: "InfantSpec") -> None:
+    """Print a note if only the toys depend on the seed.
+
+    Raises:
+        SpecError: If nothing in the scene depends on the seed.
+    """
+    from mimoc.scenes import SCENES
+    from mimoc.schema.infant import as_written
+
+    kind = spec.scene.kind
+    if SCENES[kind].varies:
+        return
+    if spec.scene.toys is None:
+        others = " or ".join(f"'kind: {scene.name}'" for scene in SCENES.values() if scene.varies)
+        message = f"'{kind}' without toys is the same for every seed; write {others}, or add toys"
+        raise SpecError([as_written(spec).problem(("scene", "kind"), message)])
+    print(f"note: in a '{kind}' scene only the toys depend on the seed", file=sys.stderr)
+
+
+def parse_seeds(text: str) -> range:
+    """Return the seeds given by a text such as `0:12` (the end is excluded) or `7`.
+
+    Raises:
+        MimocError: If the text is not a range of seeds, or the range is empty or too large.
+    """
+    first, colon, end = text.partition(":")
+    if not (first.isdecimal() and (end if colon else first).isdecimal()):
+        raise MimocError(f"'{text}' is not a range of seeds; write FIRST:END, such as 0:12")
+    seeds = range(int(first), int(end) if colon else int(first) + 1)
+    if not 0 < len(seeds) <= MAX_ROOMS:
+        raise MimocError(f"'{text}' is a range of {len(seeds)} seeds; give 1 to {MAX_ROOMS}")
+    return seeds

@@ -1,0 +1,219 @@
+"""Console output of comparisons (growth, measurements, motor milestones) and of cohorts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+from rich.text import Text
+
+from mimoc.cli.console import LABELS, open_console
+from mimoc.errors import counted
+
+if TYPE_CHECKING:
+    from mimoc.cohorts import Status
+    from mimoc.cohorts.plan import Plan, StepPlan
+    from mimoc.compiler.validation import GrowthReport, MeasurementReport, MeasurementRow, Row
+    from mimoc.fits.who import Reference
+    from mimoc.milestones import Milestone, MilestoneReport
+
+POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
+Column = Callable[["Row"], "str | Text"]
+
+
+def print_growth(report: GrowthReport, requested_sd: float) -> None:
+    """Print one table per growth indicator, with a row for each age, and the verdict.
+
+    Args:
+        report: The comparison.
+        requested_sd: How far measures may be from what the spec asks for, in standard deviations.
+    """
+    console = open_console()
+    for indicator, rows in report.by_indicator.items():
+        console.print(f"{LABELS[indicator]} against WHO's {POPULATIONS[report.reference]}")
+        console.print(_table(rows))
+        console.print(_largest_deviation(rows) + "\n")
+    goals = {
+        "within one SD of the mean of WHO's boys and girls": [row for row in report.rows if row.requested_z is None],
+        f"as asked for, within {requested_sd:g} SD": [row for row in report.rows if row.requested_z is not None],
+    }
+    for goal, rows in goals.items():
+        judged = [row for row in rows if row.is_judged]
+        failing = sorted({row.indicator for row in judged if row.missed})
+        if failing:
+            console.print(Text(f"failed: not {goal} at every age: {', '.join(failing)}", style="red"))
+        elif judged:
+            console.print(Text(f"ok: {goal} at every age: {_names(judged)}", style="green"))
+    if reported := [row for row in report.rows if not row.is_judged]:
+        console.print(f"follows from other keys of the spec, and is not judged: {_names(reported)}")
+
+
+def _table(rows: Sequence[Row]) -> Table:
+    table = Table(collapse_padding=True, pad_edge=False)
+    columns = _columns(rows)
+    for heading in columns:
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(*(column(row) for column in columns.values()))
+    return table
+
+
+def _columns(rows: Sequence[Row]) -> Mapping[str, Column]:
+    """Return the columns that have something to say about these rows, by heading."""
+    reference = rows[0].reference
+    columns: dict[str, Column] = {"months": lambda row: f"{row.age_months:g}", "infant": lambda row: f"{row.value:.2f}"}
+    if reference == "mean":
+        columns |= {"z boys": lambda row: f"{row.z['male']:+.2f}", "z girls": lambda row: f"{row.z['female']:+.2f}"}
+    columns |= {"z": _z, "percentile": lambda row: f"{row.percentile[reference]:.1f}"}
+    if any(row.requested_z is not None for row in rows):
+        columns["z asked for"] = lambda row: "" if row.requested_z is None else f"{row.requested_z:+.2f}"
+    if any(row.missed for row in rows):
+        columns["verdict"] = lambda row: "missed" if row.missed else ""
+    return columns
+
+
+def _z(row: Row) -> Text:
+    """Return a z-score as text, in yellow and with a star if it is missed."""
+    return Text(f"{row.z[row.reference]:+.2f}{'*' if row.missed else ' '}", style="yellow" if row.missed else "")
+
+
+def _largest_deviation(rows: Sequence[Row]) -> str:
+    row = max(rows, key=lambda row: abs(row.deviation))
+    what = "what is asked for" if row.requested_z is not None else "the median"
+    deviation = round(row.deviation, 2) + 0.0  # Which turns -0.0 into 0.
+    return f"largest deviation from {what}: {deviation:+.2f} SD at {row.age_months:g} months"
+
+
+def _names(rows: Sequence[Row]) -> str:
+    return ", ".join(dict.fromkeys(LABELS[row.indicator].partition(" [")[0] for row in rows))
+
+
+def print_measurements(report: MeasurementReport, tolerance: float) -> None:
+    """Print one row for each measurement, with its deviation in each age group, the largest of all, and the verdict.
+
+    Args:
+        report: The comparison.
+        tolerance: Largest deviation, relative to the goal.
+    """
+    console = open_console()
+    is_average = all(row.requested == 1 for row in report.rows)
+    goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")
+    console.print(f"deviation from {goal.removesuffix(',')} [%]")
+    table = Table(padding=0)
+    for heading in ("months", *(f"{age_months:g}" for age_months in report.ages_months)):
+        table.add_column(heading, justify="left" if heading == "months" else "right", no_wrap=True)
+    for name, rows in report.by_measurement():
+        cells = (_deviation(rows[age]) if age in rows else Text("") for age in report.ages_months)
+        table.add_row(name.replace("_", " "), *cells)
+    console.print(table)
+    worst = max((row for row in report.rows if row.is_judged), key=lambda row: abs(row.deviation))
+    console.print(
+        f"largest: {worst.measurement.replace('_', ' ')} at {worst.age_months:g} months, {worst.value_cm:.2f} cm "
+        f"({100 * worst.deviation:+.1f} %)"
+    )
+    verdict = f"within {100 * tolerance:g} % of {goal} in every age group"
+    if failing := [name for name, rows in report.by_measurement() if any(row.outside for row in rows.values())]:
+        console.print(Text(f"failed: not {verdict}: {', '.join(failing)}", style="red"))
+    else:
+        console.print(Text(f"ok: {verdict}", style="green"))
+    if reported := dict.fromkeys(row.measurement.replace("_", " ") for row in report.rows if not row.is_judged):
+        console.print(f"in brackets: changed by other keys of the spec, and not judged: {', '.join(reported)}")
+
+
+def _deviation(row: MeasurementRow) -> Text:
+    """Return a deviation as text, in yellow and with a star if it is too large, in brackets if it is not judged."""
+    text = f"{100 * row.deviation:+.1f}"
+    if not row.is_judged:
+        return Text(f"({text})")
+    return Text(f"{text}{'*' if row.outside else ' '}", style="yellow" if row.outside else "")
+
+
+def print_milestones(report: MilestoneReport) -> None:
+    """Print a row for each milestone, the sources, and the verdict."""
+    out = open_console()
+    out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
+    table = Table()
+    for heading in ("milestone", "from [months]", "real infants", "median", "verdict"):
+        table.add_column(heading, justify="left" if heading in ("milestone", "verdict") else "right")
+    for milestone in report.milestones:
+        table.add_row(*_row(milestone))
+    out.print(table)
+    for milestone in report.milestones:
+        window, trial = milestone.window, milestone.trial
+        out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
+    out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
+    failing = [
+        milestone.trial.name for milestone in report.milestones if milestone.verdict not in ("inside", "no verdict")
+    ]
+    if failing:
+        out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
+    else:
+        out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
+
+
+def _row(milestone: Milestone) -> tuple[str | Text, ...]:
+    age, window = milestone.result.youngest_months, milestone.window
+    colour = {"inside": "green", "no verdict": ""}.get(milestone.verdict, "red")
+    return (
+        milestone.trial.name,
+        "not by 24" if age is None else "birth" if age == 0 else f"{age:g}",
+        f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
+        f"{window.median_months:g}" if window else "",
+        Text(milestone.verdict, style=colour),
+    )
+
+
+SHOWN = 10
+"""Failed jobs that are listed; all are in the table."""
+
+
+def print_plan(plan: Plan) -> None:
+    """Print what each step will take, and all together."""
+    console = open_console()
+    table = Table(title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}", title_justify="left")
+    for heading in ("step", "jobs", "done", "a job [s]", "the rest [h]", "a job [kB]"):
+        table.add_column(heading, justify="left" if heading == "step" else "right")
+    for step in plan.steps:
+        table.add_row(*_plan_row(step, plan.processes))
+    console.print(table)
+    more = "at least " if any(step.at_least for step in plan.steps) else ""
+    cores = counted(plan.processes, "core")
+    console.print(f"{more}{_duration(plan.hours)} on {cores}, {more}{plan.bytes / 1e6:.0f} MB on disk")
+    for step in plan.steps:
+        if step.error:
+            console.print(Text(f"the trial of '{step.step}' failed: {step.error}", style="yellow"))
+
+
+def _plan_row(step: StepPlan, processes: int) -> tuple[str, ...]:
+    if step.seconds is None:
+        return step.step, f"{step.jobs}", f"{step.done}", "", "0", ""
+    more = "> " if step.at_least else ""
+    hours = (step.jobs - step.done) * step.seconds / processes / 3600
+    seconds = f"{more}{step.seconds:.3g}"
+    return step.step, f"{step.jobs}", f"{step.done}", seconds, f"{more}{hours:.2g}", f"{step.bytes / 1000:.0f}"
+
+
+def print_status(status: Status) -> None:
+    """Print how many jobs of each step are done, and the first that have failed."""
+    console = open_console()
+    table = Table(title=counted(status.jobs, "job"), title_justify="left")
+    for heading in ("step", "ok", "failed", "missing"):
+        table.add_column(heading, justify="left" if heading == "step" else "right")
+    for step, counts in status.counts.items():
+        table.add_row(step, *(f"{counts.get(state, 0)}" for state in ("ok", "failed", "missing")))
+    console.print(table)
+    for failure in status.failures[:SHOWN]:
+        seed = {} if failure.job.seed is None else {"seed": failure.job.seed}
+        who = ", ".join(f"{name}={value}" for name, value in {**failure.job.factors, **seed}.items())
+        console.print(Text(f"failed: {' '.join((failure.job.step, who)).rstrip()}: {failure.error}", style="red"))
+        console.print(f"        {failure.log}")
+    if len(status.failures) > SHOWN:
+        console.print(f"... and {len(status.failures) - SHOWN} more; see the table")
+
+
+def _duration(hours: float) -> str:
+    """Return a duration in a unit that suits it."""
+    if hours < 1 / 60:
+        return f"{3600 * hours:.0f} s"
+    return f"{60 * hours:.0f} min" if hours < 2 else f"{hours:.1f} h"
