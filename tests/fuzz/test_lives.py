@@ -6,6 +6,6 @@ from fuzz.lives import live_apart
 
 @pytest.mark.slow
 def test_no_order_of_calls_ends_python():
-    counts, fault = live_apart("all_senses", number=3, sequences=4)
+    counts, fault = live_apart("all_senses", number=3, sequences=2)
     assert fault == ""
     assert counts["refused"]

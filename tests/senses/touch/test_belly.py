@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 import pytest
+from support.full import full_but
 from support.start_poses import DEPTH_M
 
 import mimoc
@@ -90,9 +91,10 @@ def test_a_ball_dropped_on_the_belly_stays_on_it_and_is_sensed(age_months, hands
 
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("chest_joint", [False, True])
-def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle_at):
+@pytest.mark.parametrize("ages_months", full_but([AGES_MONTHS[::8]], [AGES_MONTHS]), ids=["few", "all"])
+def test_only_arms_meet_the_infant_itself_in_any_pose(hands, chest_joint, bundle_at, ages_months):
     """Only neighbours may share room; slack arms lie on the trunk and the thighs, and fingers on each other."""
-    for age_months in AGES_MONTHS:
+    for age_months in ages_months:
         model = load_model(bundle_at(age_months, hands, chest_joint))
         of_arms = in_subtrees(model, [model.body(f"{side}_upper_arm").id for side in SIDES])[model.geom_bodyid]
         for pose in POSES:
