@@ -104,7 +104,7 @@ bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
 
 trainings: $(TEST) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
-	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest tests/test_trainings_in_docs.py
+	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest -m "full or not full" tests/test_trainings_in_docs.py
 
 viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
 	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }
