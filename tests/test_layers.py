@@ -60,7 +60,7 @@ WITHOUT_PREFIX = {
 """Files that still lack the prefix of their layer. It must go: whoever renames one takes it off."""
 
 LAYERS = {
-    "version": layer("version"),
+    "version": layer("version base"),
     "signals": layer("interruption"),
     "errors": layer("errors"),
     "units": layer("units mujoco_layout"),

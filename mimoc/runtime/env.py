@@ -54,16 +54,6 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
     Reward and termination are those of the bundle's task, and episodes are truncated after the task's number of steps;
     without a task the reward is zero and episodes do not end. An episode also terminates if the simulation becomes
     unstable. `info` contains `is_success`, the terms of the reward as `reward_terms`, and `unstable`.
-
-    Example:
-        >>> import mimoc
-        >>> env = mimoc.InfantEnv("out/nine_months")  # Without Gymnasium's wrappers; usually `mimoc.make`.
-        >>> observation, info = env.reset(seed=0, options={"pose": "supine"})
-        >>> sorted(observation), env.action_space.shape
-        (['proprioception', 'vestibular'], (44,))
-        >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
-        >>> reward, terminated, info["unstable"]
-        (0.0, False, False)
     """
 
     metadata = {"render_modes": [*MODES], "render_fps": 100}  # noqa: RUF012 - Gymnasium's own attribute.
