@@ -4,6 +4,7 @@ from functools import cache
 
 import pytest
 from gymnasium.utils.env_checker import check_env
+from support import store
 from support.full import full_but, full_rows
 
 import mimoc
@@ -34,7 +35,7 @@ def infant(model, hands, age_months=9, **actuation):
         "actuation": {"model": model, **actuation},
         "senses": EVERYTHING_FELT,
     }
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    return store.built(spec)
 
 
 @pytest.mark.parametrize("model", ACTUATIONS)

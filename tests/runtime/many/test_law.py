@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from support import store
 from support.full import full_but
 from support.same import assert_same
 
@@ -41,12 +42,12 @@ def live_alike(
 
 def of_config(path: Path, episode_steps: int) -> mimoc.Bundle:
     spec = mimoc.load_spec(path)
-    return mimoc.build(spec.with_(task={"steps": episode_steps}) if spec.task else spec)
+    return store.built(spec.with_(task={"steps": episode_steps}) if spec.task else spec)
 
 
 def at_ages(ages_months: tuple[float, ...], **keys: Any) -> list[mimoc.Bundle]:
     spec = {"mimoc": 1, "name": "infant", "senses": {"proprioception": {}, "vestibular": {}}, **keys}
-    return [mimoc.build(mimoc.InfantSpec.model_validate({**spec, "age_months": age})) for age in ages_months]
+    return [store.built({**spec, "age_months": age}) for age in ages_months]
 
 
 @pytest.mark.parametrize("config", [each for each in CONFIGS if each.stem != "all_senses"], ids=lambda each: each.stem)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 import pytest
+from support import store
 from support.full import full_but
 from support.start_poses import DEPTH_M
 
@@ -31,7 +32,7 @@ CHILDREN = [(age, hands) for age in (0, 9, 24) for hands in HANDS]
 def bundle_of(age_months: float, hands: str, **keys) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "x", "age_months": age_months, "body": {"hands": hands}}
     scene = {"kind": "flat", "pose": "supine"}
-    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, "scene": scene, **keys}))
+    return store.built({**spec, "scene": scene, **keys})
 
 
 def above_belly(data: mujoco.MjData) -> np.ndarray:
