@@ -35,7 +35,7 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
 
 
 BASE = "version errors units streams geometry files"
-LANGUAGE = f"{BASE} language kinds composition spec quantities"
+LANGUAGE = f"{BASE} language kinds quantities composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
 RUNNING = f"{LANGUAGE} bundle drawing terms run runtime control"
 KIND_FOLDERS = {
@@ -77,10 +77,9 @@ LAYERS = {
         "pydantic yaml",
     ),
     "kinds": layer("kinds", "errors language"),
+    "quantities": layer("quantities", "kinds"),
     "composition": layer("schema.composition", "errors language kinds", "pydantic"),
     "spec": layer("", "errors units language kinds composition", "pydantic"),
-    "terms": layer("runtime.term runtime.worlds", f"{BASE} language kinds"),
-    "quantities": layer("quantities", f"{BASE} language kinds terms"),
     "schema": layer("schema plugins", f"{LANGUAGE} fits", "pydantic"),
     "bundle": layer("bundle", f"{LANGUAGE} schema", "pydantic mujoco"),
     "fits": layer("fits", "errors units geometry"),
@@ -90,16 +89,21 @@ LAYERS = {
     "build": layer("", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh coacd fast_simplification platformdirs"),
     "compiler": layer("compiler", BUILDING, "mujoco"),
     "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
-    "drawing": layer("render", f"{BASE} bundle", "mujoco glfw OpenGL PIL"),
+    "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
     "plots": layer("render.plots", f"{BASE} schema fits body", "matplotlib"),
-    "run": layer("model_fields state_form", f"{LANGUAGE} terms bundle drawing", "gymnasium mujoco scipy"),
-    "runtime": layer("runtime", f"{LANGUAGE} terms bundle drawing run", "gymnasium mujoco"),
+    "terms": layer(
+        "runtime.worlds runtime.term runtime.array_library runtime.term_contract",
+        "errors",
+        "mujoco torch array_api_compat array_api_strict",
+    ),
+    "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
+    "runtime": layer("runtime", f"{LANGUAGE} bundle drawing terms run", "gymnasium mujoco scipy"),
     "device": layer(
         "runtime.warp runtime.device",
-        f"{LANGUAGE} terms bundle drawing run runtime",
-        "gymnasium mujoco warp mujoco_warp torch",
+        f"{LANGUAGE} bundle drawing terms run runtime",
+        "gymnasium mujoco warp mujoco_warp torch array_api_compat",
     ),
-    "control": layer("control", f"{LANGUAGE} bundle run", "mujoco"),
+    "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", RUNNING, ""),
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
@@ -356,7 +360,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.fits.tables", "import yaml", "yaml belongs to language"),
         ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, composition, spec, schema, bundle"),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
-        ("mimoc.body.growth", "import numpy, torch", "torch belongs to device, training"),
+        ("mimoc.body.growth", "import numpy, torch", "torch belongs to terms, device, training"),
         ("mimoc.stray", "import math", "the module is in no layer"),
         ("mimoc.body.growth", "from mimoc import stray", "body may not import mimoc"),
     ],
