@@ -47,7 +47,13 @@ PAGES = (
     "docs/from_mimo.md",
 )
 """Those that are run here; test_docs.py has the others."""
-SLOW = {"README.md", "docs/tutorial.md", "docs/training.md", "docs/pictures.md"}
+MARKS = {
+    "README.md": pytest.mark.slow,
+    "docs/tutorial.md": pytest.mark.slow,
+    "docs/pictures.md": FULL,
+    "docs/growth.md": FULL,
+}
+"""What takes long, and what only `make test-all` runs."""
 PYTHON = shlex.quote(sys.executable)
 DEMO = "make demo --assume-old=.venv/.demo ROOMS=0:2"
 
@@ -187,7 +193,7 @@ def reader(checkout, monkeypatch, invoke) -> Iterator[Reader]:
     rmtree(checkout / "out", ignore_errors=True)
 
 
-@pytest.mark.parametrize("page", [pytest.param(page, marks=[pytest.mark.slow] * (page in SLOW)) for page in PAGES])
+@pytest.mark.parametrize("page", [pytest.param(page, marks=MARKS.get(page, ())) for page in PAGES])
 def test_every_block_works_as_it_is_printed_one_after_the_other(reader, page):
     followed = []
     for block in blocks(page):
