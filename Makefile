@@ -26,10 +26,10 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test docs clusters coverage golden skin pictures toys matrix consumers fuzz soak poses bench trainings pages viewer container apptainer opengl clean
+.PHONY: help demo test test-all docs clusters coverage golden skin pictures toys matrix consumers fuzz soak poses bench trainings pages viewer container apptainer opengl clean
 
 help: ## List the goals.
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
 
 demo: $(DEMO) opengl ## Build, validate, check, run, render and show an infant of nine months, and let it reach.
 	$(BIN)/mimoc build configs/nine_months.yaml -o $(INFANT) --force
@@ -58,6 +58,9 @@ test: $(TEST) $(DOCS) opengl ## Lint, check types, read the documentation, run e
 		"docs: GALLERY=0 $(SPHINX) out/docs_without_gallery" \
 		"tests: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 $(TESTS)"
 
+test-all: test ## Run what `make test` runs, and then what takes longer: long laws, all ages, experiments, container and wheel.
+	@$(BIN)/python .ci/parts.py "full: $(ONE_THREAD) $(BIN)/pytest $(TWO_WORKERS) --durations 15 -m full $(TESTS)"
+
 docs: $(DOCS) opengl ## Build the documentation, out/docs/index.html, with its gallery; every warning is an error.
 	MUJOCO_GL=$${MUJOCO_GL:-egl} $(SPHINX) out/docs
 	@echo "the documentation   out/docs/index.html"
@@ -70,12 +73,12 @@ clusters: $(TEST) ## Test cohorts on a real SLURM and a real Ray cluster (minute
 
 coverage: $(TEST) opengl ## Run every test, list the modules that are least covered, and write out/coverage/index.html.
 	rm -rf out/coverage
-	$(BIN)/pytest $(TWO_WORKERS) --cov --cov-report= $(TESTS)
+	$(BIN)/pytest $(TWO_WORKERS) -m "full or not full" --cov --cov-report= $(TESTS)
 	$(BIN)/coverage html --quiet
 	$(BIN)/coverage report
 
 golden: $(TEST) ## Update the golden files; review the diff before committing it.
-	$(BIN)/pytest --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
+	$(BIN)/pytest -m "full or not full" --snapshot-update $$(grep -rl --include='test_*.py' 'snapshot' tests)
 
 skin: $(TEST) ## Sculpt the skin of infants again (minutes; needs scikit-image); see docs/looks.md.
 	$(BIN)/pip install 'scikit-image>=0.22'
@@ -107,7 +110,7 @@ bench: $(TEST) ## Run the benchmarks (minutes).
 	@set -e; for each in $$(grep -l __main__ benchmarks/*.py); do echo "== $$each"; $(BIN)/python $$each; done
 
 trainings: $(TEST) ## Run every training that the documentation prints for 5,000 steps (a minute or two).
-	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest tests/test_trainings_in_docs.py
+	MIMOC_TRAINING_STEPS=5000 $(BIN)/pytest -m "full or not full" tests/test_trainings_in_docs.py
 
 viewer: ## Build what pages of `mimoc view` contain from mimoc/viewer/source, which needs Node.js and npm; then commit it.
 	@command -v npm >/dev/null || { echo "make viewer needs Node.js 20 or later with npm (https://nodejs.org)"; exit 1; }

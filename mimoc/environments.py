@@ -45,6 +45,16 @@ def make(source: Bundle | InfantSpec | str | Path, **options: Any) -> gymnasium.
         KindError: If `task` or `senses` are not objects of the kind described there.
         TypeError: If it is made from anything else.
         ValueError: If pictures cannot have this size.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> observation, info = env.reset(seed=0)
+        >>> {name: array.shape for name, array in observation.items()}
+        {'proprioception': (295,), 'vestibular': (6,)}
+        >>> observation, info = env.reset(options={"age_months": 10})
+        >>> info["age_months"]
+        10.0
     """
     if not isinstance(source, (Bundle, InfantSpec, str, PathLike)):
         raise TypeError(f"expected a bundle, a spec, or the path of one, got {source!r:.60}")

@@ -12,7 +12,16 @@ _MAX_NAMES = 40
 
 
 class MimocError(Exception):
-    """Base class of all errors that mimoc reports to its users."""
+    """Base class of all errors that mimoc reports to its users.
+
+    Example:
+        >>> import mimoc
+        >>> try:
+        ...     mimoc.build("nine_month.yaml")
+        ... except mimoc.MimocError as error:
+        ...     print(error)
+        nine_month.yaml:1:1: the file does not exist; check the path
+    """
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -34,7 +43,17 @@ class Problem:
 
 
 class SpecError(MimocError):
-    """A spec cannot be built; the error lists every problem found in it."""
+    """A spec cannot be built; the error lists every problem found in it.
+
+    Example:
+        >>> import mimoc
+        >>> from mimoc.errors import SpecError
+        >>> try:
+        ...     mimoc.load_spec("nine_months.yaml").with_(age_month=10)
+        ... except SpecError as error:
+        ...     print(error.problems[0].key, "-", error.problems[0].message)
+        age_month - unknown key; did you mean 'age_months'?
+    """
 
     def __init__(self, problems: Iterable[Problem]):
         self.problems = tuple(sorted(set(problems)))

@@ -64,6 +64,16 @@ def register(*records: Record) -> None:
     Raises:
         KindError: If something is no record, a field has the wrong type or names a module that does not exist, its
             name is taken, or its keys do not fit into the spec language.
+
+    Example:
+        >>> import mimoc
+        >>> import numpy as np
+        >>> from mimoc.kinds import PolicyKind
+        >>> def bind(env):
+        ...     return lambda generator, observation: np.zeros(env.action_space.shape, np.float32)
+        >>> mimoc.register(PolicyKind("limp", "does nothing", bind))
+        >>> len(mimoc.evaluate(mimoc.make("reach.yaml", max_episode_steps=2), "limp", episodes=1))
+        1
     """
     for record in records:
         _add(record, _table_of(record))

@@ -29,9 +29,6 @@ def replay_recording(
 ) -> Iterator[Replayed]:
     """Simulate a recording again, and yield for each episode the first number that did not come out again, if any.
 
-        for replayed in mimoc.replay_recording("recordings/reach"):
-            print(replayed)
-
     With the same version of MuJoCo on the same type of machine, every number is the same to the bit.
 
     Args:
@@ -46,6 +43,11 @@ def replay_recording(
     Raises:
         RecordingError: If this is no recording, it is damaged, has no such episodes, or needs a task or senses.
         RenderingError: If the infant has vision, and there is no OpenGL here.
+
+    Example:
+        >>> import mimoc
+        >>> [replayed.difference for replayed in mimoc.replay_recording("recordings/reach")]
+        [None]
     """
     found = recording if isinstance(recording, ReadRecording) else read_recording(recording)
     episodes = chosen_episodes(found, infant, episode)

@@ -77,6 +77,15 @@ def make_vec(
         MixtureError: If the infants do not sense and command the same; it names what differs.
         MimocError: If there is no such device, or there are more sources than infants.
         ValueError: If the number of infants or of threads is not a whole number, or negative.
+
+    Example:
+        >>> import mimoc
+        >>> envs = mimoc.make_vec("nine_months.yaml", num_envs=3)
+        >>> observations, infos = envs.reset(seed=0)
+        >>> observations["vestibular"].shape
+        (3, 6)
+        >>> observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+        >>> envs.close()
     """
     sources = _listed(source)
     count = len(sources) if num_envs is None else num_envs
@@ -104,6 +113,15 @@ def sb3_vec_env(source: Sources, num_envs: int | None = None, **options: Any) ->
     Raises:
         MissingExtraError: If Stable-Baselines3 is not installed.
         MimocError: As `make_vec` does.
+
+    Example:
+        >>> import mimoc
+        >>> from stable_baselines3 import PPO
+        >>> envs = mimoc.sb3_vec_env("reach.yaml", num_envs=2)
+        >>> learner = PPO("MultiInputPolicy", envs, n_steps=8, batch_size=16)
+        >>> learner.learn(16).num_timesteps
+        16
+        >>> envs.close()
     """
     from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, monitored
 

@@ -25,8 +25,10 @@ try:
 except Exception as error:
     pytest.exit(problem_of_loading_mujoco(error) or f"MuJoCo cannot be imported: {error!r}", returncode=2)
 
+from support import store
+from support.full import full_but
+
 import mimoc
-from mimoc.compiler.validation import compile_infant
 
 pytest_plugins = [
     "support.commands",
@@ -41,9 +43,32 @@ pytest_plugins = [
 settings.register_profile("mimoc", deadline=None, derandomize=True)
 settings.load_profile("mimoc")
 
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Open the store of what is built, in the process that starts the others."""
+    if not hasattr(config, "workerinput"):
+        store.open_folder()
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is marked `full`, unless it is asked for."""
+    if "full" not in config.getoption("markexpr"):
+        left_out = [item for item in items if item.get_closest_marker("full")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if not item.get_closest_marker("full")]
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Remove it there."""
+    if not hasattr(config, "workerinput"):
+        store.remove_folder()
+
+
 SENSES = {"proprioception": {}, "vestibular": {}}
 AGES_MONTHS = (*(quarter / 4 for quarter in range(12)), *range(3, 25))
 """Every quarter of a month while children grow fastest, and then every month."""
+FEW_AGES_MONTHS = (*AGES_MONTHS[:7], 3, 6, 12, 24)
+"""The same at first, when feet become lower while children grow, and then few."""
 BODIES = {"mitten": ("mitten", False), "five_finger": ("five_finger", True)}
 """Hands and chest joint: between them, everything a body can have."""
 CHEST = "robot:chest_"
@@ -97,9 +122,8 @@ def spec_of(age_months: float, **body: Any) -> mimoc.InfantSpec:
     return mimoc.InfantSpec.model_validate(spec)
 
 
-@cache
 def _bundle(age_months: float, hands: str = "mitten", chest_joint: bool = False) -> mimoc.Bundle:
-    return mimoc.build(spec_of(age_months, hands=hands, chest_joint=chest_joint))
+    return store.built(spec_of(age_months, hands=hands, chest_joint=chest_joint))
 
 
 @cache
@@ -108,7 +132,7 @@ def _infant(age_months: float, hands: str = "mitten", chest_joint: bool = False)
 
 
 def _compile(spec: mimoc.InfantSpec) -> Infant:
-    model = compile_infant(spec)
+    model = store.compiled(spec)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return Infant(spec.age_months, spec.body.hands, model, data)
@@ -132,10 +156,15 @@ def infant_with() -> Callable[..., Infant]:
     return lambda age_months=9, **body: _compile(spec_of(age_months, **body))
 
 
-@pytest.fixture(scope="session", params=BODIES)
+@pytest.fixture(
+    scope="session",
+    params=full_but(product(BODIES, [FEW_AGES_MONTHS]), product(BODIES, [AGES_MONTHS])),
+    ids=lambda param: f"{param[0]}-{len(param[1])} ages",
+)
 def infants(request) -> list[Infant]:
-    """Return the average child at every one of `AGES_MONTHS`: mittens, then everything."""
-    return [_infant(age_months, *BODIES[request.param]) for age_months in AGES_MONTHS]
+    """Return the average child with mittens, then with everything, at few of `AGES_MONTHS` or all."""
+    body, ages_months = request.param
+    return [_infant(age_months, *BODIES[body]) for age_months in ages_months]
 
 
 @pytest.fixture(scope="session", params=product(("mitten", "five_finger"), (False, True)), ids=str)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+from support.full import FULL
 
 import mimoc
 
@@ -130,20 +131,23 @@ def test_the_help_names_what_to_do(sections):
         assert said in sections["help"]
 
 
-# What comes of it.
+# What comes of it: in `make test-all`, as its environment takes long to make.
 
 
+@FULL
 def test_its_steps_leave_a_mimoc_that_lacks_nothing(container):
     done = container.run("python -m pip check", **OFFLINE)
     assert done.returncode == 0, done.stdout + done.stderr
     assert not (container.root / "opt/wheels").exists()
 
 
+@FULL
 def test_what_nothing_asks_for_is_not_there(container):
     for library in ("pytest", "hypothesis", "sphinx"):
         assert "No module named" in container.run(f"python -c 'import {library}'").stderr
 
 
+@FULL
 @pytest.mark.slow
 def test_it_passes_its_own_test(container):
     """Builds, validates, runs with sight, records and replays, draws, learns; and leaves nothing behind."""
@@ -156,21 +160,25 @@ def test_it_passes_its_own_test(container):
     assert {name for name in left if not name.startswith("torchinductor_")} <= {".cache", ".config"}
 
 
+@FULL
 def test_its_own_test_fails_as_soon_as_a_command_does(container):
     done = container.run(container.sections["test"].replace("mimoc build infant.yaml", "mimoc build nowhere.yaml"))
     assert (done.returncode, done.stdout) == (2, "")
 
 
+@FULL
 def test_running_it_is_running_mimo(container):
     done = container.run(container.sections["runscript"], "--version")
     assert (done.returncode, done.stdout) == (0, f"mimoc {mimoc.__version__}\n")
 
 
+@FULL
 def test_how_it_draws_can_be_chosen_from_outside(container):
     assert container.run("echo $MUJOCO_GL").stdout == "egl\n"
     assert container.run("echo $MUJOCO_GL", MUJOCO_GL="osmesa").stdout == "osmesa\n"
 
 
+@FULL
 def test_the_hosts_python_packages_stay_outside(container):
     done = container.run("python -c 'import sys; print(sys.path)'", PYTHONPATH="/somewhere")
     assert done.returncode == 0

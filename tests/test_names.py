@@ -1,10 +1,11 @@
-"""Names that other tools make paths of are identifiers, in every bundle."""
+"""Names in bundles, of which other tools make paths, are identifiers; names in the code say what something is."""
 
 import re
 from pathlib import Path
 
 import pytest
 import yaml
+from support import words
 
 from mimoc.compiler import model_check, pipeline
 from mimoc.schema import InfantSpec
@@ -30,3 +31,38 @@ def test_toys_are_named_by_identifiers():
     toys = [model.body(body).name for body in range(model.nbody) if model.body(body).name.startswith("toy")]
     assert len(toys) == 20
     assert all(map(IDENTIFIER.match, toys))
+
+
+def test_no_name_in_the_code_is_a_word_that_names_nothing():
+    """A name is a noun that says what it is; `tests/words.txt` counts what is still to be renamed, file by file."""
+    more = {path: count for path, count in words.now().items() if count > words.listed()[path]}
+    assert more == {}, f"rename them: no variable, parameter, attribute or function is one of {sorted(words.REFUSED)}"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "each = 1",
+        "for each in []: pass",
+        "[0 for each in []]",
+        "lambda each: 0",
+        "def f(*each): ...",
+        "def each(): ...",
+        "class each: ...",
+        "class A:\n    each: int",
+        "self.each = 1",
+        "a, *each = []",
+        "import a as each",
+        "with a as (b, each): ...",
+        "try: ...\nexcept E as each: ...",
+        "match a:\n    case [*each]: ...",
+        "match a:\n    case {**each}: ...",
+        "(each := 1)",
+    ],
+)
+def test_a_word_that_names_nothing_is_seen_wherever_a_name_is_given(source):
+    assert words.refused_names(source) == ["each"]
+
+
+def test_names_that_others_gave_are_not_ours():
+    assert words.refused_names("from a import each\nf(each, found=each.told)\nteach = {'here': 1}") == []

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from support import store
 
 import mimoc
 from mimoc.errors import RenderingError
@@ -21,7 +22,7 @@ CONFIG = Path(__file__).parents[1] / "configs" / "individual.yaml"
 
 @pytest.fixture(scope="module")
 def bundle():
-    return mimoc.build(CONFIG)
+    return store.built(CONFIG)
 
 
 def test_a_bundle_shows_a_picture_and_its_measures_with_percentiles(bundle):

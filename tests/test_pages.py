@@ -18,6 +18,7 @@ import pytest
 import yaml
 from PIL import Image
 from support.commands import Outcome
+from support.full import FULL
 
 import mimoc
 
@@ -46,13 +47,20 @@ PAGES = (
     "docs/from_mimo.md",
 )
 """Those that are run here; test_docs.py has the others."""
-SLOW = {"README.md", "docs/tutorial.md", "docs/training.md", "docs/pictures.md"}
+MARKS = {
+    "README.md": pytest.mark.slow,
+    "docs/tutorial.md": pytest.mark.slow,
+    "docs/pictures.md": FULL,
+    "docs/growth.md": FULL,
+}
+"""What takes long, and what only `make test-all` runs."""
 PYTHON = shlex.quote(sys.executable)
+DEMO = "make demo --assume-old=.venv/.demo ROOMS=0:2"
 
 INSTEAD = {
     # What is installed here is taken as it is: of pip it is only asked whether it could install.
     r"\bpip install ": f"{PYTHON} -m pip install --quiet --dry-run --no-deps --no-build-isolation --no-index ",
-    r"\bmake demo\b": "make demo --assume-old=.venv/.demo ROOMS=0:2",
+    r"\bmake demo\b": f"{DEMO} --dry-run",
     r"\bmake test\b": "make test --assume-old=.venv/.test --dry-run",
     # An hour of learning.
     r"--steps 200000\b": "--steps 128 --checkpoint-every 128 --envs 2 --one-process "
@@ -185,7 +193,7 @@ def reader(checkout, monkeypatch, invoke) -> Iterator[Reader]:
     rmtree(checkout / "out", ignore_errors=True)
 
 
-@pytest.mark.parametrize("page", [pytest.param(page, marks=[pytest.mark.slow] * (page in SLOW)) for page in PAGES])
+@pytest.mark.parametrize("page", [pytest.param(page, marks=MARKS.get(page, ())) for page in PAGES])
 def test_every_block_works_as_it_is_printed_one_after_the_other(reader, page):
     followed = []
     for block in blocks(page):
@@ -195,6 +203,14 @@ def test_every_block_works_as_it_is_printed_one_after_the_other(reader, page):
             pytest.fail(f"{page}:{block.line}: {block.language}: {type(error).__name__}: {error}\n{block.text}")
         followed.append(block.language)
     assert followed
+
+
+@FULL
+@pytest.mark.slow
+def test_make_demo_works(reader):
+    """README's own test only asks for what it would run."""
+    reader._bash(DEMO)
+    assert (reader.folder / "out/demo/nine_months/scene.xml").is_file()
 
 
 @pytest.mark.parametrize("pattern", INSTEAD)

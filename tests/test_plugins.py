@@ -3,12 +3,14 @@ import json
 import subprocess
 import sys
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from pydantic import ValidationError
+from support.full import FULL
 
 import mimoc
 from mimoc import plugins
@@ -19,6 +21,8 @@ from mimoc.scenes import SCENES
 from mimoc.senses import SENSES
 from mimoc.senses.vestibular.spec import VestibularEntry, VestibularSpec
 from mimoc.tasks import TASKS
+
+CHECKOUT = Path(__file__).resolve().parents[1]
 
 
 def record(name: str = "echo") -> SenseKind:
@@ -145,14 +149,14 @@ def test_a_plug_in_that_cannot_be_loaded_is_a_warning_and_left_out(value, reason
 
 @pytest.fixture
 def foreign(tmp_path, monkeypatch):
-    """Return what installs a distribution `mimoc-foreign` with the sense `echo`, whose module has some text."""
+    """Return what installs a distribution, such as `mimoc-foreign`, with a sense whose module has some text."""
 
-    def install(text: str) -> None:
-        info = tmp_path / "mimoc_foreign-1.0.dist-info"
+    def install(text: str, name: str = "foreign", sense: str = "echo") -> None:
+        info = tmp_path / f"mimoc_{name}-1.0.dist-info"
         info.mkdir()
-        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: mimoc-foreign\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text("[mimoc.senses]\necho = mimoc_foreign:KIND\n")
-        (tmp_path / "mimoc_foreign.py").write_text(text)
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: mimoc-{name}\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(f"[mimoc.senses]\n{sense} = mimoc_{name}:KIND\n")
+        (tmp_path / f"mimoc_{name}.py").write_text(text)
 
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     return install
@@ -204,6 +208,20 @@ def test_a_bad_plug_in_costs_the_command_line_one_line(text, reason, foreign, mo
     assert process.returncode == 0
     assert line.startswith(f"warning: the plug-in 'echo' of 'mimoc-foreign' cannot be loaded: {reason}")
     assert line.endswith("it is left out (MIMOC_PLUGINS=none leaves out all plug-ins)")
+
+
+@FULL
+@pytest.mark.slow
+def test_tests_do_not_see_what_others_have_installed(foreign, monkeypatch):
+    """Those of the spec language pass beside a plug-in that works and one that does not."""
+    foreign(USABLE)
+    foreign("import sys; sys.exit(3)", "broken", "noise")
+    known, printed = senses(None, monkeypatch)
+    assert "echo" in known
+    assert "the plug-in 'noise' of 'mimoc-broken' cannot be loaded" in printed
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", CHECKOUT / "tests" / "schema"]
+    process = subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
+    assert process.returncode == 0, process.stdout
 
 
 def test_a_plug_in_whose_import_hangs_is_left_out(tmp_path, monkeypatch):

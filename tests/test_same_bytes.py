@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.running import shipped
+from support import store
+from support.full import full_but
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 NAMES = ("individual", "reach")
@@ -27,10 +28,10 @@ MACHINES = {
 
 
 @pytest.mark.matrix
-@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("machine", full_but(list(MACHINES)[:1], MACHINES))
 def test_bundles_are_the_same_to_the_byte_on(machine):
     paths = [CONFIGS / f"{name}.yaml" for name in NAMES]
     command = [sys.executable, "-W", "ignore", "-c", BUILD, *map(str, paths)]
     environment = {**os.environ, **MACHINES[machine]}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout) == [shipped(path).files["lock.json"].decode() for path in paths]
+    assert json.loads(done.stdout) == [store.built(path).files["lock.json"].decode() for path in paths]

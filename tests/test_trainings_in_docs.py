@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from stable_baselines3 import PPO
+from support.full import full_but
 
 from mimoc.cli.commands import COMMANDS
 from mimoc.training import Curve
@@ -64,7 +65,7 @@ def test_the_guides_print_trainings():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("place", commands())
+@pytest.mark.parametrize("place", full_but([place for place in commands() if "growing" not in place], commands()))
 def test_a_command_gives_a_curve(place, invoke, here):
     arguments = [INSTEAD.get(word, word) for word in shlex.split(commands()[place])]
     length = ["--steps", str(STEPS)] if STEPS else SHORT

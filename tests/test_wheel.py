@@ -7,6 +7,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from support.full import FULL
 from support.installed import install
 
 import mimoc
@@ -99,17 +100,20 @@ def test_a_config_that_ships_builds_and_plain_mujoco_opens_it(run, installed, tm
     assert mimoc.read_bundle(out).files == _build_here("nine_months").files
 
 
+@FULL
 def test_the_examples_of_the_help_can_be_written_and_built(run):
     run("mimoc", "new", "nine_months.yaml", "--like", "nine_months")
     assert "out/nine_months" in run("mimoc", "build", "nine_months.yaml", "-o", "out/nine_months")
 
 
+@FULL
 def test_commands_work_elsewhere(run):
     assert "within one SD of the mean of WHO's boys and girls" in run("mimoc", "validate", "--against", "who")
     assert "mimoc build" in run("python", "-m", "mimoc", "--help")
     assert run("mimoc", "--version").strip() == f"mimoc {mimoc.__version__}"
 
 
+@FULL
 def test_gymnasium_finds_the_environment_of_the_wheel(run, installed, tmp_path):
     """`mimoc:` tells Gymnasium what to import; nothing else has to."""
     run("mimoc", "build", installed / "configs/newborn.yaml", "-o", tmp_path / "newborn")

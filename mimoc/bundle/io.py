@@ -37,7 +37,16 @@ MAX_LOCK_BYTES = 2**22
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Bundle:
-    """The files of a compiled infant."""
+    """The files of a compiled infant.
+
+    Example:
+        >>> import mimoc
+        >>> bundle = mimoc.read_bundle("out/nine_months")
+        >>> sorted(bundle.files)[-3:]
+        ['resolved.yaml', 'scene.xml', 'spec.yaml']
+        >>> bundle.manifest.root_body, len(bundle.manifest.actuation.actuators)
+        ('hip', 44)
+    """
 
     files: Mapping[str, bytes]
     """Content of each file by its path within the bundle, sorted; read-only."""
@@ -103,6 +112,11 @@ def read_bundle(path: str | Path) -> Bundle:
 
     Raises:
         BundleError: If the folder is not a bundle, or files are missing or changed; the error names each of them.
+
+    Example:
+        >>> import mimoc
+        >>> mimoc.read_bundle("out/nine_months").manifest.name
+        'nine_months'
     """
     folder = Path(os.path.expanduser(path))
     try:
@@ -139,6 +153,12 @@ def write_bundle(bundle: Bundle, out: str | Path, *, force: bool = False, shared
 
     Raises:
         BundleError: If the folder holds something that must not be replaced, or cannot be written.
+
+    Example:
+        >>> import mimoc
+        >>> bundle = mimoc.build("nine_months.yaml")
+        >>> sorted(path.name for path in mimoc.write_bundle(bundle, "out/written").iterdir())[-3:]
+        ['resolved.yaml', 'scene.xml', 'spec.yaml']
     """
     target = Path(os.path.expanduser(out))
     try:

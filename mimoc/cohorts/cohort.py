@@ -54,7 +54,16 @@ class Status:
 
 
 class Cohort:
-    """A study of many infants: see `docs/cohorts.md` for its file."""
+    """A study of many infants: see `docs/cohorts.md` for its file.
+
+    Example:
+        >>> import mimoc
+        >>> study = mimoc.Cohort("study.yaml")
+        >>> len(study.specs), len(study.jobs())  # Two children, two ages; one step.
+        (4, 4)
+        >>> study.specs[0].age_months
+        6.0
+    """
 
     def __init__(self, source: str | Path | Source | Mapping[str, Any]):
         """Read a cohort.
@@ -215,6 +224,12 @@ def read_cohort(path: str | Path) -> Cohort:
 
     Raises:
         SpecError: If it is invalid; the error lists all problems.
+
+    Example:
+        >>> import mimoc
+        >>> study = mimoc.read_cohort("study.yaml")
+        >>> [spec.age_months for spec in study.specs]
+        [6.0, 9.0, 6.0, 9.0]
     """
     return Cohort(path)
 

@@ -16,6 +16,12 @@ def load_spec(path: str | Path) -> InfantSpec:
     Raises:
         SpecError: If the spec is invalid; the error lists all problems. If there is no such file, and one of the
             examples that come with mimoc has its name, the error says how to write it.
+
+    Example:
+        >>> import mimoc
+        >>> spec = mimoc.load_spec("nine_months.yaml")
+        >>> spec.name, spec.age_months, spec.scene.pose
+        ('nine_months', 9.0, 'sitting')
     """
     path = Path(path)
     if not os.path.exists(path) and path.stem in example_specs():  # A path's own method fails where it is too long.

@@ -24,6 +24,14 @@ def build(
         SpecError: If the spec is invalid, if this version cannot build it, if no child matches the requested measures,
             or if toys or textures are missing.
         ModelError: If MuJoCo rejects the model.
+
+    Example:
+        >>> import mimoc
+        >>> bundle = mimoc.build("nine_months.yaml")
+        >>> bundle.manifest.child.age_months, round(bundle.manifest.child.length_cm)
+        (9.0, 70)
+        >>> mimoc.write_bundle(bundle, "out/built").name
+        'built'
     """
     compiler = builder(spec if isinstance(spec, InfantSpec) else load_spec(spec), target)
     return (compiler.watched(progress) if progress else compiler)(compiler.spec.scene.seed)

@@ -14,6 +14,12 @@ class Gains:
     """Feedback law for an error d and velocity v: strength x (d / scale)^power towards the target, less viscosity x v.
 
     Errors and scales are in [m] or [rad], as the error of the objective; accelerations are in [m/s²] or [rad/s²].
+
+    Example:
+        >>> from mimoc import Gains
+        >>> gentle = Gains(strength=200.0, viscosity_per_s=30.0)  # 200 (m/s²)/m, and 30 (m/s²)/(m/s) against motion.
+        >>> gentle.power, gentle.cap
+        (1.0, inf)
     """
 
     strength: float

@@ -36,6 +36,16 @@ class InverseDynamics:
     before the ends of their ranges, and torques do not exceed the infant's strength. The controller only reads the
     model and the data: their environment can be reset and set to any state. When the environment has changed its
     scene, it has another model, which must be passed to `bind`.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> _ = env.reset(seed=0)
+        >>> infant, reach = env.unwrapped, mimoc.Reach("right_hand", target=(0.2, -0.1, 0.3))
+        >>> control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, [reach, mimoc.Posture()])
+        >>> observation, reward, *_ = env.step(control())
+        >>> len(control.errors())  # That of the hand, [m].
+        1
     """
 
     def __init__(

@@ -71,7 +71,15 @@ class Aimed:
 
 
 class Reach(Aimed):
-    """Moves a site to a position."""
+    """Moves a site to a position.
+
+    Example:
+        >>> import mimoc
+        >>> reach = mimoc.Reach("right_hand", target=(0.2, -0.1, 0.3))  # In the world, [m].
+        >>> reach.target = (0.2, 0.1, 0.3)  # At any time.
+        >>> reach.target.tolist()
+        [0.2, 0.1, 0.3]
+    """
 
     def __init__(self, site: str, target: npt.ArrayLike, gains: Gains = REACHING):
         """Create the objective.
@@ -96,7 +104,18 @@ class Reach(Aimed):
 
 
 class Align:
-    """Turns a site to an orientation, or points it in a direction."""
+    """Turns a site to an orientation, or points it in a direction.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> _ = env.reset(seed=0)
+        >>> infant, upright = env.unwrapped, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> objectives = [mimoc.Align("chest", upright), mimoc.Posture()]
+        >>> control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, objectives)
+        >>> control().shape
+        (44,)
+    """
 
     def __init__(
         self, site: str, orientation: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = TURNING
@@ -147,7 +166,17 @@ class Align:
 
 
 class LookAt(Aimed):
-    """Points a site or a camera, such as an eye, at a position."""
+    """Points a site or a camera, such as an eye, at a position.
+
+    Example:
+        >>> import mimoc
+        >>> eyes = [mimoc.LookAt(eye, target=(0.5, 0.0, 0.3)) for eye in ("eye_left", "eye_right")]
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> _ = env.reset(seed=0)
+        >>> infant = env.unwrapped
+        >>> control = mimoc.InverseDynamics(infant.model, infant.data, infant.manifest, [eyes, mimoc.Posture()])
+        >>> observation, *_ = env.step(control())
+    """
 
     def __init__(self, site: str, target: npt.ArrayLike, axis: npt.ArrayLike | None = None, gains: Gains = LOOKING):
         """Create the objective.

@@ -13,7 +13,13 @@ HOLDING = Gains(100.0, cap=0.3, viscosity_per_s=20.0)
 
 
 class Posture:
-    """Moves joints to angles and holds them there, as far as objectives of higher priority allow."""
+    """Moves joints to angles and holds them there, as far as objectives of higher priority allow.
+
+    Example:
+        >>> import mimoc
+        >>> bent = mimoc.Posture({"robot:right_elbow": -1.2})  # [rad]; all other joints stay where they are.
+        >>> bent.angles_rad = {"robot:right_elbow": -0.6}  # At any time.
+    """
 
     def __init__(
         self,

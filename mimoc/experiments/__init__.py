@@ -37,6 +37,11 @@ def run_experiment(name: str, folder: str | Path, *, quick: bool = False, progre
         OutputError: If the folder cannot be written.
         MissingExtraError: If matplotlib is not installed.
         RenderingError: If the experiment renders scenes and OpenGL is not available.
+
+    Example:
+        >>> import mimoc
+        >>> mimoc.run_experiment("growth", "out/growth", quick=True).name
+        'growth.md'
     """
     if name not in EXPERIMENTS:
         raise UnknownNameError("known experiment", name, EXPERIMENTS)

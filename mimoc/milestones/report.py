@@ -120,6 +120,12 @@ def validate_milestones(
 
     Raises:
         SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
+
+    Example:
+        >>> import mimoc
+        >>> report = mimoc.validate_milestones(names=["no_head_lag"], ages=[0, 18])
+        >>> [tried["success"] for tried in report.to_data()["milestones"][0]["tried"]]
+        [False, True]
     """
     infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
     refuse_unavailable(infant)

@@ -255,7 +255,14 @@ class Episode:
 
 @dataclass(frozen=True)
 class ReadRecording(Sequence[Episode]):
-    """A recording: its episodes, by infant and number."""
+    """A recording: its episodes, by infant and number.
+
+    Example:
+        >>> import mimoc
+        >>> recording = mimoc.read_recording("recordings/reach")
+        >>> len(recording), [episode.rewards.shape for episode in recording]
+        (1, [(3,)])
+    """
 
     path: Path
     """The folder."""
@@ -329,6 +336,13 @@ def read_recording(folder: str | Path) -> ReadRecording:
     Raises:
         RecordingError: If it is none, or damaged.
         MissingExtraError: If PyArrow is not installed.
+
+    Example:
+        >>> import mimoc
+        >>> recording = mimoc.read_recording("recordings/reach")
+        >>> episode = recording[0]
+        >>> episode.actions.shape, episode.rewards.shape, len(episode.observations["proprioception"])
+        ((3, 8), (3,), 4)
     """
     path = Path(folder).expanduser()
     description = description_in(path)

@@ -60,6 +60,13 @@ def record(
         MissingExtraError: If PyAV is not installed, which MP4 needs.
         UnknownNameError: If there is no such policy.
         RenderingError: If OpenGL is not available, or the infant has no eyes.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("nine_months.yaml")
+        >>> summary = mimoc.record(env, "random", "moving.gif", steps=8, height_px=48)
+        >>> summary.steps
+        8
     """
     check_video(file)
     infant = env.unwrapped

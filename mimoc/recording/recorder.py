@@ -178,9 +178,6 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
 ) -> Any:
     """Record every episode of an environment from now on, and return it in a wrapper that ends this when it is closed.
 
-        with mimoc.Recorder(mimoc.make("configs/reach.yaml"), "recordings/reach") as env:
-            observation, info = env.reset(seed=0)
-
     What is recorded is what the infant itself does and senses, whatever wrappers are around it or are put around it
     later. `mimoc.read_recording` reads it, and `mimoc replay` does everything again and compares. Its place in the
     stack of wrappers does not matter, but it must be closed: until then, the latest steps are only in memory.
@@ -196,6 +193,15 @@ def Recorder(  # noqa: N802 - It stands for the classes above.
         RecordingError: If this is no such environment, or the folder holds anything else.
         OutputError: If the folder cannot be written.
         MissingExtraError: If PyArrow, or for infants that see PyAV, is not installed.
+
+    Example:
+        >>> import mimoc
+        >>> with mimoc.Recorder(mimoc.make("nine_months.yaml"), "recordings/recorder") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     for _ in range(2):
+        ...         _ = env.step(env.action_space.sample())
+        >>> mimoc.read_recording("recordings/recorder")[0].actions.shape
+        (2, 44)
     """
     for name, value in (("states_every", states_every), ("part_rows", part_rows)):
         if isinstance(value, bool) or not isinstance(value, int) or value < 1:

@@ -47,6 +47,11 @@ def report(
         TrainingError: If the folder of a training run is damaged.
         MissingExtraError: If it is a training run, and `mimoc[train]` is not installed.
         MimocError: If a folder is none of these.
+
+    Example:
+        >>> import mimoc
+        >>> mimoc.report("out/nine_months", "infant_report.html", check=False).name
+        'infant_report.html'
     """
     place = check_page(path)
     page = _page(source, check, cohort, progress or (lambda done, total: None))

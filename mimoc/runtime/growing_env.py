@@ -15,9 +15,14 @@ from mimoc.runtime.growth_schedule import growth_schedule
 class Growing(gymnasium.Wrapper[Any, Any, Any, Any]):
     """Lets an infant grow over its control steps, in the midst of episodes and across them.
 
-        env = mimoc.Growing(mimoc.make("configs/reach.yaml"), "grown", ages_months=(6, 12), steps=100_000)
-
     Spaces stay as they are, and `info["age_months"]` says how old the infant is.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.Growing(mimoc.make("reach.yaml"), "grown", ages_months=(6, 12), steps=1000)
+        >>> observation, info = env.reset(seed=0)
+        >>> info["age_months"]
+        6.0
     """
 
     def __init__(

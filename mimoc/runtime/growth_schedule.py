@@ -60,6 +60,12 @@ def growth_schedule(
     Raises:
         UnknownNameError: If there is no such course.
         MimocError: If the ages are not a range within 0 to 24 months, or a number is not positive.
+
+    Example:
+        >>> import mimoc
+        >>> schedule = mimoc.growth_schedule("grown", ages_months=(6, 7), steps=100)
+        >>> [schedule(step) for step in (0, 25, 99)]
+        [6.0, 6.25, 7.0]
     """
     if course not in COURSES:
         raise UnknownNameError("schedule of growth", str(course), COURSES)

@@ -20,6 +20,13 @@ def torque_limits(bundle: Bundle | str | Path) -> dict[str, tuple[float, float]]
     Raises:
         BundleError: If the folder is not an intact bundle.
         ModelError: If MuJoCo rejects its model.
+
+    Example:
+        >>> import mimoc
+        >>> limits_nm = mimoc.torque_limits("out/nine_months")
+        >>> least, most = limits_nm["robot:right_elbow"]
+        >>> least < 0 < most
+        True
     """
     bundle = bundle if isinstance(bundle, Bundle) else read_bundle(bundle)
     entry = all_commanded(bundle.manifest.actuation)

@@ -37,14 +37,18 @@ class InfantSpec(InfantKeys):
         whole section; None resets a key or a section to its default. With another age, it is the same child then:
         what the spec says in cm and kg grows along its percentiles (`docs/individuals.md`), unless *changes* say it.
 
-            spec.with_(age_months=9.5, body={"hands": "five_finger"}, senses={"touch": None})
-            spec.with_(body=BodySpec(expression="happy"), task=None)
-
         Args:
             changes: New values, by key of the spec.
 
         Raises:
             SpecError: If the new spec is invalid; the error lists all problems by key.
+
+        Example:
+            >>> import mimoc
+            >>> spec = mimoc.InfantSpec(mimoc=1, name="kim", age_months=6, senses={"touch": {}, "vestibular": {}})
+            >>> older = spec.with_(age_months=9.5, body={"hands": "five_finger"}, senses={"touch": None})
+            >>> older.body.hands, older.senses.touch is None, older.senses.vestibular is None
+            ('five_finger', True, False)
         """
         data = self._source.data if self._source and _says(self._source, self) else given(self)
         if "age_months" in changes and (

@@ -16,7 +16,14 @@ from mimoc.senses.sense import Observation
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What a task says of one control step."""
+    """What a task says of one control step.
+
+    Example:
+        >>> import mimoc
+        >>> verdict = mimoc.Verdict({"height": 0.3, "effort": -0.1}, success=False)
+        >>> round(sum(verdict.reward_terms.values()), 3)  # The reward.
+        0.2
+    """
 
     reward_terms: Mapping[str, float]
     """Terms of the reward, by name; `info` has them as `reward_terms`."""
@@ -56,6 +63,17 @@ class Task:
     `bind`, keep indices, and read arrays of *data* in `judge`. Draw random numbers only from the generator that `start`
     gets, so that a seed determines an episode. An environment is saved by `get_state` and restored by `set_state`:
     return in `state` what the task remembers within an episode, and in `model_fields` what it changes in the model.
+
+    Example:
+        >>> import mimoc
+        >>> class Still(mimoc.Task):
+        ...     def judge(self, data, action, effort):
+        ...         return mimoc.Verdict({"speed": -float(abs(data.qvel).max())})
+        >>> env = mimoc.make("nine_months.yaml", task=Still(steps=500))
+        >>> _ = env.reset(seed=0)
+        >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        >>> reward == info["reward_terms"]["speed"] < 0
+        True
     """
 
     def __init__(self, steps: int | None = None):

@@ -65,7 +65,14 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A learning curve."""
+    """A learning curve.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from mimoc.training import Curve
+        >>> Curve.from_csv(Path("runs/reach/curve.csv").read_text()).steps
+        64
+    """
 
     rows: tuple[Row, ...] = ()
 

@@ -57,6 +57,13 @@ def evaluate(
         UnknownNameError: If there is no such policy or body.
         PolicyError: If the policy does not fit this infant.
         TrainingError: If nothing ends the episodes of this infant.
+
+    Example:
+        >>> import mimoc
+        >>> env = mimoc.make("reach.yaml", max_episode_steps=5)
+        >>> episodes = mimoc.evaluate(env, "random", episodes=2)
+        >>> [episode.steps for episode in episodes]
+        [5, 5]
     """
     infant: InfantEnv = env.unwrapped
     bodies = [infant.model.body(index).name for index in range(infant.model.nbody)]

@@ -99,6 +99,13 @@ def load_policy(path: str | Path) -> PolicyMaker:
 
     Raises:
         PolicyError: If the file is not a policy trained by mimoc.
+
+    Example:
+        >>> import mimoc
+        >>> policy = mimoc.load_policy("runs/reach/policy.zip")
+        >>> env = mimoc.make("reach.yaml", max_episode_steps=5)
+        >>> len(mimoc.evaluate(env, policy, episodes=1))
+        1
     """
     path = Path(path).expanduser()
     if not path.is_file():

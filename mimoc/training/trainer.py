@@ -133,6 +133,13 @@ def train(
         MissingExtraError: If matplotlib is not installed, or what a recording needs.
         RecordingError: If the folder of the recording holds anything else.
         MimocError: If the infant cannot grow between these ages.
+
+    Example:
+        >>> import mimoc
+        >>> short = {"n_steps": 64, "batch_size": 64}  # Much less than it takes to learn.
+        >>> training = mimoc.train("reach.yaml", "runs/example", steps=64, envs=1, hyper=short)
+        >>> training.curve.steps, training.policy.name
+        (64, 'policy.zip')
     """
     custom, growth = _class_names(task, senses or {}), growth_settings(grow, schedule, grow_steps, steps)
     choose = partial(Settings.choose, algo, steps, seed, envs, checkpoint_every, hyper or {}, custom, growth)

@@ -31,7 +31,14 @@ NOW = "now"
 
 
 class View:
-    """A page: notebooks show it, `open` shows it in the browser, and `save` writes it to a file."""
+    """A page: notebooks show it, `open` shows it in the browser, and `save` writes it to a file.
+
+    Example:
+        >>> import mimoc
+        >>> page = mimoc.view("out/nine_months")
+        >>> page.save("infant.html").name
+        'infant.html'
+    """
 
     def __init__(self, html: str, difference: str | None = None):
         """Keep a page.
@@ -100,6 +107,11 @@ def view(
         RecordingError: If there is no such episode, or it cannot be simulated again.
         RenderingError: If the infant of a recording sees, and there is no OpenGL here.
         MimocError: If the infant has other parts at other ages, or an episode is asked of what is no recording.
+
+    Example:
+        >>> import mimoc
+        >>> mimoc.view("nine_months.yaml", "nine_months.html").path.name
+        'nine_months.html'
     """
     place = path and check_page(path)
     if (recording := _recording_of(shown)) is not None:

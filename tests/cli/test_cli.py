@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from support.full import full_rows
 
 import mimoc
 from mimoc.bundle.io import LOCK, seal
@@ -63,7 +64,7 @@ BROAD = "mimoc: 1\nname: kim\nage_months: 7\nbody: {measurements: {upper_arm_cir
 VALIDATED = [("who", ""), ("who", SMALL), ("who", BROAD), ("anthrokids", ""), ("anthrokids", BROAD)]
 
 
-@pytest.mark.parametrize(("against", "text"), VALIDATED)
+@pytest.mark.parametrize(("against", "text"), full_rows([("who", ""), ("anthrokids", BROAD)], VALIDATED))
 def test_tables_of_validate_fit_80_columns_and_have_no_empty_column(invoke, here, against, text):
     Path("kim.yaml").write_text(text)
     done = invoke("validate", *(["kim.yaml"] if text else []), "--against", against)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from support.commands import Outcome
+from support.full import FULL
 
 import mimoc
 from mimoc.cli import cohort, commands
@@ -41,6 +42,7 @@ def without_notes(printed: str) -> list[str]:
     return [line for line in printed.splitlines() if not (line.startswith("note: ") or line.endswith(" left"))]
 
 
+@FULL
 @pytest.mark.slow
 def test_the_examples_work_as_they_are_printed(invoke, here, monkeypatch):
     """Those that train, validate and experiment do less of it than elsewhere."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from support.commands import process
+from support.full import FULL
 
 import mimoc
 from mimoc.cohorts import perform as performing
@@ -167,6 +168,7 @@ def test_a_changed_cohort_keeps_what_is_still_valid(cohort, here, tmp_path, monk
     assert [row["status"] for row in larger.rows(tmp_path / "out")] == ["ok"] * 3
 
 
+@FULL
 @pytest.mark.slow
 def test_the_table_is_the_same_to_the_byte_in_two_processes_and_in_shares(cohort, here, own, tmp_path):
     study = cohort(

@@ -6,6 +6,7 @@ Texts are golden; renew them with `pytest --snapshot-update`.
 from pathlib import Path
 
 import pytest
+from support import store
 
 import mimoc
 from mimoc.errors import SpecError
@@ -157,7 +158,7 @@ def test_what_is_accepted_makes_a_difference(key):
     """Beyond the files that only repeat the spec."""
     said = {"spec.yaml", "resolved.yaml", "provenance.json", "lock.json"}
     others = NEEDED.get(key, {})
-    before = mimoc.build(InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **others})).files
+    before = store.built({"mimoc": 1, "name": "x", "age_months": 9, **others}).files
     after = mimoc.build(with_value(key, BUILT[key], **others)).files
     assert any(before.get(name) != content for name, content in after.items() if name not in said)
 

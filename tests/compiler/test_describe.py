@@ -4,8 +4,8 @@ import json
 
 import mujoco
 import pytest
+from support import store
 
-import mimoc
 from mimoc.body import assemble, grow
 from mimoc.body.stature import stature
 from mimoc.bundle.manifest import Manifest
@@ -13,7 +13,7 @@ from mimoc.fits import measure
 
 
 def manifest_of(**sections) -> Manifest:
-    return mimoc.build(mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 9, **sections})).manifest
+    return store.built({"mimoc": 1, "name": "x", "age_months": 9, **sections}).manifest
 
 
 def test_the_manifest_in_memory_is_the_one_in_the_file(bundle_at):
@@ -66,5 +66,5 @@ def test_proprioception_includes_what_was_asked_for_in_that_order():
 
 def test_the_timestep_is_the_models():
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "control": {"step_ms": 20, "timestep_ms": 2.5}}
-    files = mimoc.build(mimoc.InfantSpec.model_validate(spec)).files
+    files = store.built(spec).files
     assert mujoco.MjModel.from_xml_string(files["infant.xml"].decode(), dict(files)).opt.timestep == 0.0025

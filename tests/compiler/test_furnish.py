@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from scipy import stats
+from support.full import FULL, full_but
 
 import mimoc
 from mimoc.compiler import building, model_check
@@ -41,13 +42,13 @@ def furnished(seed: int, age_months: int = 9, **scene: Any) -> SceneTree:
 
 
 @cache
-def usual() -> list[SceneTree]:
-    return [furnished(seed) for seed in range(120)]
+def usual(count: int = 40) -> list[SceneTree]:
+    return [furnished(seed) for seed in range(count)]
 
 
 @cache
-def usual_discs() -> list[np.ndarray]:
-    return [discs(scene) for scene in usual()]
+def usual_discs(count: int = 40) -> list[np.ndarray]:
+    return [discs(scene) for scene in usual(count)]
 
 
 def discs(scene: SceneTree) -> np.ndarray:
@@ -66,10 +67,9 @@ def half_floor_m(scene: SceneTree) -> np.ndarray:
     return np.array(floor.size_m[:2])
 
 
-@pytest.mark.slow
-def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_every_pose():
-    """Over a hundred and twenty seeds."""
-    for scene, toys in zip(usual(), usual_discs(), strict=True):
+@pytest.mark.parametrize("seeds", full_but([40], [120]))
+def test_toys_are_in_the_room_and_apart_from_each_other_and_from_the_infant_in_every_pose(seeds):
+    for scene, toys in zip(usual(seeds), usual_discs(seeds), strict=True):
         assert (np.abs(toys[:, :2]) + toys[:, 2:] <= half_floor_m(scene) - GAP_M + 1e-5).all()
         gaps = np.linalg.norm(toys[:, None, :2] - toys[:, :2], axis=2) - toys[:, 2] - toys[:, None, 2]
         assert gaps[np.triu_indices(len(toys), 1)].min() > GAP_M - 1e-5
@@ -86,7 +86,7 @@ def test_every_pose_has_the_toys_at_their_places():
             assert list(pose.qpos[-len(resting) :]) == resting
 
 
-@pytest.mark.slow
+@FULL
 def test_first_toys_are_as_far_as_the_stated_distribution_says():
     """On an endless floor, as far as the infant itself leaves it free: counted by simulation of the same density."""
     infant = grown()
@@ -117,8 +117,9 @@ def test_most_toys_are_within_reach():
     assert 0.4 < near / total < 0.95
 
 
-def test_the_infant_is_anywhere_in_its_room_turned_in_any_direction():
-    poses = np.array([scene.keyframes[3].qpos[:7] for scene in usual()])
+@pytest.mark.parametrize("seeds", full_but([40], [120]))
+def test_the_infant_is_anywhere_in_its_room_turned_in_any_direction(seeds):
+    poses = np.array([scene.keyframes[3].qpos[:7] for scene in usual(seeds)])
     yaw = 2 * np.arctan2(poses[:, 6], poses[:, 3]) % (2 * np.pi)
     assert stats.chisquare(np.histogram(yaw, 8, (0, 2 * np.pi))[0]).pvalue > 0.01
     assert (poses[:, :2].std(axis=0) > 0.3).all()
@@ -128,8 +129,9 @@ def test_the_same_seed_gives_the_same_scene_and_another_one_another():
     assert furnished(5) == furnished(5) != furnished(6)
 
 
-def test_more_toys_leave_the_room_the_infant_and_the_first_toys_alone():
-    for seed in range(20):
+@pytest.mark.parametrize("seeds", full_but([5], [20]))
+def test_more_toys_leave_the_room_the_infant_and_the_first_toys_alone(seeds):
+    for seed in range(seeds):
         few, many = (furnished(seed, toys={"count": [count, count]}) for count in (2, 9))
         assert few.world.furniture == many.world.furniture
         assert few.world.objects == many.world.objects[:2]

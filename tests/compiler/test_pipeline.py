@@ -12,7 +12,7 @@ import pytest
 import yaml
 from lxml import etree
 from PIL import Image
-from support.running import shipped
+from support import store
 
 import mimoc
 from mimoc.compiler import building
@@ -52,7 +52,7 @@ def config(request) -> Path:
 
 @pytest.fixture(scope="module")
 def built(config) -> mimoc.Bundle:
-    return shipped(config)
+    return store.built(config)
 
 
 def test_the_files_are_those_of_a_bundle(built):

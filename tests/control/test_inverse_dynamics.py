@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.full import full_but, full_rows
 
 import mimoc
 from mimoc.control import Align, InverseDynamics, LookAt, Posture, Reach, ReachGains
@@ -127,7 +128,7 @@ def test_no_torque_is_beyond_the_limits(held_infant, development):
 
 
 @pytest.mark.parametrize("model", ["torque", "muscle"])
-@pytest.mark.parametrize("target", [(3, 0, 0.3), (-3, 0, 0.3), (0, -3, 0.3), (0, 0, 3), (0, -3, -3)])
+@pytest.mark.parametrize("target", full_but([(-3, 0, 0.3), (0, -3, -3)], [(3, 0, 0.3), (0, -3, 0.3), (0, 0, 3)]))
 def test_a_target_that_is_out_of_reach_leaves_everything_bounded(held_infant, model, target):
     """The arm is straight then, and no torque brings the hand nearer."""
     env = held_infant(model=model)
@@ -157,8 +158,9 @@ def test_joints_stop_before_the_ends_of_their_ranges(held_infant):
         assert (angles < high + 0.1).all()
 
 
-@pytest.mark.parametrize(("age_months", "model"), [(9, "muscle"), (9, "torque"), (18, "muscle"), (24, "torque")])
-@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("age_months", "model"), full_rows([(9, "muscle")], [(9, "torque"), (18, "muscle"), (24, "torque")])
+)
 def test_hands_reach_while_the_eyes_align(held_infant, age_months, model):
     """Eight trials of both hands, so sixteen reachable targets: millimetres and degrees after a second."""
     errors = reach_errors(held_infant(age_months, model=model), ReachGains(), np.random.default_rng(0), 8, 2.0)
@@ -168,7 +170,7 @@ def test_hands_reach_while_the_eyes_align(held_infant, age_months, model):
     assert np.rad2deg(np.median(eyes_rad)) < 1.5
 
 
-@pytest.mark.parametrize("model", ["torque", "muscle"])
+@pytest.mark.parametrize("model", full_but(["torque"], ["muscle"]))
 def test_five_finger_hands_reach_as_well(held_infant, model):
     errors = reach_errors(held_infant(9, "five_finger", model), ReachGains(), np.random.default_rng(0), 5, 1.0)
     assert np.median(errors.hands_m[:, -1]) < 0.002
@@ -191,7 +193,7 @@ def test_hands_reach_from_the_age_of_first_reaches_on(held_infant, law_and_age, 
     assert np.median(errors.hands_m[:, -1]) < 0.005
 
 
-@pytest.mark.parametrize("model", ["torque", "muscle"])
+@pytest.mark.parametrize("model", full_but(["muscle"], ["torque"]))
 def test_a_newborn_is_too_weak_to_reach(held_infant, model):
     """Most of its targets stay more than a centimetre away after a second; those beside its lap do not."""
     errors = reach_errors(held_infant(0, model=model), ReachGains(), np.random.default_rng(0), 8, 1.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.full import full_rows
 
 import mimoc
 from mimoc.control import GAIN_SETS
@@ -58,12 +59,14 @@ def test_servos_cannot_reach_by_torques(open_env):
 
 @pytest.mark.parametrize(
     ("development", "age_months", "hands", "model"),
-    [
-        ("maturing", 9, "mitten", "torque"),
-        ("maturing", 9, "five_finger", "muscle"),
-        ("maturing", 24, "mitten", "torque"),
-        ("published", 6, "five_finger", "torque"),
-    ],
+    full_rows(
+        [("maturing", 9, "mitten", "torque")],
+        [
+            ("maturing", 9, "five_finger", "muscle"),
+            ("maturing", 24, "mitten", "torque"),
+            ("published", 6, "five_finger", "torque"),
+        ],
+    ),
 )
 def test_a_sitting_infant_that_nobody_holds_stays_up_and_reaches(open_env, development, age_months, hands, model):
     """In two of three trials of 4 s its chest and head stay up, and its hands come within 2.5 cm.
@@ -159,7 +162,7 @@ def test_it_runs_whatever_holds_the_infant(open_env, kind, model):
     assert not run.summary().unstable
 
 
-@pytest.mark.parametrize(("model", "age_months"), [("torque", 3), ("muscle", 18)])
+@pytest.mark.parametrize(("model", "age_months"), full_rows([("muscle", 18)], [("torque", 3)]))
 def test_eyes_align_while_both_hands_reach(open_env, model, age_months):
     """Within 2 degrees after two seconds, and hands within 5 mm after one, at the median; sitting, the trunk held."""
     scene = {**SITTING, "held": ["hip"]}

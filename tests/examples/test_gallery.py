@@ -5,9 +5,12 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
+from support.full import full_but
 
 GALLERY = Path(__file__).parents[2] / "examples" / "gallery"
 PROGRAMS = sorted(GALLERY.glob("plot_*.py"))
+LONG = ("plot_vision", "plot_percentiles", "plot_strength", "plot_cohort")
+QUICK = [program for program in PROGRAMS if program.stem not in LONG]
 
 
 @pytest.fixture
@@ -20,7 +23,7 @@ def shown(monkeypatch) -> list[int]:
     plt.close("all")
 
 
-@pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.stem)
+@pytest.mark.parametrize("program", full_but(QUICK, PROGRAMS), ids=lambda program: program.stem)
 def test_a_program_of_the_gallery_draws_a_picture(program, shown, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(program), run_name="__main__")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.full import FULL
 from support.installed import Program, build_wheel, install
 
 PLUGIN = Path(__file__).parents[2] / "examples" / "plugin"
@@ -54,16 +55,19 @@ def test_the_sense_has_spec_keys_and_a_delay_that_are_explained(run, built):
     assert "sound.level_db = 55 dB" in run("mimoc", "explain", built, "sound.level_db")
 
 
+@FULL
 def test_the_policy_moves_the_mobile_and_is_in_the_help(run, built):
     assert "rhythm" in " ".join(run("mimoc", "run", "--help").split())
     summary = run("mimoc", "run", built, "--policy", "rhythm", "--steps", 200)
     assert float(re.search(r"total reward +│ +([\d.]+)", summary)[1]) > 10
 
 
+@FULL
 def test_the_growth_of_the_spec_is_validated(run):
     assert "length" in run("mimoc", "validate", SPEC, "--against", "who")
 
 
+@FULL
 def test_an_infant_learns_the_task(run, built, tmp_path):
     run("mimoc", "train", built, "--steps", 64, "--envs", 1, "-o", tmp_path / "training")
     assert (tmp_path / "training" / "policy.zip").exists()
@@ -103,6 +107,7 @@ def test_bad_input_for_a_plug_in_is_a_clear_error(program, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@FULL
 def test_without_the_plug_in_its_bundle_says_what_is_missing(built, wheel, tmp_path):
     done = install(tmp_path / "bare", wheel)("mimoc", "run", built)
     assert done.returncode == 2

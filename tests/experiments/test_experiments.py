@@ -7,6 +7,7 @@ from importlib import import_module
 
 import pytest
 from PIL import Image
+from support.full import full_but
 
 import mimoc
 from mimoc.bundle.model import load_model
@@ -55,7 +56,10 @@ SMALL = {
 """What makes an experiment small, by name."""
 
 
-@pytest.fixture(scope="module", params=[pytest.param(name, marks=pytest.mark.slow) for name in EXPERIMENTS])
+QUICK = ("growth", "acuity", "inverse", "rooms")
+
+
+@pytest.fixture(scope="module", params=full_but(QUICK, list(EXPERIMENTS)))
 def made(request, tmp_path_factory):
     """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
     name, told = request.param, []

@@ -4,12 +4,13 @@ import pytest
 from fuzz.canaries import Canaries
 from fuzz.fuzzing import FUZZERS, fuzzer, run_try
 from fuzz.strange_infants import CANARIES
+from support.full import FULL
 
 SEED = 2026
-SLOW = {"honest_cohorts": pytest.mark.slow}
+IN_FULL = {"honest_cohorts": FULL}
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(name, ())) for name in FUZZERS])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=IN_FULL.get(name, ())) for name in FUZZERS])
 def test_nothing_that_strangers_change_breaks_mimoc(name, tmp_path):
     """It is used, or refused in clear lines, and no file outside of it is opened."""
     made, watch = fuzzer(name), Canaries(tmp_path / "outside", CANARIES)

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from fuzz import cohorts, trainings
 from fuzz.canaries import Canaries
+from support.full import full_but
 
 from mimoc.cohorts.store import MARK
 from mimoc.errors import MimocError
@@ -76,7 +77,7 @@ def untouched(outside: Canaries) -> bool:
     return not opened and contents == {"file": FILE, ".mimoc-left.tmp": FILE}
 
 
-@pytest.mark.parametrize("depth", [1, 2, 3, 4])
+@pytest.mark.parametrize("depth", full_but([1, 4], [2, 3]))
 @pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
 def test_nothing_is_read_or_written_through_a_link(kind, depth, prepared, outside, tmp_path):
     """Whatever is done with the folder, in turn, as each may put a file in the place of a link."""
@@ -102,13 +103,13 @@ def pipe(path: Path, _: bool) -> None:
     os.mkfifo(path)
 
 
-@pytest.mark.parametrize("depth", [1, 2, 3])
+@pytest.mark.parametrize("depth", full_but([1], [2, 3]))
 @pytest.mark.parametrize("kind", [cohorts, trainings], ids=["a cohort", "a training"])
 def test_no_pipe_of_many_is_waited_for(kind, depth, prepared, tmp_path, patience):
     assert all(error.isprintable() for error in use(kind, prepared(kind), tmp_path, depth, pipe))
 
 
-@pytest.mark.parametrize("name", ["bundle", "checkpoints", "state.zip", "policy.zip", "curve.csv"])
+@pytest.mark.parametrize("name", full_but(["bundle", "policy.zip"], ["checkpoints", "state.zip", "curve.csv"]))
 def test_no_pipe_in_a_training_is_waited_for(name, prepared, tmp_path, patience):
     """The rest is as it was, so that training goes as far as it can."""
     run = trainings.copied(prepared(trainings), tmp_path)

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 from lxml import etree
-from support.running import shipped
+from support import store
 from syrupy.extensions.single_file import SingleFileSnapshotExtension, WriteMode
 
 import mimoc
@@ -53,7 +53,7 @@ def approved(snapshot):
 
 @pytest.fixture(scope="module", params=CONFIGS, ids=lambda path: path.stem)
 def bundle(request) -> mimoc.Bundle:
-    return shipped(request.param)
+    return store.built(request.param)
 
 
 def canonical(xml: bytes) -> str:

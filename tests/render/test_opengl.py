@@ -4,6 +4,7 @@ import sys
 import types
 
 import pytest
+from support.full import full_rows
 
 from mimoc.errors import RenderingError
 from mimoc.render import opengl
@@ -134,23 +135,27 @@ print(env.render().shape)
 
 @pytest.mark.parametrize(
     ("first", "then", "last"),
-    [
-        ("", "", ""),
-        ("", "", "env.close()"),
-        ("import mujoco", "", ""),
-        ("", "os.environ.pop('MUJOCO_GL', None)", ""),
-        ("import mujoco, OpenGL", "", ""),
-        ("import weakref; weakref.finalize(os, print).detach()", "", ""),
-        ("import weakref; weakref.finalize(os, print).detach()", "", "env.close()"),
-    ],
+    full_rows(
+        [
+            ("", "", ""),
+            ("import mujoco, OpenGL", "", ""),
+            ("import weakref; weakref.finalize(os, print).detach()", "", "env.close()"),
+        ],
+        [
+            ("", "", "env.close()"),
+            ("import mujoco", "", ""),
+            ("", "os.environ.pop('MUJOCO_GL', None)", ""),
+            ("import weakref; weakref.finalize(os, print).detach()", "", ""),
+        ],
+    ),
     ids=[
         "mimoc first",
+        "PyOpenGL first",
+        "another finalizer first, closed",
         "mimoc first, closed",
         "MuJoCo first",
         "no wish after the import",
-        "PyOpenGL first",
         "another finalizer first",
-        "another finalizer first, closed",
     ],
 )
 def test_it_draws_whatever_was_imported_before_and_ends_quietly(first, then, last, folder):

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.full import full_but
 
 from mimoc.render import opengl
 from mimoc.render.triton import keep_apart
@@ -48,8 +49,7 @@ def triton(tmp_path) -> Path:
     return library
 
 
-@pytest.mark.parametrize("steps", [(SEE, LEARN), (LEARN, SEE)], ids=["eyes first", "torch first"])
-@pytest.mark.slow
+@pytest.mark.parametrize("steps", full_but([(SEE, LEARN)], [(LEARN, SEE)]), ids=["eyes first", "torch first"])
 def test_a_process_can_see_and_learn_and_ends_quietly(steps, python):
     """It died when the first optimizer was made, or told at its end that EGL was gone."""
     done = python("".join(steps) + "env.step(env.action_space.sample())\nlearner.step()")
@@ -97,7 +97,7 @@ def test_it_is_loaded_before_opengl_is(monkeypatch):
     assert order == ["triton", "OpenGL"]
 
 
-@pytest.mark.parametrize("content", [b"", b"no library", None], ids=["empty", "broken", "missing"])
+@pytest.mark.parametrize("content", full_but([b"no library"], [b"", None]), ids=["broken", "empty", "missing"])
 def test_a_triton_that_cannot_be_loaded_is_no_hindrance_to_drawing(python, triton, tmp_path, content):
     if content is not None:
         triton.write_bytes(content)

@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from support import store
 
 import mimoc
 from mimoc.cohorts import Cohort
@@ -97,7 +98,7 @@ def without_opengl(monkeypatch) -> None:
 @pytest.fixture(scope="session")
 def small_one() -> mimoc.Bundle:
     """Return an infant that is an individual, senses, is late and noisy."""
-    return mimoc.build(mimoc.InfantSpec.model_validate(SPEC))
+    return store.built(SPEC)
 
 
 @pytest.fixture(scope="session")

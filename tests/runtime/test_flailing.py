@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.full import full_but
 
 import mimoc
 
@@ -58,8 +59,7 @@ def beyond_deg():
     return measure
 
 
-@pytest.mark.parametrize("chunk", range(8))
-@pytest.mark.slow
+@pytest.mark.parametrize("chunk", full_but([0, 1], range(8)))
 def test_drawn_infants_stay_calm_and_keep_their_joints(chunk, beyond_deg):
     """The median is over all actuation models; with motors, five fingers alone are wilder, as MIMo's are."""
     generator = np.random.default_rng(chunk)

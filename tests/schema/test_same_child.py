@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.full import FULL
 
 import mimoc
 from mimoc.body.individual import targets
@@ -67,6 +68,7 @@ def test_the_same_child_by_cm_and_by_percentile_is_the_same_bundle_at_other_ages
         assert grown.files["infant.xml"] == one.files["infant.xml"]
 
 
+@FULL
 def test_every_validation_says_the_same_of_a_child_by_cm_and_by_percentile():
     one, other = child(**BY_CM), by_percentile(child(**BY_CM))
     who = [grow_against_who(spec, (0, 24)) for spec in (one, other)]

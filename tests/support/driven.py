@@ -1,20 +1,18 @@
 """Compiled infants by actuation model."""
 
 from collections.abc import Callable
-from functools import cache
 
 import mujoco
 import pytest
+from support import store
 
 import mimoc
-from mimoc.compiler.validation import compile_infant
 
 
-@cache
 def _driven(model: str, age_months: float, hands: str) -> mujoco.MjModel:
     body = {"hands": hands, "chest_joint": hands == "five_finger"}
     spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": body, "actuation": {"model": model}}
-    return compile_infant(mimoc.InfantSpec.model_validate(spec))
+    return store.compiled(mimoc.InfantSpec.model_validate(spec))
 
 
 @pytest.fixture(scope="session")

@@ -1,11 +1,11 @@
 """Infants that run, each built once: those of `configs/`, and those of a spec given as keywords."""
 
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+from support import store
 
 import mimoc
 
@@ -15,31 +15,13 @@ SENSES = {"proprioception": {}, "vestibular": {}}
 
 def build(**keys: Any) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "infant", "age_months": 9, "senses": SENSES}
-    return built_once({**spec, **keys})
-
-
-def built_once(spec: mimoc.InfantSpec | dict[str, Any]) -> mimoc.Bundle:
-    """Return the bundle of a spec; bundles cannot be changed."""
-    wanted = mimoc.InfantSpec.model_validate(spec)
-    told = wanted.model_dump_json(exclude_unset=True)
-    if told not in _bundles:
-        _bundles[told] = mimoc.build(wanted)
-    return _bundles[told]
-
-
-_bundles: dict[str, mimoc.Bundle] = {}
-"""By what their specs say."""
-
-
-@cache
-def shipped(config: Path) -> mimoc.Bundle:
-    return mimoc.build(mimoc.load_spec(config))
+    return store.built({**spec, **keys})
 
 
 @pytest.fixture(scope="session", params=CONFIGS, ids=lambda path: path.stem)
 def config(request) -> mimoc.Bundle:
     """Return the bundle of each config that mimoc ships."""
-    return shipped(request.param)
+    return store.built(request.param)
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 import torch
+from support import store
 
 import mimoc
 from mimoc.bundle.arrays import unpack_arrays
@@ -29,7 +30,7 @@ def build(**keys: Any) -> mimoc.Bundle:
         "senses": {"proprioception": {}},
         "task": {"kind": "reach", "steps": 30},
     }
-    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+    return store.built({**spec, **keys})
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from support.commands import process
+from support.full import FULL
 
 import mimoc
 from mimoc import cli
@@ -186,6 +187,7 @@ def test_the_command_in_the_run_folder_gives_the_same_policy(invoke, here, learn
     assert same(learned(Path("run/policy.zip")), learned(Path("again/policy.zip")))
 
 
+@FULL
 @pytest.mark.slow
 def test_a_kill_loses_at_most_the_last_interval(here, learn, learned, same):
     """And the resumed run gives the same policy as an uninterrupted one."""

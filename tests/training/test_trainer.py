@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from stable_baselines3 import PPO
+from support.full import full_but
 
 import mimoc
 import mimoc.training
@@ -92,8 +93,7 @@ def test_sac_trains_too(learn):
     assert training.curve.steps == 64
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("algo", ["ppo", "sac"])
+@pytest.mark.parametrize("algo", full_but(["ppo"], ["sac"]))
 def test_an_infant_with_vision_is_trained_on_images(learn, built, algo):
     seeing = built(senses={"proprioception": {"include": []}, "vision": {"width_px": 40, "height_px": 40}})
     training = learn("seeing", 64, algo, source=seeing, checkpoint_every=64)
@@ -111,8 +111,7 @@ def test_the_same_seed_gives_the_same_policy_and_another_does_not(learn, learned
     assert not same(first, other)
 
 
-@pytest.mark.parametrize("algo", ["ppo", "sac"])
-@pytest.mark.slow
+@pytest.mark.parametrize("algo", full_but(["ppo"], ["sac"]))
 def test_an_interrupted_and_resumed_run_gives_the_same_policy_as_an_uninterrupted_one(learn, learned, same, algo):
     """Weights, optimisers, statistics and replay buffer, to the bit."""
     whole = learn("whole", 3 * EVERY, algo)

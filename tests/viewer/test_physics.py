@@ -7,6 +7,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from support import store
 from support.pages import read_page
 
 import mimoc
@@ -19,7 +20,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 @pytest.fixture(scope="module")
 def bundle() -> mimoc.Bundle:
-    return mimoc.build(CONFIGS / "nine_months.yaml")
+    return store.built(CONFIGS / "nine_months.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -44,6 +44,12 @@ def export_recording(
         RecordingError: If this is no recording, it is damaged, or there are no steps in it.
         OutputError: If the folder is not empty, or cannot be written.
         MissingExtraError: If the format needs a library that is not installed.
+
+    Example:
+        >>> import mimoc
+        >>> lost = mimoc.export_recording("recordings/reach", "csv", "out/csv")
+        >>> any("states" in line for line in lost)
+        True
     """
     if to not in (*FORMATS, RECORDING):
         raise UnknownNameError("format of recordings", to, (*FORMATS, RECORDING))

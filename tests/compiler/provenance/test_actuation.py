@@ -5,8 +5,8 @@ from graphlib import TopologicalSorter
 
 import pytest
 from lxml import etree
+from support import store
 
-import mimoc
 from mimoc.actuation import ACTUATIONS
 from mimoc.compiler.explain import entries_of
 
@@ -24,7 +24,7 @@ def bundle(request):
         "actuation": {"model": request.param, **STRENGTH},
         "body": {"remove": ["right_hand"]},
     }
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    return store.built(spec)
 
 
 @pytest.fixture

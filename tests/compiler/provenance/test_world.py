@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from lxml import etree
+from support import store
 
 import mimoc
 from mimoc.compiler.explain import contents, entries_of, explain, find
@@ -18,7 +19,7 @@ SCENES = {
 @pytest.fixture(scope="module", params=SCENES)
 def bundle(request) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "x", "age_months": 9, "scene": SCENES[request.param], "task": {"kind": "reach"}}
-    return mimoc.build(mimoc.InfantSpec.model_validate(spec))
+    return store.built(spec)
 
 
 @pytest.fixture(scope="module")

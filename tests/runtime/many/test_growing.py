@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from support import store
 from support.same import assert_same
 
 import mimoc
@@ -16,7 +17,7 @@ NOISE = {"motor": 0.1, "delay_jitter_ms": 10}
 
 def bundle(age_months: float = 6, **keys) -> mimoc.Bundle:
     spec = {"mimoc": 1, "name": "x", "age_months": age_months, "senses": {"proprioception": {}, "vestibular": {}}}
-    return mimoc.build(mimoc.InfantSpec.model_validate({**spec, **keys}))
+    return store.built({**spec, **keys})
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])

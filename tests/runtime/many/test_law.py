@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from support import store
+from support.full import full_but
 from support.same import assert_same
 
 import mimoc
 
 CONFIGS = sorted((Path(mimoc.__file__).parents[1] / "configs").glob("*.yaml"))
 NEXT_STEP, SAME_STEP = AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP
+LONG = [path for path in CONFIGS if path.stem in ("catch", "five_finger")]
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
 NOISY = {"motor": 0.1, "proprioception_deg": 1.0, "touch_n": 0.05, "delay_jitter_ms": 10}
 
@@ -39,12 +42,12 @@ def live_alike(
 
 def of_config(path: Path, episode_steps: int) -> mimoc.Bundle:
     spec = mimoc.load_spec(path)
-    return mimoc.build(spec.with_(task={"steps": episode_steps}) if spec.task else spec)
+    return store.built(spec.with_(task={"steps": episode_steps}) if spec.task else spec)
 
 
 def at_ages(ages_months: tuple[float, ...], **keys: Any) -> list[mimoc.Bundle]:
     spec = {"mimoc": 1, "name": "infant", "senses": {"proprioception": {}, "vestibular": {}}, **keys}
-    return [mimoc.build(mimoc.InfantSpec.model_validate({**spec, "age_months": age})) for age in ages_months]
+    return [store.built({**spec, "age_months": age}) for age in ages_months]
 
 
 @pytest.mark.parametrize("config", [each for each in CONFIGS if each.stem != "all_senses"], ids=lambda each: each.stem)
@@ -61,8 +64,7 @@ def test_so_does_one_with_eyes(mode):
     assert live_alike(at_ages((3, 9), senses=senses, task={"kind": "reach", "steps": 3}), 3, 8, mode) == 6
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("config", CONFIGS, ids=lambda each: each.stem)
+@pytest.mark.parametrize("config", full_but(LONG, CONFIGS), ids=lambda each: each.stem)
 def test_so_it_does_for_300_steps(config):
     mode = SAME_STEP if CONFIGS.index(config) % 2 else NEXT_STEP
     live_alike([of_config(config, 70)], 2, 300, mode)

@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
+from support import store
 from support.same import assert_same
 
 import mimoc
@@ -22,7 +23,7 @@ def spec(**keys: object) -> mimoc.InfantSpec:
 
 @pytest.fixture(scope="module")
 def bundle() -> mimoc.Bundle:
-    return mimoc.build(spec())
+    return store.built(spec())
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.full import full_rows
 from support.touch_oracle import contact_forces, points, touch_loop
 
 import mimoc
@@ -75,7 +76,8 @@ def child(request):
 @pytest.mark.parametrize("response", get_args(TouchResponse))
 @pytest.mark.parametrize("quantity", get_args(TouchQuantity))
 @pytest.mark.parametrize(
-    ("age_months", "hands", "pose"), [(0, "mitten", "supine"), (9, "five_finger", "sitting"), (24, "mitten", "prone")]
+    ("age_months", "hands", "pose"),
+    full_rows([(0, "mitten", "supine")], [(9, "five_finger", "sitting"), (24, "mitten", "prone")]),
 )
 def test_it_equals_a_loop_over_all_points(age_months, hands, pose, quantity, response):
     touch, data, loop = infant(age_months, hands, pose, quantity=quantity, response=response)

@@ -3,7 +3,7 @@ from contextlib import closing
 import mujoco
 import numpy as np
 import pytest
-from support.running import built_once
+from support import store
 
 import mimoc
 from mimoc.bundle.model import load_model, load_straight
@@ -28,7 +28,7 @@ def seeing(age_months=9, vision=RAW, kind="flat", **keys) -> mimoc.Bundle:
     """Return an infant that sits and sees."""
     scene = {"kind": kind, "pose": "sitting"}
     spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "senses": {"vision": vision}, "scene": scene}
-    return built_once({**spec, **keys})
+    return store.built({**spec, **keys})
 
 
 def posed(bundle, angles_rad=DOWN_RAD):

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from support.full import full_but
 
 import mimoc
 from mimoc.bundle.model import simulation_warnings
@@ -140,7 +141,7 @@ def caught(env, seed, mass_kg: float | None = None) -> bool:
 
 @pytest.mark.parametrize(("age_months", "development"), [(0, "published"), (6, "maturing"), (18, "maturing")])
 @pytest.mark.parametrize("model", ["torque", "muscle", "position"])
-@pytest.mark.parametrize("hands", ["mitten", "five_finger"])
+@pytest.mark.parametrize("hands", full_but(["five_finger"], ["mitten"]))
 def test_a_ball_can_be_caught(catch, age_months, development, model, hands):
     """Each of these infants catches one of some balls; with strength by volume even a newborn does."""
     env = catch(age_months, hands, model, development)

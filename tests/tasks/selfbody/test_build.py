@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.running import built_once
+from support import store
 
 import mimoc
 from mimoc.errors import SpecError
@@ -25,14 +25,14 @@ def selfbody(
 
 
 def targets(*args, **keys) -> list[str]:
-    return [target.name for target in built_once(selfbody(*args, **keys)).manifest.task.targets]
+    return [target.name for target in store.built(selfbody(*args, **keys)).manifest.task.targets]
 
 
 @pytest.mark.parametrize("age_months", AGES)
 @pytest.mark.parametrize("hands", HANDS)
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_it_sits_on_the_floor_and_touches_nothing_else(age_months, hands, hand):
-    env = mimoc.InfantEnv(built_once(selfbody(age_months, hands, hand)))
+    env = mimoc.InfantEnv(store.built(selfbody(age_months, hands, hand)))
     env.reset(seed=0)
     pairs = [(env.model.geom(c.geom1).name, env.model.geom(c.geom2).name, c.dist) for c in env.data.contact]
     assert {first for first, _, _ in pairs} == {"floor"}
@@ -56,7 +56,7 @@ def test_what_an_infant_does_not_have_is_no_goal():
 
 def test_every_solid_part_but_the_touching_arm_belongs_to_one_goal():
     for hands in HANDS:
-        env = mimoc.InfantEnv(built_once(selfbody(18, hands)))
+        env = mimoc.InfantEnv(store.built(selfbody(18, hands)))
         entry, model = env.manifest.task, env.model
         named = [body for target in entry.targets for body in target.bodies]
         solid = {model.body(body).name for body in model.geom_bodyid[model.geom_contype > 0]} - {"world"}
