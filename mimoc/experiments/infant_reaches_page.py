@@ -117,8 +117,8 @@ def _gain_with_age(of_age: Sequence[Group]) -> str:
     error = gains.std() / np.sqrt(len(gains))
     return (
         f"From {of_age[0].age_months:g} to {of_age[-1].age_months:g} months, for the same targets, the spectral arc "
-        f"length rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise of "
-        "the age account for a small part of what real infants gain in these months."
+        f"length rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise "
+        "of the age account for a small part of what real infants gain in these months."
     )
 
 
