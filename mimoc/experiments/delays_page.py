@@ -1,6 +1,6 @@
 """The report on delays."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from statistics import fmean
 
@@ -39,12 +39,12 @@ def _table(groups: Groups) -> str:
     rows = [
         (
             f"{delay_ms:g} ms",
-            mean_and_range([each.last_time_s() for each in group]),
-            mean_and_range([each.success_rate() for each in group]),
-            mean_and_range([each.reach_time_s() for each in group]),
-            mean_and_range([each.arc_length() for each in group]),
-            mean_and_range([each.jerk() for each in group]),
-            mean_and_range([each.detour() for each in group]),
+            mean_and_range([learner.last_time_s() for learner in group]),
+            mean_and_range([learner.success_rate() for learner in group]),
+            mean_and_range([learner.reach_time_s() for learner in group]),
+            mean_and_range([learner.arc_length() for learner in group]),
+            mean_and_range([learner.jerk() for learner in group]),
+            mean_and_range([learner.detour() for learner in group]),
         )
         for delay_ms, group in groups.items()
     ]
@@ -53,22 +53,17 @@ def _table(groups: Groups) -> str:
 
 def _verdict(groups: Groups) -> str:
     """Return as text whether the results have the same order as the paper's."""
-    measures = {
-        "learning is slower": [fmean(each.last_time_s() for each in group) for group in groups.values()],
-        "trained infants take longer": [fmean(each.reach_time_s() for each in group) for group in groups.values()],
-        "movements are less smooth by spectral arc length": [
-            -fmean(e.arc_length() for e in group) for group in groups.values()
-        ],
-        "movements are less smooth by log dimensionless jerk": [
-            -fmean(each.jerk() for each in group) for group in groups.values()
-        ],
+    measures: Mapping[str, Callable[[Learner], float]] = {
+        "learning is slower": Learner.last_time_s,
+        "trained infants take longer": Learner.reach_time_s,
+        "movements are less smooth by spectral arc length": lambda learner: -learner.arc_length(),
+        "movements are less smooth by log dimensionless jerk": lambda learner: -learner.jerk(),
     }
-    found = "\n".join(
-        f"- {what}: {'yes' if _rises(values) else 'not in every case'};" for what, values in measures.items()
-    )
-    reach_s = fmean(each.reach_time_s() for group in groups.values() for each in group)
+    means = {what: [fmean(map(of, group)) for group in groups.values()] for what, of in measures.items()}
+    lines = "\n".join(f"- {what}: {'yes' if _rises(rise) else 'not in every case'};" for what, rise in means.items())
+    reach_s = fmean(learner.reach_time_s() for group in groups.values() for learner in group)
     stroke = TEXTS["stroke"].format(reach_ms=1000 * reach_s) if reach_s < ms_to_s(max(groups)) else ""
-    return f"With increasing delay,\n\n{found.removesuffix(';')}.\n\n{stroke}"
+    return f"With increasing delay,\n\n{lines.removesuffix(';')}.\n\n{stroke}"
 
 
 def _rises(values: Sequence[float]) -> bool:

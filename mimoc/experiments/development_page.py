@@ -64,46 +64,49 @@ def write(notebook: Notebook, findings: Findings) -> Path:
     return notebook.write_page("Motor development", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
-def _milestones(found: Mapping[Case, SearchResult]) -> str:
+def _milestones(results: Mapping[Case, SearchResult]) -> str:
     rows = []
-    for name in dict.fromkeys(case.trial for case in found):
-        ages = [_months(_youngest(found, law, name)) for law in LAWS]
+    for name in dict.fromkeys(case.trial for case in results):
+        ages = [_months(_youngest(results, law, name)) for law in LAWS]
         window = WINDOWS.get(name)
         real = f"{window.youngest_months:g} to {window.oldest_months:g} ({window.span})" if window else "not known"
         rows.append((TRIALS[name].title, *ages, real, window.source if window else ""))
     return markdown_table(("trial", *LAWS, "real infants", "source"), rows)
 
 
-def _youngest(found: Mapping[Case, SearchResult], law: str, trial: str) -> float | None:
-    own = (result for case, result in found.items() if (case.development, case.trial) == (law, trial))
-    return next(own).youngest_months
+def _youngest(results: Mapping[Case, SearchResult], law: str, trial: str) -> float | None:
+    matching = (result for case, result in results.items() if (case.development, case.trial) == (law, trial))
+    return next(matching).youngest_months
 
 
 def _months(age_months: float | None) -> str:
     return "not reached" if age_months is None else f"{age_months:g}"
 
 
-def _strength_verdict(found: Sequence[Strength]) -> str:
-    rising, falling = (_steady(found, law, sign) for law, sign in zip(LAWS, (1, -1), strict=True))
+def _strength_verdict(strengths: Sequence[Strength]) -> str:
+    rising, falling = (_steady(strengths, law, sign) for law, sign in zip(LAWS, (1, -1), strict=True))
     return (
         f"From birth to 18 months, by `maturing` it rises from each age to the next for {rising} motors and directions,"
         f" by `published` it falls for {falling}."
     )
 
 
-def _steady(found: Sequence[Strength], law: str, sign: int) -> str:
+def _steady(strengths: Sequence[Strength], law: str, sign: int) -> str:
     """Return for how many motors and directions the ratio only rises, or only falls, from birth to 18 months."""
     by_motor: dict[tuple[str, int], list[float]] = {}
-    for each in found:
-        if each.development == law and each.age_months <= 18:
-            by_motor.setdefault((each.actuator, each.direction), []).append(sign * each.ratio)
+    for strength in strengths:
+        if strength.development == law and strength.age_months <= 18:
+            by_motor.setdefault((strength.actuator, strength.direction), []).append(sign * strength.ratio)
     steady = sum(ratios == sorted(set(ratios)) for ratios in by_motor.values())
     return f"all {len(by_motor)}" if steady == len(by_motor) else f"{steady} of {len(by_motor)}"
 
 
-def _strengths(found: Sequence[Strength]) -> str:
-    ages = list(dict.fromkeys(each.age_months for each in found))
-    ratios = {(each.development, each.age_months, each.actuator, each.direction): each.ratio for each in found}
+def _strengths(strengths: Sequence[Strength]) -> str:
+    ages = list(dict.fromkeys(strength.age_months for strength in strengths))
+    ratios = {
+        (strength.development, strength.age_months, strength.actuator, strength.direction): strength.ratio
+        for strength in strengths
+    }
     rows = [
         (law, group, f"`{motor[0]}`", *(f"{ratios[law, age, *motor]:.2f}" for age in ages))
         for law in LAWS
@@ -112,50 +115,50 @@ def _strengths(found: Sequence[Strength]) -> str:
     return markdown_table(("law", "group", "motor", *(f"{age:g} months" for age in ages)), rows)
 
 
-def _rests(found: Sequence[Rest]) -> str:
+def _rests(rests: Sequence[Rest]) -> str:
     headings = ("law", "months", "hip", "knee", "elbow", "head, upright", "head, leaning back")
     rows = (
         (
-            each.development,
-            f"{each.age_months:g}",
-            *(f"{angle:.0f}" for angle in (each.hip_deg, each.knee_deg, each.elbow_deg)),
-            *(f"{angle:.0f}" for angle in (each.head_upright_deg, each.head_back_deg, *each.slumps_deg)),
+            rest.development,
+            f"{rest.age_months:g}",
+            *(f"{angle:.0f}" for angle in (rest.hip_deg, rest.knee_deg, rest.elbow_deg)),
+            *(f"{angle:.0f}" for angle in (rest.head_upright_deg, rest.head_back_deg, *rest.slumps_deg)),
         )
-        for each in found
+        for rest in rests
     )
     return markdown_table((*headings, *(f"sits from {lean:g}" for lean in LEANS)), rows)
 
 
-def _rest_verdict(found: Sequence[Rest]) -> str:
-    newborns = {each.development: each for each in found if each.age_months == 0}
+def _rest_verdict(rests: Sequence[Rest]) -> str:
+    newborns = {rest.development: rest for rest in rests if rest.age_months == 0}
     flexed = "; ".join(
-        f"by `{law}` a newborn's hips, knees and elbows come to rest at {each.hip_deg:.0f}, {each.knee_deg:.0f} and "
-        f"{each.elbow_deg:.0f} degrees, and its head, upright, at {each.head_upright_deg:.0f}"
-        for law, each in newborns.items()
+        f"by `{law}` a newborn's hips, knees and elbows come to rest at {rest.hip_deg:.0f}, {rest.knee_deg:.0f} and "
+        f"{rest.elbow_deg:.0f} degrees, and its head, upright, at {rest.head_upright_deg:.0f}"
+        for law, rest in newborns.items()
     )
-    forward = "; ".join(f"by `{law}` {_forward([each for each in found if each.development == law])}" for law in LAWS)
+    forward = "; ".join(f"by `{law}` {_forward([rest for rest in rests if rest.development == law])}" for law in LAWS)
     return (
         f"In words: {flexed}. Slack sitters slump forward, {forward}. One whose weight is over its seat falls back by "
         "either law, as its pelvis is round."
     )
 
 
-def _forward(found: Sequence[Rest]) -> str:
-    parts = (f"from {lean:g} at {_ages(found, index)}" for index, lean in enumerate(LEANS))
+def _forward(rests: Sequence[Rest]) -> str:
+    parts = (f"from {lean:g} at {_ages(rests, index)}" for index, lean in enumerate(LEANS))
     return ", ".join(parts)
 
 
-def _ages(found: Sequence[Rest], index: int) -> str:
-    ages = [f"{each.age_months:g}" for each in found if each.slumps_deg[index] > 0]
-    if len(ages) == len(found):
+def _ages(rests: Sequence[Rest], index: int) -> str:
+    ages = [f"{rest.age_months:g}" for rest in rests if rest.slumps_deg[index] > 0]
+    if len(ages) == len(rests):
         return "all ages"
     return f"{', '.join(ages)} months" if ages else "no age"
 
 
 def _sensitivity(findings: Findings) -> str:
     rows = []
-    for name in dict.fromkeys(each.trial for each in findings.sensitivity):
-        ages = {each.condition: each.youngest_months for each in findings.sensitivity if each.trial == name}
+    for name in dict.fromkeys(varied.trial for varied in findings.sensitivity):
+        ages = {varied.condition: varied.youngest_months for varied in findings.sensitivity if varied.trial == name}
         usual = _youngest(findings.milestones, "maturing", name)
         rows.append((TRIALS[name].title, *map(_months, (usual, *(ages[condition] for condition in VARIATIONS)))))
     return markdown_table(("trial", "as above", *VARIATIONS), rows)

@@ -25,19 +25,19 @@ class GrowingLearner:
 
     def success_rate(self) -> float:
         """Return the fraction of reaches after training that touch the ball."""
-        return fmean(each.success for each in self.reaches)
+        return fmean(reach.success for reach in self.reaches)
 
     def time_s(self) -> float:
         """Return the mean time to touch after training."""
-        return fmean(each.duration_s for each in self.reaches)
+        return fmean(reach.duration_s for reach in self.reaches)
 
     def episode_return(self) -> float:
         """Return the mean return after training."""
-        return fmean(each.total_reward for each in self.reaches)
+        return fmean(reach.total_reward for reach in self.reaches)
 
     def check_times_s(self) -> dict[int, float]:
         """Return the mean time to touch at each checkpoint, by the control steps of training."""
-        return {steps: fmean(each.duration_s for each in reaches) for steps, reaches in self.checks.items()}
+        return {steps: fmean(reach.duration_s for reach in reaches) for steps, reaches in self.checks.items()}
 
     def time_over_checkpoints_s(self) -> float:
         """Return the mean of these times: the smaller, the sooner it has learnt to reach with the oldest body."""
@@ -46,5 +46,5 @@ class GrowingLearner:
 
 def by_schedule(learners: Sequence[GrowingLearner]) -> dict[str, list[GrowingLearner]]:
     """Return the infants of each schedule, in the order of their first appearance."""
-    names = dict.fromkeys(each.schedule for each in learners)
-    return {name: [each for each in learners if each.schedule == name] for name in names}
+    names = dict.fromkeys(learner.schedule for learner in learners)
+    return {name: [learner for learner in learners if learner.schedule == name] for name in names}

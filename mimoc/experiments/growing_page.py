@@ -39,7 +39,7 @@ def sections(
     known = {**numbers, "youngest": youngest, "oldest": oldest, "stages": stages, "stage": STAGE_MONTHS}
     known |= {"span": oldest - youngest, "jumps": stages - 1}
     schedules = "\n".join(f"- `{name}`: {meaning};" for name, meaning in COURSES.items()).removesuffix(";") + "."
-    random = fmean(each.success for each in untrained)
+    random = fmean(reach.success for reach in untrained)
     return (
         TEXTS["about"].format(schedules=schedules, **known),
         TEXTS["results"].format(table=_table(groups, untrained), verdict=_verdict(groups), **known),
@@ -52,23 +52,23 @@ def _table(groups: Groups, untrained: Sequence[Episode]) -> str:
     rows = [
         (
             f"`{name}`",
-            mean_and_range([each.success_rate() for each in group]),
-            mean_and_range([each.episode_return() for each in group]),
-            *(mean_and_range([measure(each) for each in group]) for measure in MEASURES.values()),
+            mean_and_range([learner.success_rate() for learner in group]),
+            mean_and_range([learner.episode_return() for learner in group]),
+            *(mean_and_range([measure(learner) for learner in group]) for measure in MEASURES.values()),
         )
         for name, group in groups.items()
     ]
-    random = [fmean(getattr(each, name) for each in untrained) for name in ("success", "total_reward", "duration_s")]
+    random = [fmean(getattr(reach, name) for reach in untrained) for name in ("success", "total_reward", "duration_s")]
     return markdown_table(headings, [*rows, ("random policy", *(f"{value:.3f}" for value in random), "-")])
 
 
 def _verdict(groups: Groups) -> str:
     """Return as text how `grown` compares with each other schedule, and what follows."""
     others = [name for name in groups if name != "grown"]
-    found = {other: {name: _compared(groups, other, name) for name in MEASURES} for other in others}
+    comparisons = {other: {name: _compared(groups, other, name) for name in MEASURES} for other in others}
     lines = "\n".join(
         f"- `grown` against `{other}`, {name}: {outcome}, {_change(groups, other, name):+.0%};"
-        for other, outcomes in found.items()
+        for other, outcomes in comparisons.items()
         for name, outcome in outcomes.items()
     )
     count = len(groups["grown"])
@@ -76,8 +76,8 @@ def _verdict(groups: Groups) -> str:
     return (
         f"{BETTER.capitalize()} or {WORSE} is what has no overlap between the ranges of the {count} seeds of each; "
         f"everything else is {SAME}. If there were no difference at all, this would still happen in "
-        f"{chance:.0%} of such comparisons.\n\n{lines.removesuffix(';')}.\n\n{_answer(found['adult'])} "
-        f"{_order({name: found[name] for name in others if name != 'adult'})}"
+        f"{chance:.0%} of such comparisons.\n\n{lines.removesuffix(';')}.\n\n{_answer(comparisons['adult'])} "
+        f"{_order({name: comparisons[name] for name in others if name != 'adult'})}"
     )
 
 
@@ -95,12 +95,12 @@ def _change(groups: Groups, other: str, measure: str) -> float:
 
 
 def _values(groups: Groups, schedule: str, measure: str) -> list[float]:
-    return [MEASURES[measure](each) for each in groups[schedule]]
+    return [MEASURES[measure](learner) for learner in groups[schedule]]
 
 
-def _answer(found: Mapping[str, str]) -> str:
+def _answer(comparisons: Mapping[str, str]) -> str:
     """Return the answer to the question of the title, from the comparison with `adult`."""
-    helped, harmed = ([name for name, outcome in found.items() if outcome == which] for which in (BETTER, WORSE))
+    helped, harmed = ([name for name, outcome in comparisons.items() if outcome == which] for which in (BETTER, WORSE))
     if helped and harmed:
         return f"**Growing helped with {' and '.join(helped)}, and harmed {' and '.join(harmed)}.**"
     if helped:
@@ -110,10 +110,10 @@ def _answer(found: Mapping[str, str]) -> str:
     return "**No effect of growing is shown here, for better or worse.**"
 
 
-def _order(found: Mapping[str, Mapping[str, str]]) -> str:
+def _order(comparisons: Mapping[str, Mapping[str, str]]) -> str:
     """Return whether the order of the ages mattered, from the comparisons with the same ages in other orders."""
-    ahead = [name for name, outcomes in found.items() if set(outcomes.values()) == {BETTER}]
-    if len(ahead) == len(found):
+    ahead = [name for name, outcomes in comparisons.items() if set(outcomes.values()) == {BETTER}]
+    if len(ahead) == len(comparisons):
         return "The natural order of ages was better than every other by both measures."
     if ahead:
         return f"The natural order of ages was better by both measures than `{'`, `'.join(ahead)}` only."

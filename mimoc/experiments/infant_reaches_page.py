@@ -78,18 +78,18 @@ def _measured(groups: Sequence[Group]) -> str:
 
 def _verdict(groups: Sequence[Group]) -> str:
     """Return as text what holds of the measurements."""
-    own = by_delay(groups)[OWN]
-    lines = [_durations(own), *(_smoothness(name, groups) for name in SMOOTHER), _gain_with_age(own)]
+    of_age = by_delay(groups)[OWN]
+    lines = [_durations(of_age), *(_smoothness(name, groups) for name in SMOOTHER), _gain_with_age(of_age)]
     return "\n".join(f"- {line}" for line in lines)
 
 
-def _durations(own: Sequence[Group]) -> str:
+def _durations(of_age: Sequence[Group]) -> str:
     """Return what holds of the durations with the delays of each age."""
-    medians_s = [group.median(MEASURES["duration_s"]) for group in own]
-    units = [group.median(MEASURES["movement_units"]) for group in own]
-    shortest_s = min(reach.duration_s for group in own for reach in group.reaches)
+    medians_s = [group.median(MEASURES["duration_s"]) for group in of_age]
+    units = [group.median(MEASURES["movement_units"]) for group in of_age]
+    shortest_s = min(reach.duration_s for group in of_age for reach in group.reaches)
     return (
-        f"With the delays of their age, reaches last {_range([round(each, 2) for each in medians_s])} s (medians; the "
+        f"With the delays of their age, reaches last {_range([round(s, 2) for s in medians_s])} s (medians; the "
         f"shortest of all {shortest_s:.2f} s), with {_range(units)} movement units; at least {LEAST_S:g} s at every "
         f"age: {_yes(min(medians_s) >= LEAST_S)}."
     )
@@ -110,15 +110,15 @@ def _smoothness(name: str, groups: Sequence[Group]) -> str:
     )
 
 
-def _gain_with_age(own: Sequence[Group]) -> str:
+def _gain_with_age(of_age: Sequence[Group]) -> str:
     """Return how much smoother the oldest infant reaches than the youngest, for the same targets, and how certainly."""
-    youngest, oldest = ([reach.arc_length for reach in group.reaches] for group in (own[0], own[-1]))
+    youngest, oldest = ([reach.arc_length for reach in group.reaches] for group in (of_age[0], of_age[-1]))
     gains = np.subtract(oldest, youngest)
     error = gains.std() / np.sqrt(len(gains))
     return (
-        f"From {own[0].age_months:g} to {own[-1].age_months:g} months, for the same targets, the spectral arc length "
-        f"rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise of the "
-        "age account for a small part of what real infants gain in these months."
+        f"From {of_age[0].age_months:g} to {of_age[-1].age_months:g} months, for the same targets, the spectral arc "
+        f"length rises by {gains.mean():.2f} on average, with a standard error of {error:.2f}: body, delays and noise "
+        "of the age account for a small part of what real infants gain in these months."
     )
 
 

@@ -40,23 +40,23 @@ class Learner:
 
     def success_rate(self) -> float:
         """Return the fraction of reaches after training that touch the ball."""
-        return fmean(each.success for each in self.reaches)
+        return fmean(reach.success for reach in self.reaches)
 
     def jerk(self) -> float:
         """Return the median log dimensionless jerk of the reaches after training."""
-        return _median([smoothness(each)[0] for each in self.reaches])
+        return _median([smoothness(reach)[0] for reach in self.reaches])
 
     def arc_length(self) -> float:
         """Return the median spectral arc length of the reaches after training."""
-        return _median([smoothness(each)[1] for each in self.reaches])
+        return _median([smoothness(reach)[1] for reach in self.reaches])
 
     def detour(self) -> float:
         """Return the median ratio of the hand's path length to the straight distance, after training."""
-        return _median([detour(each) for each in self.reaches])
+        return _median([detour(reach) for reach in self.reaches])
 
     def reach_time_s(self) -> float:
         """Return the mean duration of a reach after training."""
-        return fmean(each.duration_s for each in self.reaches)
+        return fmean(reach.duration_s for reach in self.reaches)
 
 
 def times_s(curve: Curve) -> FloatArray:
@@ -98,5 +98,5 @@ def mean_and_range(values: Sequence[float]) -> str:
 
 
 def _median(values: Sequence[float]) -> float:
-    found = [value for value in values if not np.isnan(value)]
-    return float(np.median(found)) if found else float("nan")
+    known = [value for value in values if not np.isnan(value)]
+    return float(np.median(known)) if known else float("nan")

@@ -49,11 +49,11 @@ def run_searches(
     Raises:
         OutputError: If a result cannot be written.
     """
-    found: dict[Case, SearchResult] = {}
+    results: dict[Case, SearchResult] = {}
     for case, result in _all(cases, folder, processes):
-        found[case] = result
+        results[case] = result
         finished()
-    return {case: found[case] for case in cases}
+    return {case: results[case] for case in cases}
 
 
 def forget_searches(folder: Path) -> None:
@@ -137,10 +137,10 @@ class _SearchFile(Model):
     """Ages in months, and what came of them."""
 
 
-def _write(folder: Path, case: Case, found: SearchResult) -> None:
+def _write(folder: Path, case: Case, result: SearchResult) -> None:
     path = _file(folder, case)
     make_folder(path.parent, below=folder)
-    data = _SearchFile(youngest_months=found.youngest_months, tried=tuple(found.outcomes.items()))
+    data = _SearchFile(youngest_months=result.youngest_months, tried=tuple(result.outcomes.items()))
     write_file(path, f"{data.model_dump_json(indent=1)}\n".encode(), below=folder)
 
 

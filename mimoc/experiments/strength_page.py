@@ -36,7 +36,7 @@ TEXTS = page_texts("strength")
 def write(notebook: Notebook, findings: Findings) -> Path:
     """Write the report, and return its path."""
     overshoot_deg = max(effort.peak_deg - effort.end_deg for effort in findings.torque)
-    head_deg, leg_deg = (_of(findings.torque, each)[0].end_deg for each in BEHAVIOURS)
+    head_deg, leg_deg = (_of(findings.torque, behaviour)[0].end_deg for behaviour in BEHAVIOURS)
     about = TEXTS["about"].format(
         settling_s=SETTLING_STEPS * ms_to_s(STEP_MS),
         steps=STEPS,
@@ -59,20 +59,20 @@ def write(notebook: Notebook, findings: Findings) -> Path:
     return notebook.write_page("Strength", sections, seeds="Nothing is random.", libraries=["matplotlib"])
 
 
-def is_faster_with_age(found: Iterable[Effort], within_s: float = 0.0) -> bool:
+def is_faster_with_age(efforts: Iterable[Effort], within_s: float = 0.0) -> bool:
     """Return whether the time to 60 degrees decreases from each age to the next, from three months on.
 
     Args:
-        found: Measurements, youngest first.
+        efforts: Measurements, youngest first.
         within_s: Increases below this are ignored.
     """
-    times_s = [effort.time_to_s(TARGET_DEG) for effort in found if effort.age_months >= LAW_MONTHS]
+    times_s = [effort.time_to_s(TARGET_DEG) for effort in efforts if effort.age_months >= LAW_MONTHS]
     return all(a is not None and b is not None and a + within_s > b for a, b in pairwise(times_s))
 
 
-def gets_as_far_with_age(found: Iterable[Effort]) -> bool:
+def gets_as_far_with_age(efforts: Iterable[Effort]) -> bool:
     """Return whether the peak angle, clipped to the joint range, never decreases with age."""
-    return all(a.peak_in_range_deg <= b.peak_in_range_deg for a, b in pairwise(found))
+    return all(a.peak_in_range_deg <= b.peak_in_range_deg for a, b in pairwise(efforts))
 
 
 def _laws(findings: Findings) -> list[str]:
@@ -93,17 +93,20 @@ def _laws(findings: Findings) -> list[str]:
     return laws
 
 
-def _of(found: Iterable[Effort], behaviour: Behaviour) -> list[Effort]:
-    return [effort for effort in found if effort.behaviour == behaviour]
+def _of(efforts: Iterable[Effort], behaviour: Behaviour) -> list[Effort]:
+    return [effort for effort in efforts if effort.behaviour == behaviour]
 
 
 def _ages_table(shown: Sequence[Effort]) -> str:
-    headings = ["months", *(f"{each.name}, {what}" for each in BEHAVIOURS for what in ("s to 60°", "peak [deg]"))]
+    headings = [
+        "months",
+        *(f"{behaviour.name}, {what}" for behaviour in BEHAVIOURS for what in ("s to 60°", "peak [deg]")),
+    ]
     pairs = zip(*(_of(shown, behaviour) for behaviour in BEHAVIOURS), strict=True)
     return markdown_table(
         headings,
         (
-            [f"{pair[0].age_months:g}", *(text for each in pair for text in (_time(each), _peak(each)))]
+            [f"{pair[0].age_months:g}", *(text for effort in pair for text in (_time(effort), _peak(effort)))]
             for pair in pairs
         ),
     )
@@ -120,21 +123,21 @@ def _order_table(sized: Sequence[tuple[float, float, Effort]]) -> str:
 
 def _muscle_table(muscle: Sequence[Effort]) -> str:
     grown, constant = (
-        [effort for effort in muscle if (effort.strength_age_months == effort.age_months) == own]
-        for own in (True, False)
+        [effort for effort in muscle if (effort.strength_age_months == effort.age_months) == grows]
+        for grows in (True, False)
     )
     at_full_size = [effort for effort in grown if effort.age_months == FULL_SIZE_MONTHS]
-    headings = ["months", *(f"{each.name}{also}" for also in ("", ", strength of 18") for each in BEHAVIOURS)]
+    headings = ["months", *(f"{behaviour.name}{also}" for also in ("", ", strength of 18") for behaviour in BEHAVIOURS)]
     times = {
         (effort.age_months, kind, effort.behaviour): _time(effort)
-        for kind, found in (("grown", grown), ("constant", [*constant, *at_full_size]))
-        for effort in found
+        for kind, efforts in (("grown", grown), ("constant", [*constant, *at_full_size]))
+        for effort in efforts
     }
     ages = dict.fromkeys(age for age, _, _ in times)
     return markdown_table(
         headings,
         (
-            [f"{age:g}", *(times[age, kind, each] for kind in ("grown", "constant") for each in BEHAVIOURS)]
+            [f"{age:g}", *(times[age, kind, behaviour] for kind in ("grown", "constant") for behaviour in BEHAVIOURS)]
             for age in sorted(ages)
         ),
     )
