@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -172,7 +172,7 @@ def rooms(
     from mimoc.render.picture_grid import captioned_grid
 
     check_picture_name(file)
-    wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), []
+    wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), list[Any]()
     _check_seed_matters(infant)
     builder = building.builder(infant)
     with console.progress("drawing") as show:

@@ -1,7 +1,7 @@
 """Exit codes, what is said of an interruption, and foreign text as a terminal can show it."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,7 +11,7 @@ BROKEN_PIPE = 128 + 13
 
 
 @contextmanager
-def resumable(result: Path | None = None) -> Iterator[None]:
+def resumable(result: Path | None = None) -> Generator[None, None, None]:
     """On Ctrl-C, say that the same command resumes the work, and which file has the result so far, if it exists."""
     try:
         yield

@@ -1,11 +1,14 @@
 """PyArrow, which only those have who record."""
 
+from typing import Any
+
 from mimoc.errors import MissingExtraError
 
 try:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+    import pyarrow
+    import pyarrow.parquet
 except ImportError:
     raise MissingExtraError("pyarrow", "record") from None
 
-__all__ = ["pa", "pq"]
+pa: Any = pyarrow
+pq: Any = pyarrow.parquet

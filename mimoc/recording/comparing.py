@@ -72,9 +72,8 @@ class Recorded:
             is_sparse = reading.kind == "sparse"
             now = block.sparse[name].dense(block.rows, reading.size) if is_sparse else block.dense[name][: block.rows]
             yield _first(name, recorded, now)
-        for name in sorted(
-            block.numbers.keys() | {column for column in rows.column_names if column.startswith("term.")}
-        ):
+        terms = {name for name in rows.column_names if name.startswith("term.")}
+        for name in sorted(block.numbers.keys() | terms):
             now = block.numbers.get(name, np.full(block.room, np.nan))[: block.rows]
             known = name in rows.column_names
             recorded = tables.array_of(rows, name) if known else np.full_like(now, np.nan if now.dtype == float else 0)

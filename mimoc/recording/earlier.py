@@ -26,8 +26,8 @@ from mimoc.recording.reading import ReadRecording
 from mimoc.recording.table_check import STEP, check_rows
 
 FILE = re.compile(r"([0-9]{4,}-[0-9]{6,})(?:\.part([0-9]{4,}))?(\.json|\.parquet|\.arrow|\.[^/]+\.mkv)")
-MOST_PART_BYTES = 2**30
-"""Of a part, which was held in memory before it was written."""
+MOST_PART_BYTES, MOST_COPIED_BYTES = 2**30, 2**33
+"""Of a part, which was held in memory before it was written, and of any other file."""
 
 
 def convert(folder: Path, out: Path) -> None:
@@ -51,7 +51,7 @@ def convert(folder: Path, out: Path) -> None:
             tables.write_table(with_extension(stem, TABLE), _rows(folder / EPISODES / name))
         else:
             target = with_extension(stem, match[3])
-            with opened(folder / EPISODES / name, tables.MOST_BYTES) as file, target.open("wb") as copied:
+            with opened(folder / EPISODES / name, MOST_COPIED_BYTES) as file, target.open("wb") as copied:
                 shutil.copyfileobj(file, copied)
     write_json(out / RECORDING, as_json(description))
 

@@ -32,6 +32,7 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh:
         first, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
         vertices_m = model.mesh_vert[first : first + model.mesh_vertnum[mesh]]
         return vertices_m.astype(float), model.mesh_face[face : face + model.mesh_facenum[mesh]].astype(np.int64)
+    shape: Any
     if kind == GEOM.mjGEOM_BOX:
         shape = creation.box(2 * size)
     elif kind == GEOM.mjGEOM_CYLINDER:
