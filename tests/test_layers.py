@@ -35,9 +35,9 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
 
 
 BASE = "version errors units streams geometry files"
-LANGUAGE = f"{BASE} language kinds composition spec"
+LANGUAGE = f"{BASE} language kinds quantities composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
-RUNNING = f"{LANGUAGE} bundle drawing terms run runtime control"
+RUNNING = f"{LANGUAGE} bundle drawing terms run runtime measuring control"
 KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noise", "policies")
 
 LAYERS = {
@@ -56,6 +56,7 @@ LAYERS = {
         "pydantic yaml",
     ),
     "kinds": layer("kinds", "errors language"),
+    "quantities": layer("quantities", "kinds"),
     "composition": layer("schema.composition", "errors language kinds", "pydantic"),
     "spec": layer("", "errors units language kinds composition", "pydantic"),
     "schema": layer("schema plugins", f"{LANGUAGE} fits", "pydantic"),
@@ -70,7 +71,7 @@ LAYERS = {
     "compiler": layer("compiler", BUILDING, "mujoco"),
     "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
-    "plots": layer("render.plots", f"{BASE} schema fits body", "matplotlib"),
+    "plots": layer("render.plots", f"{BASE} quantities schema fits body", "matplotlib"),
     "terms": layer("runtime.worlds runtime.term runtime.array_library", "", "mujoco"),
     "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
     "runtime": layer("runtime", f"{LANGUAGE} bundle drawing terms run", "gymnasium mujoco scipy"),
@@ -78,6 +79,11 @@ LAYERS = {
         "runtime.warp",
         f"{LANGUAGE} bundle drawing terms run runtime",
         "gymnasium mujoco warp mujoco_warp torch array_api_compat",
+    ),
+    "measuring": layer(
+        "quantities.measuring quantities.run_contact quantities.run_motion",
+        "kinds quantities bundle terms runtime",
+        "mujoco",
     ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", RUNNING, ""),
@@ -227,7 +233,8 @@ def _named(node: ast.AST) -> Iterator[str]:
 def _is_code_of_record(item: Import) -> bool:
     """Return whether a kind's record names the code of the kind, such as `mimoc.senses.touch.run`."""
     folder = item.module.removeprefix("mimoc.").partition(".")[0]
-    return item.by_string and folder in KIND_FOLDERS and item.name.startswith(f"{item.module}.")
+    package = f"mimoc.{folder}.run_" if folder == "quantities" else f"{item.module}."
+    return item.by_string and folder in (*KIND_FOLDERS, "quantities") and item.name.startswith(package)
 
 
 def _under_type_checking(tree: ast.AST) -> Iterator[ast.AST]:

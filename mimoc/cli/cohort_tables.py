@@ -9,6 +9,7 @@ from rich.text import Text
 
 from mimoc.cli.console import open_console
 from mimoc.errors import counted
+from mimoc.quantities.columns import JOB_SIZE, JOB_TIME, TIME_LEFT
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
@@ -22,7 +23,7 @@ def print_plan(plan: Plan) -> None:
     """Print what each step will take, and all together."""
     console = open_console()
     table = Table(title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}", title_justify="left")
-    for heading in ("step", "jobs", "done", "a job [s]", "the rest [h]", "a job [kB]"):
+    for heading in ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading):
         table.add_column(heading, justify="left" if heading == "step" else "right")
     for step in plan.steps:
         table.add_row(*_plan_row(step, plan.processes))

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 from rich.text import Text
 
-from mimoc.cli.console import LABELS, open_console
+from mimoc.cli.console import open_console
+from mimoc.quantities.child import INDICATORS
 
 if TYPE_CHECKING:
     from mimoc.compiler.validation import GrowthReport, Row
@@ -27,7 +28,7 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
     """
     console = open_console()
     for indicator, rows in report.by_indicator.items():
-        console.print(f"{LABELS[indicator]} against WHO's {POPULATIONS[report.reference]}")
+        console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
         console.print(_table(rows))
         console.print(_largest_deviation(rows) + "\n")
     goals = {
@@ -82,4 +83,4 @@ def _largest_deviation(rows: Sequence[Row]) -> str:
 
 
 def _names(rows: Sequence[Row]) -> str:
-    return ", ".join(dict.fromkeys(LABELS[row.indicator].partition(" [")[0] for row in rows))
+    return ", ".join(dict.fromkeys(INDICATORS[row.indicator].label.lower() for row in rows))

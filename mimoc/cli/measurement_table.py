@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mimoc.cli.console import open_console
+from mimoc.quantities.columns import DIFFERENCE
 
 if TYPE_CHECKING:
     from mimoc.compiler.validation import MeasurementReport, MeasurementRow
@@ -23,7 +24,7 @@ def print_measurements(report: MeasurementReport, tolerance: float) -> None:
     console = open_console()
     is_average = all(row.requested == 1 for row in report.rows)
     goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")
-    console.print(f"deviation from {goal.removesuffix(',')} [%]")
+    console.print(f"{DIFFERENCE.heading} from {goal.removesuffix(',')}")
     table = Table(padding=0)
     for heading in ("months", *(f"{age_months:g}" for age_months in report.ages_months)):
         table.add_column(heading, justify="left" if heading == "months" else "right", no_wrap=True)

@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mimoc.cli.console import open_console
+from mimoc.quantities.columns import FROM_AGE
 
 if TYPE_CHECKING:
     from mimoc.milestones import Milestone, MilestoneReport
@@ -18,7 +19,7 @@ def print_milestones(report: MilestoneReport) -> None:
     out = open_console()
     out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
     table = Table()
-    for heading in ("milestone", "from [months]", "real infants", "median", "verdict"):
+    for heading in ("milestone", FROM_AGE.heading, "real infants", "median", "verdict"):
         table.add_column(heading, justify="left" if heading in ("milestone", "verdict") else "right")
     for each in report.milestones:
         table.add_row(*_row(each))

@@ -10,8 +10,9 @@ from typing import Any
 from mimoc.cohorts.infants import Infant
 from mimoc.cohorts.own_code import digest_of
 from mimoc.errors import MimocError
+from mimoc.quantities import QUANTITIES, measured_in, measures
 from mimoc.rounding import rounded
-from mimoc.schema.cohort_file import MEASURES, CohortSpec
+from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.cohort_steps import step_of
 from mimoc.schema.infant import to_data
 from mimoc.version import __version__
@@ -57,7 +58,7 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_fo
         MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
     """
     place, home = str(folder.resolve()), str(spec_folder.resolve())
-    own = tuple(name for name in cohort.measure if name not in MEASURES)
+    own = tuple(name for name in cohort.measure if name not in measures())
     steps = [*_steps(cohort)]
     if (number := len(infants) * len(steps)) > MAX_JOBS:
         raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
@@ -77,7 +78,7 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_fo
                 "step": step,
                 "options": options,
                 "seed": seed,
-                "measure": own,
+                "measure": (*own, *_added_measures(step)),
                 "code": {name: code[name] for name in sorted(used)},
             }
             key = sha256(_text(what).encode()).hexdigest()[:32]
@@ -94,6 +95,12 @@ def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None
         options = chosen.model_dump(mode="json")
         for seed in options.pop("seeds", (None,)):
             yield name, options, seed
+
+
+def _added_measures(step: str) -> tuple[str, ...]:
+    """Return what plug-ins measure in a step, so that jobs that were done without them are done again."""
+    added = [item.name for item in measured_in(step) if item.name not in QUANTITIES.own]
+    return tuple(f"{QUANTITIES.distribution(name)}:{name}" for name in added)
 
 
 def _policy_digest(path: Path) -> str:

@@ -10,27 +10,21 @@ from typing import Any
 from mimoc.bundle.files import check_unlinked
 from mimoc.bundle.io import LOCK, Bundle
 from mimoc.cohorts.own_code import import_function
-from mimoc.cohorts.self_contacts import SelfContacts
 from mimoc.cohorts.work import Work
 from mimoc.errors import MimocError
+from mimoc.quantities import measured_in
+from mimoc.quantities.measuring import measure
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Run
 
 Measures = Mapping[str, Any]
 
-CHILD = {
-    "length_cm": "length_cm",
-    "mass_kg": "weight_kg",
-    "head_circumference_cm": "head_circumference_cm",
-    "arm_circumference_cm": "arm_circumference_cm",
-}
-"""Field of a manifest's child by the name of the measure."""
-
 
 def measure_child(bundle: Bundle) -> Measures:
     """Return the measures of an infant that every step has."""
-    return {name: getattr(bundle.manifest.child, field) for name, field in CHILD.items()}
+    child = bundle.manifest.child
+    return {item.name: getattr(child, item.field) for item in measured_in("build") if item.over == "child"}
 
 
 def build(work: Work) -> Measures:
@@ -43,36 +37,18 @@ def build(work: Work) -> Measures:
 def check(work: Work) -> Measures:
     """Check that the infant stays stable from every pose."""
     checks = [*check_stability(work.bundle)]
-    return {
-        **measure_child(work.bundle),
-        "stable": all(each.passed for each in checks),
-        "energy_j_per_kg": max((each.energy_j_per_kg for each in checks), default=0.0),
-        "beyond_deg": max((each.beyond_deg for each in checks), default=0.0),
-    }
+    return {**measure_child(work.bundle), **measure("pose", "check", checks)}
 
 
 def run(work: Work) -> Measures:
     """Run the infant under a policy."""
     options = work.job.options
     with closing(InfantEnv(work.bundle)) as env:
-        rollout, contacts = Run(env, _policy(work, options["policy"]), work.seed), SelfContacts(env)
+        rollout = Run(env, _policy(work, options["policy"]), work.seed)
         for _ in range(options["steps"]):
             rollout.step()
-            contacts.count()
         summary = rollout.summary()
-    return {
-        **measure_child(work.bundle),
-        "return": summary.mean_return,
-        "success": summary.successes / summary.finished if summary.finished else None,
-        "time_to_success_s": summary.time_to_success_s,
-        "episodes": summary.finished,
-        "contacts_self": contacts.mean,
-        "hip_path_m": summary.hip_path_m,
-        "head_height_m": summary.head_height_m[1],
-        "joint_speed_rad_s": summary.joint_speed_rad_s,
-        "unstable": summary.unstable,
-        **summary.metrics,
-    }
+    return {**measure_child(work.bundle), **summary.measures, **summary.metrics}
 
 
 def train(work: Work) -> Measures:
@@ -83,13 +59,8 @@ def train(work: Work) -> Measures:
     origin = {"cohort": work.job.cohort, "job": work.job.key, "factors": dict(work.job.factors)}
     training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
     last = asdict(training.curve.ends[1]) if training.curve.rows else {}
-    return {
-        **measure_child(work.bundle),
-        "return": last.get("episode_return"),
-        "success": last.get("success_rate"),
-        "time_to_success_s": last.get("time_to_success_s"),
-        "episodes": last.get("episodes"),
-    }
+    learnt = {item.name: last.get(item.curve) for item in measured_in("train") if item.curve}
+    return {**measure_child(work.bundle), **learnt}
 
 
 def experiment(work: Work) -> Measures:

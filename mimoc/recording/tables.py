@@ -10,11 +10,21 @@ import numpy as np
 from mimoc.bundle import files
 from mimoc.bundle.regular_files import UnusableFileError, open_regular_file
 from mimoc.errors import RecordingError
+from mimoc.quantities import QUANTITIES
 from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
 from mimoc.recording.folder import WHOLE
-from mimoc.recording.table_check import STEP, check_rows, check_schema, has_numbers, lists_of, pairs_of, sparse_of
+from mimoc.recording.table_check import (
+    MEASURE,
+    STEP,
+    check_rows,
+    check_schema,
+    has_numbers,
+    lists_of,
+    pairs_of,
+    sparse_of,
+)
 
 SMALL_BYTES, MOST_RATIO = 2**29, 100
 """What a file may hold however small it is, and how many times its size."""
@@ -129,8 +139,14 @@ def _table(block: Block, described: Described) -> Any:
         elif each.kind == "sparse":
             columns[OBSERVATION + each.name] = _listed(block.sparse[each.name], rows)
     columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
-    fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
+    fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
     return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))
+
+
+def _metadata(column: str) -> dict[str, str] | None:
+    """Return what is written of a column besides its type: label and unit of a quantity."""
+    quantity = QUANTITIES.get(column.removeprefix(MEASURE)) if column.startswith(MEASURE) else None
+    return {"label": quantity.label, "unit": quantity.unit, "about": quantity.about} if quantity else None
 
 
 def _listed(kept: Sparse, rows: int) -> Any:
@@ -157,14 +173,15 @@ def flat_size(array: Array) -> int:
 
 def _joined_schema(paths: Sequence[Path]) -> Any:
     """Return a schema with the columns of all files; what is a flag in some and a number in others is a number."""
-    metadata, kinds = None, dict[str, Any]()
+    metadata, joined = None, dict[str, Any]()
     for path in paths:
         with _opened(path) as reader:
             schema = _schema(reader)
         metadata = metadata or {KEY: schema.metadata[KEY]}
         for field in schema:
-            kinds[field.name] = field.type if kinds.get(field.name, field.type) == field.type else pa.float64()
-    return pa.schema([pa.field(name, kind, nullable=False) for name, kind in kinds.items()], metadata)
+            known = joined.setdefault(field.name, field)
+            joined[field.name] = known if known.type == field.type else known.with_type(pa.float64())
+    return pa.schema([*joined.values()], metadata)
 
 
 def _aligned(table: Any, schema: Any) -> Any:

@@ -4,32 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
+from mimoc import quantities
 from mimoc.cohorts.table import Cell, Rows
+from mimoc.quantities import QUANTITIES
 from mimoc.reporting import words
 
-OF_THE_BODY = ("length_cm", "mass_kg", "head_circumference_cm", "arm_circumference_cm")
-"""Measures that every step of an infant repeats."""
-TITLES = {
-    "length_cm": "Length [cm]",
-    "mass_kg": "Mass [kg]",
-    "head_circumference_cm": "Head circumference [cm]",
-    "arm_circumference_cm": "Upper-arm circumference [cm]",
-    "stable": "Share that stay stable",
-    "energy_j_per_kg": "Kinetic energy [J/kg]",
-    "beyond_deg": "Beyond joint limits [°]",
-    "return": "Return of an episode",
-    "success": "Share of episodes that succeed",
-    "time_to_success_s": "Time to success [s]",
-    "episodes": "Completed episodes",
-    "contacts_self": "Contacts with the own body",
-    "hip_path_m": "Path of the hip [m]",
-    "head_height_m": "Largest height of the head [m]",
-    "joint_speed_rad_s": "Joint speed [rad/s]",
-    "unstable": "Share that became unstable",
-}
-"""What mimoc's own measures are called."""
-AXES = {"age_months": "age [months]"}
-"""What factors are called, if it is not their name."""
 OF_CHILDREN = ("_percentile", "_cm", "_kg")
 """How the names of factors end that children are given by."""
 NOT_FACTORS = ("child",)
@@ -62,7 +41,7 @@ def measures_of(rows: Rows, names: Sequence[str]) -> tuple[Measure, ...]:
     found: list[Measure] = []
     steps = [*dict.fromkeys(str(row["step"]) for row in rows)]
     for name in names:
-        if name in OF_THE_BODY:
+        if name in QUANTITIES and QUANTITIES[name].over == "child":
             found += _measure(name, "", _once_an_infant(row for row in rows if _number(row[name]) is not None))
         else:
             for step in steps:
@@ -79,13 +58,13 @@ def factors_of(rows: Rows, names: Sequence[str]) -> tuple[str, ...]:
 
 def title_of(measure: Measure) -> str:
     """Return what a measure is called, with its unit and its step."""
-    told = TITLES.get(measure.name, words.sentence(words.name(measure.name)))
-    return f"{told}, {measure.step}" if measure.step else told
+    title = quantities.title_of(measure.name)
+    return f"{title}, {measure.step}" if measure.step else title
 
 
 def axis_of(factor: str) -> str:
     """Return what a factor is called on an axis."""
-    return AXES.get(factor, words.name(factor))
+    return QUANTITIES[factor].heading if factor in QUANTITIES else words.name(factor)
 
 
 def is_number(values: Sequence[Cell]) -> bool:

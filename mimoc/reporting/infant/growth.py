@@ -8,6 +8,7 @@ from mimoc.compiler.provenance.child import who_percentiles
 from mimoc.fits import GrowthStandard, load_tables
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.who import Reference
+from mimoc.quantities.child import AGE, INDICATORS
 from mimoc.reporting import words
 from mimoc.reporting.drawing import Drawing, dot, label
 from mimoc.reporting.frame import Frame
@@ -44,18 +45,20 @@ def growth(child: ChildEntry, sources: Sources) -> Section:
 
 def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources) -> Iterator[Tile]:
     measures = child.model_dump()
-    for indicator, (name, unit, *_) in words.INDICATORS.items():
+    for indicator, quantity in INDICATORS.items():
         if measures[indicator] is None:
             continue
         told = "WHO has no standard for this age"
         if indicator in percentiles:
             told = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
         links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
-        yield Tile(name, words.quantity(measures[indicator], unit), f"{words.sentence(told)}.", links)
+        yield Tile(
+            quantity.label, words.quantity(measures[indicator], quantity.unit), f"{words.sentence(told)}.", links
+        )
 
 
 def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Drawing:
-    standard, (name, unit, *_) = load_tables().who[indicator], words.INDICATORS[indicator]
+    standard, quantity = load_tables().who[indicator], INDICATORS[indicator]
     curves = _curves(standard, child.sex or "mean")
     value, months = getattr(child, indicator), [age for age, _ in curves[PERCENTILES[0]]]
     shown = [v for curve in curves.values() for _, v in curve] + ([] if value is None else [value])
@@ -70,12 +73,12 @@ def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) 
     names = [label((x + 5, y + 4), text, "small start") for (x, y), text in ends]
     dots, told = [], "this infant has none to measure"
     if value is not None:
-        told = f"{words.quantity(value, unit)} at {words.age(child.age_months)}"
+        told = f"{words.quantity(value, quantity.unit)} at {words.age(child.age_months)}"
         dots = [dot(frame.at(child.age_months, value), "infant", 5.5, told)]
     if indicator in percentiles:
         told += f", percentile {percentiles[indicator]:.0f}"
-    title, about = f"{name} [{unit}]", f"{name} by age, WHO percentiles 3 to 97; this infant: {told}"
-    return frame.draw(title, "age [months]", paths, dots, names, MONTHS, about)
+    about = f"{quantity.label} by age, WHO percentiles 3 to 97; this infant: {told}"
+    return frame.draw(quantity.title, AGE.heading, paths, dots, names, MONTHS, about)
 
 
 def _curves(standard: GrowthStandard, reference: Reference) -> dict[int, list[tuple[float, float]]]:

@@ -7,6 +7,7 @@ import mujoco
 from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
+from mimoc.quantities.columns import AVERAGE, DIFFERENCE, MEASURED
 from mimoc.reporting import words
 from mimoc.reporting.drawing import Drawing, Path, box, drawing, line
 from mimoc.reporting.infant.sources import Sources
@@ -27,7 +28,7 @@ ABOUT = (
 def proportions(model: mujoco.MjModel, age_months: float, sources: Sources) -> Section:
     """Return the section on an infant's measurements."""
     about = ABOUT.format(tolerance=100 * TOLERANCE)
-    headings = ("measurement", "this infant [cm]", "average child [cm]", "difference [%]", "")
+    headings = ("measurement", MEASURED.heading, AVERAGE.heading, DIFFERENCE.heading, "")
     rows = list(_rows(model, age_months, sources))
     return Section("proportions", "Proportions", (Text(about), table(headings, rows)))
 

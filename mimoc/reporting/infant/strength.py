@@ -8,6 +8,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
+from mimoc.quantities.columns import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
 from mimoc.reporting import words
 from mimoc.reporting.drawing import Dot, Drawing, Label, Path, Point, dot, drawing, label, line
 from mimoc.reporting.infant.sources import Sources
@@ -64,9 +65,9 @@ def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section
     """Return the section on the masses of an infant's parts and the strength of its joints."""
     outline = silhouette(model)
     figure = Drawings((_figure(bundle, model, outline),), CAPTION, "wide")
-    masses = table(("part", "mass [g]", "share of the body [%]", ""), _mass_rows(bundle, model, sources))
+    masses = table(("part", PART_MASS.heading, BODY_SHARE.heading, ""), _mass_rows(bundle, model, sources))
     joints = list(_joint_rows(bundle, model, sources))
-    headings = ("joint", "peak torque [N m]", "range [°]", "")
+    headings = ("joint", PEAK_TORQUE.heading, JOINT_RANGE.heading, "")
     listed = Details("All joints that muscles move", (table(headings, joints),))
     return Section("body", "Masses and strength", (figure, masses, listed))
 
