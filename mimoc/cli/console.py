@@ -15,7 +15,7 @@ from rich.tree import Tree
 
 from mimoc.cli.printable import printable
 from mimoc.errors import counted
-from mimoc.quantities import title_of
+from mimoc.quantities import quantity_of
 from mimoc.quantities.child import INDICATORS
 from mimoc.quantities.columns import TOY_MASS, TOY_SIZE
 
@@ -107,7 +107,7 @@ def print_run(summary: Summary) -> None:
     table.add_column("value", justify="right")
     for name, value in {**summary.measures, **summary.metrics}.items():
         if value is not None:
-            table.add_row(title_of(name), ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}")
+            table.add_row(quantity_of(name).title, ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}")
     console = open_console()
     console.print(table)
     console.print(f"{counted(summary.episodes, 'episode')}, total reward {summary.total_reward:.6g}")

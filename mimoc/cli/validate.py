@@ -41,7 +41,7 @@ def validate(
       as scaled by the spec.
     """
     from mimoc.cli import console
-    from mimoc.render.plots import check_plot_name
+    from mimoc.render.plots.file import check_plot_name, write_sheet
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))
@@ -53,7 +53,7 @@ def validate(
     with console.progress("growing") as show:
         findings = VALIDATIONS[against](infant, show, **({"delays": True} if delays else {}))
     if plot:
-        findings.plot(plot)
+        write_sheet(findings.sheet(), plot)
     print(json.dumps(findings.data, indent=1)) if as_json else findings.show()
     if not findings.passed:
         raise typer.Exit(FAILED_CHECK)

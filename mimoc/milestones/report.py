@@ -12,7 +12,7 @@ from mimoc.milestones.search import Found, Progress, age_grid, search
 from mimoc.milestones.trial import Trial
 from mimoc.milestones.trials import FURTHER, TRIALS
 from mimoc.milestones.windows import WINDOWS, Window
-from mimoc.render.plots.milestones import Bar
+from mimoc.render.plots.milestones import AgeRow
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 
@@ -72,17 +72,17 @@ class MilestoneReport:
         return all(each.verdict in ("inside", "no verdict") for each in self.milestones)
 
     @property
-    def bars(self) -> list[Bar]:
+    def rows(self) -> list[AgeRow]:
         """The milestones as they are plotted."""
         return [
-            Bar(
-                each.trial.title,
-                (each.window.youngest_months, each.window.median_months, each.window.oldest_months)
-                if each.window
-                else None,
-                each.found.youngest_months,
+            AgeRow(
+                item.trial.title,
+                {"mimoc, from this age on": item.found.youngest_months},
+                (item.window.youngest_months, item.window.median_months, item.window.oldest_months)
+                if item.window
+                else (),
             )
-            for each in self.milestones
+            for item in self.milestones
         ]
 
     def to_data(self) -> dict[str, Any]:

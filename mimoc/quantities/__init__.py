@@ -10,7 +10,7 @@ from mimoc.quantities.outcome import CURVE, EPISODES, RETURN, SUCCESS, TIME_TO_S
 from mimoc.quantities.quantity import Quantity
 from mimoc.quantities.stability import BEYOND_LIMITS, ENERGY, STABLE, UNSTABLE
 
-__all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "title_of"]
+__all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
 
 _OWN = (
     *(*CHILD, STABLE, ENERGY, BEYOND_LIMITS),
@@ -32,6 +32,6 @@ def measured_in(step: str) -> list[Quantity]:
     return [quantity for quantity in QUANTITIES.values() if step in quantity.steps]
 
 
-def title_of(name: str) -> str:
-    """Return the label and unit of a quantity, or the name of something else as words."""
-    return QUANTITIES[name].title if name in QUANTITIES else (name[:1].upper() + name[1:]).replace("_", " ")
+def quantity_of(name: str) -> Quantity:
+    """Return a quantity, or for the name of anything else one without unit that is called by this name's words."""
+    return QUANTITIES[name] if name in QUANTITIES else Quantity(name, (name[:1].upper() + name[1:]).replace("_", " "))

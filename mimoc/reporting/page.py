@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from mimoc.reporting.drawing import Drawing
+from mimoc.render.plots.drawing import Drawing
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from mimoc.compiler.validation.compiled import own_solids, solid_extents
 from mimoc.compiler.validation.measuring import Figure
-from mimoc.reporting.drawing import Path, Point, area
+from mimoc.render.plots.drawing import Path, Point, area
 
 CORNERS = 24
 """Of the polygon that stands for the outline of a solid."""

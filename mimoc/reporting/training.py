@@ -18,9 +18,9 @@ from mimoc.quantities.outcome import (
     UNFINISHED,
     UNFINISHED_RETURN,
 )
+from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, dot
-from mimoc.reporting.frame import Frame, around
 from mimoc.reporting.infant import infant_sections
 from mimoc.reporting.infant.portrait import picture
 from mimoc.reporting.infant.sources import Sources
@@ -82,7 +82,7 @@ def _summary(run: TrainingRun) -> str:
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
         return Section("curves", "Learning", (Text(NO_CURVE, "note"),))
-    drawn = [_plot(curve, quantity) for quantity in LEARNING if _known(curve, quantity)]
+    drawn = [draw_svg(_plot(curve, quantity)) for quantity in LEARNING if _known(curve, quantity)]
     caption = CAPTION + (UNFINISHED_NOTE if _points(curve, UNFINISHED_RETURN) else "")
     rows = [
         (Cell(quantity.title), *(number(_figure(getattr(row, quantity.curve))) for row in curve.ends))
@@ -106,24 +106,30 @@ def _tiles(curve: Curve) -> Iterator[Tile]:
         yield Tile(UNFINISHED.label, so_far, f"return of {last.unfinished}; no episode has ended.")
 
 
-def _plot(curve: Curve, quantity: Quantity) -> Drawing:
+def _plot(curve: Curve, quantity: Quantity) -> Plot:
     known, so_far = _points(curve, quantity), _points(curve, SO_FAR.get(quantity))
-    values = (value for _, value in (*known, *so_far))
-    least, most = quantity.limits
-    y = (0.0, 1.0) if most is not None else around(values, least)
-    frame = Frame((0.0, float(max(curve.steps, 1))), y)
+    last = float(max(curve.steps, 1))
     series = (so_far, "leader", "survey", " so far"), (known, "line", "mean", "")
-    paths = [frame.line(points, line) for points, line, _, _ in series if len(points) > 1]
-    dots = [
-        dot(frame.at(steps, value), mark, 2.6, f"{steps:,.0f} steps: {words.figure(value)}{ending}")
-        for points, _, mark, ending in series
-        if len(points) <= SHOWN_DOTS
-        for steps, value in points
-    ]
     about = f"{quantity.title} by control steps of training"
     if known:
         about += f", from {words.figure(known[0][1])} to {words.figure(known[-1][1])}"
-    return frame.draw(quantity.title, TRAINED.heading, paths, dots, x_ticks=_few(frame.x[1]), description=about)
+    return Plot(
+        x=TRAINED,
+        y=quantity,
+        lines=tuple(Line(*_columns(points), "", look) for points, look, _, _ in series if len(points) > 1),
+        dots=tuple(
+            Dots(*_columns(points), "", look, tuple(f"{x:,.0f} steps: {words.figure(y)}{ending}" for x, y in points))
+            for points, _, look, ending in series
+            if len(points) <= SHOWN_DOTS
+        ),
+        about=about,
+        x_range=(0.0, last),
+        x_ticks=[(share * last, f"{share * last:,.0f}") for share in (0.0, 0.5, 1.0)],
+    )
+
+
+def _columns(points: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    return [x for x, _ in points], [y for _, y in points]
 
 
 def _figure(value: float) -> str:
@@ -138,10 +144,6 @@ def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]
     """Return steps and value of each row where a quantity has a value; none without one."""
     points = [(float(row.steps), float(getattr(row, quantity.curve))) for row in curve.rows] if quantity else []
     return [point for point in points if isfinite(point[1])]
-
-
-def _few(steps: float) -> Sequence[tuple[float, str]]:
-    return [(share * steps, f"{share * steps:,.0f}") for share in (0.0, 0.5, 1.0)]
 
 
 def _settings(run: TrainingRun) -> Section:

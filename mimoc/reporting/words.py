@@ -2,7 +2,9 @@
 
 import math
 
-THIN_SPACE, MINUS, TIMES, NOTHING = "\u202f", "\u2212", "\u00d7", "\u2013"
+from mimoc.render.plots.svg import MINUS
+
+THIN_SPACE, TIMES, NOTHING = "\u202f", "\u00d7", "\u2013"
 FEW, MANY = 3.0, 97.0
 """Percentiles between which WHO's charts draw the usual range."""
 LOW, HIGH = 15.0, 85.0

@@ -17,8 +17,8 @@ from mimoc.bundle.variants import Variant, opened
 from mimoc.compiler import pipeline
 from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
-from mimoc.render.plots.figure import require_matplotlib
-from mimoc.render.plots.learning import curves_png
+from mimoc.render.plots.file import encode, require_matplotlib
+from mimoc.render.plots.learning import learning_sheet
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import has_learnt, make_agent, start_interval
@@ -253,7 +253,7 @@ def _write_curve(folder: RunFolder, progress: Progress) -> None:
 
 
 def _plot(progress: Progress) -> bytes:
-    return curves_png({"": [progress.curve.columns()]})
+    return encode(learning_sheet({"": [progress.curve.columns()]}))
 
 
 @contextmanager

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import mimoc
-from mimoc.quantities import QUANTITIES, measures, title_of
+from mimoc.quantities import QUANTITIES, measures, quantity_of
 from mimoc.training.curve import Row
 
 ROOT = Path(mimoc.__file__).parent
@@ -54,5 +54,5 @@ def test_columns_of_learning_curves_are_those_of_rows():
 
 
 def test_what_is_no_quantity_is_called_by_its_name():
-    assert title_of("joint_speed_rad_s") == "Joint speed [rad/s]"
-    assert title_of("what_the_policy_says") == "What the policy says"
+    assert quantity_of("joint_speed_rad_s").title == "Joint speed [rad/s]"
+    assert quantity_of("what_the_policy_says").title == "What the policy says"

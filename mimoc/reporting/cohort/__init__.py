@@ -8,9 +8,11 @@ from mimoc.cohorts.cohort import Progress, Status, status_of
 from mimoc.cohorts.kept import kept_jobs
 from mimoc.cohorts.store import Store
 from mimoc.cohorts.table import Rows, rows_of
+from mimoc.quantities import quantity_of
+from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children
-from mimoc.reporting.cohort.measures import OF_CHILDREN, axis_of, factors_of, measures_of, title_of
+from mimoc.reporting.cohort.measures import OF_CHILDREN, factors_of, measures_of, title_of
 from mimoc.reporting.cohort.plots import plot
 from mimoc.reporting.page import Block, Cell, Drawings, Page, Section, Text, number, table
 from mimoc.version import __version__
@@ -115,7 +117,7 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
         varied = factors_of(measure.rows, factors)
         left_out |= dict.fromkeys(varied[MOST_FACTORS:])
         for factor in varied[:MOST_FACTORS]:
-            drawn += [found] if (found := plot(measure, factor, title_of(measure))) else []
+            drawn += [draw_svg(made)] if (made := plot(measure, factor, title_of(measure))) else []
     blocks: list[Block] = []
     if drawn:
         blocks.append(Drawings(tuple(drawn[:MOST_PLOTS]), CAPTION))
@@ -124,7 +126,7 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
     if len(drawn) > MOST_PLOTS:
         blocks.append(Text(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
     if left_out:
-        names = words.listed([axis_of(name) for name in left_out])
+        names = words.listed([quantity_of(name).heading for name in left_out])
         blocks.append(
             Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
         )

@@ -4,10 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
-from mimoc import quantities
 from mimoc.cohorts.table import Cell, Rows
-from mimoc.quantities import QUANTITIES
-from mimoc.reporting import words
+from mimoc.quantities import quantity_of
 
 OF_CHILDREN = ("_percentile", "_cm", "_kg")
 """How the names of factors end that children are given by."""
@@ -41,7 +39,7 @@ def measures_of(rows: Rows, names: Sequence[str]) -> tuple[Measure, ...]:
     found: list[Measure] = []
     steps = [*dict.fromkeys(str(row["step"]) for row in rows)]
     for name in names:
-        if name in QUANTITIES and QUANTITIES[name].over == "child":
+        if quantity_of(name).over == "child":
             found += _measure(name, "", _once_an_infant(row for row in rows if _number(row[name]) is not None))
         else:
             for step in steps:
@@ -58,13 +56,8 @@ def factors_of(rows: Rows, names: Sequence[str]) -> tuple[str, ...]:
 
 def title_of(measure: Measure) -> str:
     """Return what a measure is called, with its unit and its step."""
-    title = quantities.title_of(measure.name)
+    title = quantity_of(measure.name).title
     return f"{title}, {measure.step}" if measure.step else title
-
-
-def axis_of(factor: str) -> str:
-    """Return what a factor is called on an axis."""
-    return QUANTITIES[factor].heading if factor in QUANTITIES else words.name(factor)
 
 
 def is_number(values: Sequence[Cell]) -> bool:

@@ -1,14 +1,16 @@
 """Plots of a cohort: each measure by each factor."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from mimoc.quantities import quantity_of
+from mimoc.render.plots.plot import Dots, Line, Plot, Ticks
+from mimoc.render.plots.svg import around, ticks
 from mimoc.reporting import words
-from mimoc.reporting.cohort.measures import OF_CHILDREN, Measure, axis_of, is_number
-from mimoc.reporting.drawing import Dot, Drawing, Path, dot
-from mimoc.reporting.frame import Frame, Ticks, around, ticks
+from mimoc.reporting.cohort.measures import OF_CHILDREN, Measure, is_number
 
 MOST_LEVELS = 12
 """Values of a factor up to which each has a summary; of more, those of numbers are put together in bins."""
@@ -20,7 +22,7 @@ BETWEEN = 0.5
 COLUMN = {True: "true", False: "false", None: "none"}
 
 
-def plot(measure: Measure, factor: str, about: str) -> Drawing | None:
+def plot(measure: Measure, factor: str, about: str) -> Plot | None:
     """Return the plot of a measure by a factor; None if too many of the factor's values are not numbers.
 
     Args:
@@ -47,41 +49,45 @@ def plot(measure: Measure, factor: str, about: str) -> Drawing | None:
 
 def _summaries(
     groups: Mapping[float, Sequence[float]], names: Ticks | None, measure: Measure, factor: str, about: str
-) -> Drawing:
+) -> Plot:
     """Return a plot with median, quartiles and range of each group, by its place on the horizontal axis."""
     places = sorted(groups)
-    x = (places[0] - BETWEEN, places[-1] + BETWEEN) if names else around(places)
-    y = (0.0, 1.0) if measure.is_share else around(value for values in groups.values() for value in values)
-    frame, paths, dots = Frame(x, y), list[Path](), list[Dot]()
-    middles: list[tuple[float, float]] = []
+    lines: list[Line] = []
+    middles: list[float] = []
+    titles: list[str] = []
     for place in places:
         values = np.array(groups[place])
         low, first, middle, third, high = np.quantile(values, (0, 0.25, 0.5, 0.75, 1)).tolist()
-        told = f"{len(values)}: median {words.figure(middle)}, {words.figure(low)} to {words.figure(high)}"
+        title = f"{len(values)}: median {words.figure(middle)}, {words.figure(low)} to {words.figure(high)}"
         if measure.is_share:
             middle = float(values.mean())
-            told = f"{100 * middle:.0f} % of {len(values)}"
+            title = f"{100 * middle:.0f} % of {len(values)}"
         else:
-            paths += [frame.line([(place, low), (place, high)], "whisker")] if high > low else []
-            paths += [frame.line([(place, first), (place, third)], "quartiles")] if third > first else []
-        dots.append(dot(frame.at(place, middle), "mean", 4.0, told))
-        middles.append((place, middle))
-    if names is None and len(middles) > 1:
-        paths.insert(0, frame.line(middles, "line"))
-    x_ticks = names if names is not None else _at(places)
-    return frame.draw(about, axis_of(factor), paths, dots, x_ticks=x_ticks, description=_told(measure, factor, about))
+            lines += [Line((place, place), (low, high), "", "whisker")] if high > low else []
+            lines += [Line((place, place), (first, third), "", "quartiles")] if third > first else []
+        middles.append(middle)
+        titles.append(title)
+    if names is None and len(places) > 1:
+        lines.insert(0, Line(places, middles))
+    return replace(
+        _over(measure, factor, about),
+        lines=tuple(lines),
+        dots=(Dots(places, middles, "", "mean", tuple(titles), 4.0),),
+        x_range=(places[0] - BETWEEN, places[-1] + BETWEEN) if names else around(places),
+        y_range=(0.0, 1.0) if measure.is_share else around(value for values in groups.values() for value in values),
+        x_ticks=names if names is not None else _at(places),
+    )
 
 
-def _scattered(points: Sequence[tuple[float, float]], measure: Measure, factor: str, about: str) -> Drawing:
+def _scattered(points: Sequence[tuple[float, float]], measure: Measure, factor: str, about: str) -> Plot:
     """Return a plot with a dot for each job, or with bins if there are too many."""
     if len(points) > MOST_DOTS or measure.is_share:
         return _binned(points, measure, factor, about)
-    frame = Frame(around(x for x, _ in points), around(y for _, y in points))
-    dots = [dot(frame.at(*point), "one", 2.6) for point in points]
-    return frame.draw(about, axis_of(factor), (), dots, description=_told(measure, factor, about))
+    dots = Dots([x for x, _ in points], [y for _, y in points], "", "one")
+    return replace(_over(measure, factor, about), dots=(dots,))
 
 
-def _binned(points: Sequence[tuple[float, float]], measure: Measure, factor: str, about: str) -> Drawing:
+def _binned(points: Sequence[tuple[float, float]], measure: Measure, factor: str, about: str) -> Plot:
     low, high = min(x for x, _ in points), max(x for x, _ in points)
     width = (high - low) / MOST_LEVELS
     groups: dict[float, list[float]] = {}
@@ -89,6 +95,12 @@ def _binned(points: Sequence[tuple[float, float]], measure: Measure, factor: str
         number = min(int((x - low) / width), MOST_LEVELS - 1)
         groups.setdefault(low + (number + 0.5) * width, []).append(value)
     return _summaries(groups, None, measure, factor, about)
+
+
+def _over(measure: Measure, factor: str, about: str) -> Plot:
+    """Return an empty plot of a measure by a factor."""
+    description = f"{about} by {quantity_of(factor).heading}, {words.count(len(measure.values), 'job')}"
+    return Plot(quantity_of(factor), quantity_of(measure.name), title=about, about=description)
 
 
 def _values(pairs: Sequence[tuple[object, float]], level: object) -> list[float]:
@@ -101,10 +113,6 @@ def _at(places: Sequence[float]) -> Ticks:
     if len(places) <= 8 and all(after - before > near for before, after in pairwise(places)):
         return [(place, f"{place:.4g}") for place in places]
     return ticks(places[0], places[-1])
-
-
-def _told(measure: Measure, factor: str, about: str) -> str:
-    return f"{about} by {axis_of(factor)}, {words.count(len(measure.values), 'job')}"
 
 
 def _short(text: str) -> str:

@@ -1,17 +1,16 @@
 """Who an infant is: its size, in numbers, in words and on WHO's growth charts."""
 
 from collections.abc import Iterator, Mapping
-from statistics import NormalDist
 
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.provenance.child import who_percentiles
-from mimoc.fits import GrowthStandard, load_tables
+from mimoc.fits import load_tables
 from mimoc.fits.curves import LAST_MONTH
-from mimoc.fits.who import Reference
 from mimoc.quantities.child import AGE, INDICATORS
+from mimoc.render.plots.growth import standard_curves
+from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, dot, label
-from mimoc.reporting.frame import Frame
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Drawings, Section, Tile, Tiles
 
@@ -21,8 +20,6 @@ NAMED = (3, 50, 97)
 """Those that are named at their ends."""
 EVERY_MONTHS = 0.5
 """Ages at which the curves are drawn."""
-RIGHT = 30.0
-"""Room for what the curves are called."""
 MONTHS = [(float(month), str(month)) for month in range(0, int(LAST_MONTH) + 1, 6)]
 AMONG = {
     "male": "boys",
@@ -34,7 +31,7 @@ AMONG = {
 def growth(child: ChildEntry, sources: Sources) -> Section:
     """Return the section on an infant's size."""
     percentiles = who_percentiles(child)
-    charts = [_chart(indicator, child, percentiles) for indicator in load_tables().who]
+    charts = [draw_svg(_chart(indicator, child, percentiles)) for indicator in load_tables().who]
     caption = (
         f"WHO Child Growth Standards (2006, 2007), {AMONG[child.sex]}. The line is the median; 7 of 10 children "
         "are in the inner band, and 94 of 100 in the outer one. The dot is this infant."
@@ -57,33 +54,26 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
         )
 
 
-def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Drawing:
+def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Plot:
     standard, quantity = load_tables().who[indicator], INDICATORS[indicator]
-    curves = _curves(standard, child.sex or "mean")
-    value, months = getattr(child, indicator), [age for age, _ in curves[PERCENTILES[0]]]
-    shown = [v for curve in curves.values() for _, v in curve] + ([] if value is None else [value])
-    frame = Frame((0.0, LAST_MONTH), (min(shown) * 0.97, max(shown) * 1.02), right=RIGHT)
-    low, inner_low, middle, inner_high, high = ([v for _, v in curves[each]] for each in PERCENTILES)
-    paths = [
-        frame.band(months, low, high, "band"),
-        frame.band(months, inner_low, inner_high, "band-inner"),
-        frame.line(zip(months, middle, strict=True), "median"),
-    ]
-    ends = [(frame.at(LAST_MONTH, curves[each][-1][1]), str(each)) for each in NAMED]
-    names = [label((x + 5, y + 4), text, "small start") for (x, y), text in ends]
-    dots, told = [], "this infant has none to measure"
+    months, curves = standard_curves(standard, PERCENTILES, EVERY_MONTHS, child.sex or "mean")
+    low, inner_low, middle, inner_high, high = curves
+    value, dots, text = getattr(child, indicator), (), "this infant has none to measure"
     if value is not None:
-        told = f"{words.quantity(value, quantity.unit)} at {words.age(child.age_months)}"
-        dots = [dot(frame.at(child.age_months, value), "infant", 5.5, told)]
+        text = f"{words.quantity(value, quantity.unit)} at {words.age(child.age_months)}"
+        dots = (Dots((child.age_months,), (value,), "", "infant", (text,), 5.5),)
     if indicator in percentiles:
-        told += f", percentile {percentiles[indicator]:.0f}"
-    about = f"{quantity.label} by age, WHO percentiles 3 to 97; this infant: {told}"
-    return frame.draw(quantity.title, AGE.heading, paths, dots, names, MONTHS, about)
-
-
-def _curves(standard: GrowthStandard, reference: Reference) -> dict[int, list[tuple[float, float]]]:
-    """Return age and value along each percentile."""
-    ages = [step * EVERY_MONTHS for step in range(int(LAST_MONTH / EVERY_MONTHS) + 1)]
-    known = [age for age in ages if standard.covers(age)]
-    scores = {each: NormalDist().inv_cdf(each / 100) for each in PERCENTILES}
-    return {each: [(age, standard.value(z, age, reference)) for age in known] for each, z in scores.items()}
+        text += f", percentile {percentiles[indicator]:.0f}"
+    shown = [*low, *high, *([] if value is None else [value])]
+    return Plot(
+        x=AGE,
+        y=quantity,
+        lines=(Line(months, middle, "", "median"),),
+        bands=(Band(months, low, high, "", "band"), Band(months, inner_low, inner_high, "", "band-inner")),
+        dots=dots,
+        about=f"{quantity.label} by age, WHO percentiles 3 to 97; this infant: {text}",
+        x_range=(0.0, LAST_MONTH),
+        y_range=(min(shown) * 0.97, max(shown) * 1.02),
+        x_ticks=MONTHS,
+        notes=tuple((LAST_MONTH, curves[PERCENTILES.index(share)][-1], f"{share}") for share in NAMED),
+    )

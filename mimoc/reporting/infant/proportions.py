@@ -8,8 +8,8 @@ from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
 from mimoc.quantities.columns import AVERAGE, DIFFERENCE, MEASURED
+from mimoc.render.plots.drawing import Drawing, Path, box, drawing, line
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, Path, box, drawing, line
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Section, Text, number, table
 from mimoc.units import m_to_cm

@@ -9,8 +9,8 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.quantities.columns import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
+from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, drawing, label, line
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Dot, Drawing, Label, Path, Point, dot, drawing, label, line
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Details, Drawings, Section, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
