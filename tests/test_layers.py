@@ -107,7 +107,7 @@ LAYERS = {
     "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),
     "viewer": layer(
         "viewer",
-        f"{BUILDING} compiler {RUNNING} rollout policies recording opening",
+        f"{BUILDING} compiler {RUNNING} rollout policies recording opening plots",
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from statistics import NormalDist
 
-from mimoc.fits import BIRTH, GrowthStandard, load_tables, measure
+from mimoc.fits import BIRTH, load_tables, measure
 from mimoc.fits.measurements import DataPoint
 from mimoc.fits.who import Reference
 from mimoc.quantities import Quantity
@@ -12,6 +12,10 @@ from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet, Ticks
 
 LAST_MONTH = 24
 AGE_RANGE = (-0.5, LAST_MONTH + 0.5)
+PERCENTILES = (3, 15, 50, 85, 97)
+"""Those of WHO's charts."""
+NAMED = (3, 50, 97)
+"""Those that are named at the ends of their curves."""
 
 SURVEYED = {
     "length_cm": "crown_sole_length",
@@ -51,11 +55,34 @@ def growth_sheet(series: Mapping[str, Points], reference: Reference = "mean") ->
     return Sheet(plots, columns=2, panel_px=(800, 525), caption=caption, shared_legend=True)
 
 
-def standard_curves(
-    standard: GrowthStandard, percentiles: Sequence[float], every_months: float, reference: Reference
+def who_chart(indicator: str, reference: Reference, values: Sequence[float] = ()) -> Plot:
+    """Return WHO's growth chart of an indicator: the median, and bands between the `PERCENTILES`.
+
+    Args:
+        indicator: One of `INDICATORS`.
+        reference: Which children's standards.
+        values: Further values that the chart has room for.
+    """
+    ages_months, curves = _standard_curves(indicator, PERCENTILES, 0.5, reference)
+    low, inner_low, middle, inner_high, high = curves
+    shown = (*low, *high, *values)
+    return Plot(
+        x=AGE,
+        y=INDICATORS[indicator],
+        lines=(Line(ages_months, middle, "", "median"),),
+        bands=(Band(ages_months, low, high, "", "band"), Band(ages_months, inner_low, inner_high, "", "band-inner")),
+        x_range=(0.0, LAST_MONTH),
+        y_range=(min(shown) * 0.97, max(shown) * 1.02),
+        x_ticks=_months(6),
+        notes=tuple((LAST_MONTH, curves[PERCENTILES.index(share)][-1], f"{share}") for share in NAMED),
+    )
+
+
+def _standard_curves(
+    indicator: str, percentiles: Sequence[float], every_months: float, reference: Reference
 ) -> tuple[list[float], list[list[float]]]:
     """Return ages, in months, and at each of them the values of WHO's percentiles, one list for each of those."""
-    steps = round(LAST_MONTH / every_months)
+    standard, steps = load_tables().who[indicator], round(LAST_MONTH / every_months)
     ages_months = [age for step in range(steps + 1) if standard.covers(age := step * every_months)]
     scores = [NormalDist().inv_cdf(percentile / 100) for percentile in percentiles]
     return ages_months, [[standard.value(z, age, reference) for age in ages_months] for z in scores]
@@ -73,7 +100,7 @@ def measurements_sheet(series: Mapping[str, Points], tolerance: float) -> Sheet:
 
 
 def _growth_plot(indicator: str, quantity: Quantity, infant: Points, reference: Reference, letter: str) -> Plot:
-    ages_months, (low, middle, high) = standard_curves(load_tables().who[indicator], (5, 50, 95), 0.05, reference)
+    ages_months, (low, middle, high) = _standard_curves(indicator, (5, 50, 95), 0.05, reference)
     lines = [Line(ages_months, middle, "WHO, mean" if reference == "mean" else "WHO, median", "median")]
     return Plot(
         x=AGE,

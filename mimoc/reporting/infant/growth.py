@@ -1,26 +1,19 @@
 """Who an infant is: its size, in numbers, in words and on WHO's growth charts."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.provenance.child import who_percentiles
 from mimoc.fits import load_tables
-from mimoc.fits.curves import LAST_MONTH
-from mimoc.quantities.child import AGE, INDICATORS
-from mimoc.render.plots.growth import standard_curves
-from mimoc.render.plots.plot import Band, Dots, Line, Plot
+from mimoc.quantities.child import INDICATORS
+from mimoc.render.plots.growth import who_chart
+from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Drawings, Section, Tile, Tiles
 
-PERCENTILES = (3, 15, 50, 85, 97)
-"""Curves of WHO's charts."""
-NAMED = (3, 50, 97)
-"""Those that are named at their ends."""
-EVERY_MONTHS = 0.5
-"""Ages at which the curves are drawn."""
-MONTHS = [(float(month), str(month)) for month in range(0, int(LAST_MONTH) + 1, 6)]
 AMONG = {
     "male": "boys",
     "female": "girls",
@@ -55,25 +48,13 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
 
 
 def _chart(indicator: str, child: ChildEntry, percentiles: Mapping[str, float]) -> Plot:
-    standard, quantity = load_tables().who[indicator], INDICATORS[indicator]
-    months, curves = standard_curves(standard, PERCENTILES, EVERY_MONTHS, child.sex or "mean")
-    low, inner_low, middle, inner_high, high = curves
-    value, dots, text = getattr(child, indicator), (), "this infant has none to measure"
+    quantity, value, text = INDICATORS[indicator], getattr(child, indicator), "this infant has none to measure"
+    dots: tuple[Dots, ...] = ()
     if value is not None:
         text = f"{words.quantity(value, quantity.unit)} at {words.age(child.age_months)}"
         dots = (Dots((child.age_months,), (value,), "", "infant", (text,), 5.5),)
     if indicator in percentiles:
         text += f", percentile {percentiles[indicator]:.0f}"
-    shown = [*low, *high, *([] if value is None else [value])]
-    return Plot(
-        x=AGE,
-        y=quantity,
-        lines=(Line(months, middle, "", "median"),),
-        bands=(Band(months, low, high, "", "band"), Band(months, inner_low, inner_high, "", "band-inner")),
-        dots=dots,
-        about=f"{quantity.label} by age, WHO percentiles 3 to 97; this infant: {text}",
-        x_range=(0.0, LAST_MONTH),
-        y_range=(min(shown) * 0.97, max(shown) * 1.02),
-        x_ticks=MONTHS,
-        notes=tuple((LAST_MONTH, curves[PERCENTILES.index(share)][-1], f"{share}") for share in NAMED),
-    )
+    chart = who_chart(indicator, child.sex or "mean", () if value is None else (value,))
+    about = f"{quantity.label} by age, WHO percentiles 3 to 97; this infant: {text}"
+    return replace(chart, dots=dots, about=about)
