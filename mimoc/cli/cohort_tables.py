@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.table import Table
 from rich.text import Text
 
-from mimoc.cli.console import open_console
+from mimoc.cli.console import new_table, open_console
 from mimoc.errors import counted
 from mimoc.quantities.columns import JOB_SIZE, JOB_TIME, TIME_LEFT
 
@@ -22,9 +21,8 @@ SHOWN = 10
 def print_plan(plan: Plan) -> None:
     """Print what each step will take, and all together."""
     console = open_console()
-    table = Table(title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}", title_justify="left")
-    for heading in ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading):
-        table.add_column(heading, justify="left" if heading == "step" else "right")
+    headings = ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading)
+    table = new_table(*headings, title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}")
     for step in plan.steps:
         table.add_row(*_plan_row(step, plan.processes))
     console.print(table)
@@ -48,9 +46,7 @@ def _plan_row(step: StepPlan, processes: int) -> tuple[str, ...]:
 def print_status(status: Status) -> None:
     """Print how many jobs of each step are done, and the first that have failed."""
     console = open_console()
-    table = Table(title=counted(status.jobs, "job"), title_justify="left")
-    for heading in ("step", "ok", "failed", "missing"):
-        table.add_column(heading, justify="left" if heading == "step" else "right")
+    table = new_table("step", "ok", "failed", "missing", title=counted(status.jobs, "job"))
     for step, counts in status.counts.items():
         table.add_row(step, *(f"{counts.get(state, 0)}" for state in ("ok", "failed", "missing")))
     console.print(table)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
@@ -64,14 +64,20 @@ class _Steps(MofNCompleteColumn):
         return super().render(task) if task.total is not None else Text()
 
 
+def new_table(*headings: str, title: str | None = None, left: int = 1, **options: Any) -> Table:
+    """Return an empty table with a title, whose columns stand at the right but for the first ones."""
+    table = Table(title=title, title_justify="left", **options)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if number < left else "right")
+    return table
+
+
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     """Print a child's measures and their WHO percentiles."""
     measures = manifest.child.model_dump()
-    table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
-    table.add_column("measure")
-    table.add_column("value", justify="right")
     population = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
-    table.add_column(f"WHO percentile, {population}", justify="right")
+    title = f"{manifest.name}, {manifest.child.age_months:g} months"
+    table = new_table("measure", "value", f"WHO percentile, {population}", title=title)
     for name, value in percentiles.items():
         table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", f"{value:.0f}")
     open_console().print(table)
@@ -89,10 +95,7 @@ def print_toys(manifest: Manifest) -> None:
     """Print the toys of the scene and the notes on the build."""
     console = open_console()
     if manifest.toys:
-        table = Table(title=f"{len(manifest.toys)} toys", title_justify="left")
-        table.add_column("toy")
-        for quantity in (TOY_SIZE, TOY_MASS):
-            table.add_column(quantity.heading, justify="right")
+        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=f"{len(manifest.toys)} toys")
         for toy in manifest.toys:
             table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
@@ -102,9 +105,8 @@ def print_toys(manifest: Manifest) -> None:
 
 def print_run(summary: Summary) -> None:
     """Print the summary of a run and its speed."""
-    table = Table(title=f"{summary.steps} control steps, {summary.simulated_s:g} s simulated", title_justify="left")
-    table.add_column("quantity")
-    table.add_column("value", justify="right")
+    title = f"{summary.steps} control steps, {summary.simulated_s:g} s simulated"
+    table = new_table("quantity", "value", title=title)
     for name, value in {**summary.measures, **summary.metrics}.items():
         if value is not None:
             table.add_row(quantity_of(name).title, ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}")

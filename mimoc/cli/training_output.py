@@ -9,8 +9,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Protocol
 
-from rich.table import Table
-
 from mimoc.cli import console
 from mimoc.cli.printable import printable
 from mimoc.quantities.outcome import CURVE
@@ -110,9 +108,8 @@ def print_training(training: Training, out: Path, task: str | None) -> None:
         task: The name of the user's own task, if any, which the policy may observe.
     """
     rows = training.curve.ends
-    table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
-    for heading in ("quantity", "start", "end"):
-        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    title = f"trained for {training.curve.steps} control steps"
+    table = console.new_table("quantity", "start", "end", title=title)
     for quantity in CURVE:
         table.add_row(quantity.title, *(_number(getattr(row, quantity.curve)) for row in rows))
     opened = console.open_console()

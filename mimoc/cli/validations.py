@@ -30,7 +30,7 @@ class Findings:
 
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
-    from mimoc.cli.growth_table import print_growth
+    from mimoc.cli.validation_tables import print_growth
     from mimoc.compiler import validation
     from mimoc.render.plots.growth import growth_sheet
 
@@ -40,7 +40,7 @@ def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
 
 
 def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
-    from mimoc.cli.measurement_table import print_measurements
+    from mimoc.cli.validation_tables import print_measurements
     from mimoc.compiler.validation import anthrokids
     from mimoc.render.plots.growth import measurements_sheet
 
@@ -54,7 +54,7 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
 
 
 def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
-    from mimoc.cli.milestone_table import print_milestones
+    from mimoc.cli.validation_tables import print_milestones
     from mimoc.milestones import Conditions, validate_milestones
     from mimoc.render.plots.milestones import rows_sheet
 

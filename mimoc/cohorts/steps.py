@@ -24,7 +24,7 @@ Measures = Mapping[str, Any]
 def measure_child(bundle: Bundle) -> Measures:
     """Return the measures of an infant that every step has."""
     child = bundle.manifest.child
-    return {item.name: getattr(child, item.field) for item in measured_in("build") if item.over == "child"}
+    return {item.name: getattr(child, item.key) for item in measured_in("build") if item.over == "child"}
 
 
 def build(work: Work) -> Measures:

@@ -3,8 +3,8 @@
 from mimoc.quantities.quantity import Quantity
 
 CONTACTS_SELF = Quantity(
-    name="contacts_self",
-    label="Contacts with the own body",
+    "contacts_self",
+    "Contacts with the own body",
     about="mean number of contacts between parts of the own body",
     read="mimoc.quantities.run_contact",
     steps=("run",),

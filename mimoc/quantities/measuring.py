@@ -49,7 +49,7 @@ def measure(over: str, step: str, things: Sequence[object]) -> dict[str, Value]:
     """
     measured = [quantity for quantity in measured_in(step) if quantity.over == over]
     return {
-        quantity.name: _reduced(quantity, [getattr(item, quantity.field) for item in things]) for quantity in measured
+        quantity.name: _reduced(quantity, [getattr(item, quantity.key) for item in things]) for quantity in measured
     }
 
 
@@ -72,8 +72,10 @@ class StepMeasures:
         """Return the values of this moment by name, given the `info` of the control step."""
         if self._env.data is not self._data:
             self._data, self._readers = self._env.data, self._bind()
-        fields = {item.name: info.get(item.field) for item in self._quantities if item.field}
-        return {item.name: fields[item.name] if item.field else self._readers[item.name]() for item in self._quantities}
+        readers = self._readers
+        return {
+            item.name: readers[item.name]() if item.name in readers else info.get(item.key) for item in self._quantities
+        }
 
     def add(self, info: Mapping[str, Any]) -> None:
         """Keep the values of this moment."""

@@ -1,55 +1,22 @@
 """How an infant moves."""
 
+from functools import partial
+
 from mimoc.quantities.quantity import Quantity
 
-TERMS = "mimoc.quantities.run_motion"
+_of_steps = partial(Quantity, term="mimoc.quantities.run_motion", steps=("run",))
 
-HIP_PATH = Quantity(
-    name="hip_path_m",
-    label="Path of the hip",
-    unit="m",
-    about="length of the path of the hip",
-    reduce="path",
-    term=TERMS,
-    steps=("run",),
-)
-HEAD_HEIGHT = Quantity(
-    name="head_height_m",
-    label="Largest height of the head",
-    unit="m",
-    about="largest height of the head's centre above z = 0",
-    reduce="max",
-    term=TERMS,
-    steps=("run",),
-)
-HEAD_LOWEST = Quantity(
-    name="head_lowest_m",
-    label="Smallest height of the head",
-    unit="m",
-    about="smallest height of the head's centre above z = 0",
-    reduce="min",
-    term=TERMS,
-    steps=("run",),
-)
-JOINT_SPEED = Quantity(
-    name="joint_speed_rad_s",
-    label="Joint speed",
-    unit="rad/s",
-    about="mean absolute joint velocity, over joints and control steps",
-    term=TERMS,
-    steps=("run",),
-)
+HIP_PATH = _of_steps("hip_path_m", "Path of the hip", "m", "length of the path of the hip", reduce="path")
+HEAD_HEIGHT = _of_steps("head_height_m", "Largest height of the head", "m", "of its centre above z = 0", reduce="max")
+HEAD_LOWEST = _of_steps("head_lowest_m", "Smallest height of the head", "m", "of its centre above z = 0", reduce="min")
+JOINT_SPEED = _of_steps("joint_speed_rad_s", "Joint speed", "rad/s", "mean absolute velocity over joints and steps")
 HAND_ERROR = Quantity(
-    name="hand_error_m",
-    label="Distance from hand to target after 1.5 s, median",
-    unit="m",
-    about="what the policy `reach` reports",
-    steps=(),
+    "hand_error_m", "Distance from hand to target after 1.5 s, median", "m", "of the policies that reach", steps=()
 )
 FELL_AFTER = Quantity(
-    name="fell_after_s",
-    label="Too weak or too unsteady to sit unsupported: fell over after",
-    unit="s",
-    about="what policies that keep an infant sitting report",
+    "fell_after_s",
+    "Too weak or too unsteady to sit unsupported: fell over after",
+    "s",
+    "of the policies that keep sitting",
     steps=(),
 )

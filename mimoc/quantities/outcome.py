@@ -1,74 +1,36 @@
 """What came of episodes, also while a policy learns."""
 
+from functools import partial
+
 from mimoc.quantities.quantity import Quantity
 
-RETURN = Quantity(
-    name="return",
-    label="Return of an episode",
-    about="mean return of the completed episodes",
-    over="episode",
-    field="total_reward",
-    curve="episode_return",
-    steps=("run", "train"),
+_of_episodes = partial(Quantity, over="episode", steps=("run", "train"))
+
+RETURN = _of_episodes(
+    "return", "Return of an episode", about="mean return", field="total_reward", curve="episode_return"
 )
-SUCCESS = Quantity(
-    name="success",
-    label="Share of episodes that succeed",
-    about="share of the completed episodes that were successful",
-    over="episode",
-    field="success",
-    curve="success_rate",
-    steps=("run", "train"),
-    limits=(0.0, 1.0),
+SUCCESS = _of_episodes(
+    "success", "Share of episodes that succeed", about="of the completed ones", curve="success_rate", limits=(0.0, 1.0)
 )
-TIME_TO_SUCCESS = Quantity(
-    name="time_to_success_s",
-    label="Time to success",
-    unit="s",
-    about="mean simulated time to success",
-    over="episode",
-    field="time_to_success_s",
-    curve="time_to_success_s",
-    steps=("run", "train"),
-    limits=(0.0, None),
+TIME_TO_SUCCESS = _of_episodes(
+    "time_to_success_s", "Time to success", "s", "mean simulated time", curve="time_to_success_s", limits=(0.0, None)
 )
-EPISODES = Quantity(
-    name="episodes",
-    label="Completed episodes",
-    about="completed episodes",
-    over="episode",
-    reduce="count",
-    field="steps",
-    curve="episodes",
-    steps=("run", "train"),
+EPISODES = _of_episodes(
+    "episodes", "Completed episodes", about="how many", reduce="count", field="steps", curve="episodes"
 )
-EPISODE_STEPS = Quantity(
-    name="episode_steps",
-    label="Length of an episode",
-    unit="control steps",
-    about="mean length of the completed episodes",
-    over="episode",
-    field="steps",
-    curve="episode_steps",
-    steps=(),
-    limits=(0.0, None),
+
+_of_learning = partial(Quantity, over="episode", steps=())
+
+EPISODE_STEPS = _of_learning(
+    "episode_steps", "Length of an episode", "control steps", "mean length", curve="episode_steps", limits=(0.0, None)
 )
-TRAINED = Quantity("trained_steps", "Control steps of training", about="of all environments", curve="steps", steps=())
-UNFINISHED = Quantity("unfinished", "Unfinished episodes", about="under way at that time", curve="unfinished", steps=())
-UNFINISHED_RETURN = Quantity(
-    name="unfinished_return",
-    label="Their return so far",
-    about="not comparable with the return of whole episodes",
-    curve="unfinished_return",
-    steps=(),
+TRAINED = _of_learning("trained_steps", "Control steps of training", about="of all environments", curve="steps")
+UNFINISHED = _of_learning("unfinished", "Unfinished episodes", about="under way at that time", curve="unfinished")
+UNFINISHED_RETURN = _of_learning(
+    "unfinished_return", "Their return so far", about="not that of whole ones", curve="unfinished_return"
 )
-UNFINISHED_STEPS = Quantity(
-    name="unfinished_steps",
-    label="Their length so far",
-    unit="control steps",
-    about="not comparable with the length of whole episodes",
-    curve="unfinished_steps",
-    steps=(),
+UNFINISHED_STEPS = _of_learning(
+    "unfinished_steps", "Their length so far", "control steps", "not that of whole ones", curve="unfinished_steps"
 )
 
 LEARNING = (SUCCESS, TIME_TO_SUCCESS, RETURN, EPISODE_STEPS)

@@ -28,8 +28,8 @@ class Quantity:
     read: Code | None = None
     """`bind(env) -> Callable[[], float]`: the same for what no term can say; of one infant, on the CPU."""
     field: str = ""
-    """Without either: the attribute or key that holds its value in the child's entry of a manifest, in the check of a
-    pose, in the `info` of a control step, or in an `Outcome` of an episode."""
+    """Without either: the attribute or key, by default its name, that holds its value in the child's entry of a
+    manifest, in the check of a pose, in the `info` of a control step, or in an `Outcome` of an episode."""
     curve: str = ""
     """Its column in a learning curve."""
     steps: tuple[str, ...] = ("run", "record")
@@ -39,6 +39,11 @@ class Quantity:
     """Least and largest possible value, where an axis begins and ends; None for no limit."""
     source: str | None = None
     """Publication that defines it."""
+
+    @property
+    def key(self) -> str:
+        """The attribute or key that holds its value."""
+        return self.field or self.name
 
     @property
     def title(self) -> str:

@@ -1,41 +1,12 @@
 """Whether a simulation stays stable, as `mimoc check` finds it from each pose."""
 
+from functools import partial
+
 from mimoc.quantities.quantity import Quantity
 
-STABLE = Quantity(
-    name="stable",
-    label="Simulation stayed stable",
-    about="whether the infant stayed stable in all trials",
-    over="pose",
-    reduce="all",
-    field="passed",
-    steps=("check",),
-)
-ENERGY = Quantity(
-    name="energy_j_per_kg",
-    label="Kinetic energy",
-    unit="J/kg",
-    about="largest kinetic energy per body mass",
-    over="pose",
-    reduce="max",
-    field="energy_j_per_kg",
-    steps=("check",),
-)
-BEYOND_LIMITS = Quantity(
-    name="beyond_deg",
-    label="Beyond joint limits",
-    unit="°",
-    about="largest violation of a joint range",
-    over="pose",
-    reduce="max",
-    field="beyond_deg",
-    steps=("check",),
-)
-UNSTABLE = Quantity(
-    name="unstable",
-    label="Simulation became unstable",
-    about="whether the simulation became unstable",
-    reduce="any",
-    field="unstable",
-    steps=("run",),
-)
+_of_poses = partial(Quantity, over="pose", steps=("check",))
+
+STABLE = _of_poses("stable", "Simulation stayed stable", "", "whether in all trials", reduce="all", field="passed")
+ENERGY = _of_poses("energy_j_per_kg", "Kinetic energy", "J/kg", "largest, per body mass", reduce="max")
+BEYOND_LIMITS = _of_poses("beyond_deg", "Beyond joint limits", "°", "largest violation of a range", reduce="max")
+UNSTABLE = Quantity("unstable", "Simulation became unstable", about="whether it did", reduce="any", steps=("run",))

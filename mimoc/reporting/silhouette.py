@@ -1,7 +1,6 @@
 """The outline of an infant, drawn from the solids of its body as it stands upright, seen from the front."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -42,11 +41,12 @@ class Silhouette:
         """
         return foot[0] + scale * float(point_m[1]), foot[1] - scale * (float(point_m[2]) - self.sole_m)
 
-    def paths(self, scale: float, foot: Point) -> Iterator[Path]:
-        """Yield the drawing of the body; see `at`."""
-        for outline in self.outlines_m:
-            points = [(foot[0] + scale * float(y), foot[1] - scale * float(z)) for y, z in outline]
-            yield area(points, "skin")
+    def paths(self, scale: float, foot: Point) -> list[Path]:
+        """Return the drawing of the body; see `at`."""
+        return [
+            area([(foot[0] + scale * float(y), foot[1] - scale * float(z)) for y, z in outline], "skin")
+            for outline in self.outlines_m
+        ]
 
 
 def silhouette(model: mujoco.MjModel) -> Silhouette:

@@ -22,9 +22,8 @@ from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.infant import infant_sections
-from mimoc.reporting.infant.portrait import picture
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.infant.who import described
+from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Block, Cell, Code, Details, Drawings, Page, Section, Text, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.hyperparameters import HYPERPARAMETERS
@@ -62,11 +61,11 @@ def training_page(folder: Path) -> Page:
     bundle = read_run_bundle(folder)
     sources = Sources(bundle)
     size, body, senses = infant_sections(bundle, load_model(bundle), sources)
-    pictures, missing = picture(bundle)
+    lead, pictures = introduce(bundle)
     return Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
-        lead=(_summary(run), *described(bundle), *([missing] if missing else [])),
+        lead=(_summary(run), *lead),
         sections=(_curves(run.curve), _settings(run), size, body, senses, sources.section()),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.cli.milestone_table import print_milestones
+from mimoc.cli.validation_tables import print_milestones
 from mimoc.milestones import TRIALS, WINDOWS, Conditions, Milestone, MilestoneReport, Outcome, validate_milestones
 from mimoc.milestones.search import Found
 from mimoc.render.plots.file import draw

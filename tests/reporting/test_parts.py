@@ -13,10 +13,9 @@ from mimoc.quantities.child import AGE
 from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.plots.svg import around, draw_svg, ticks
 from mimoc.reporting import words
-from mimoc.reporting.html import render
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.strength import strength
-from mimoc.reporting.page import Cell, Code, Details, Page, Section, Text, table
+from mimoc.reporting.page import Cell, Code, Details, Page, Section, Text, render, table
 from mimoc.reporting.silhouette import silhouette
 from mimoc.units import cm_to_m
 

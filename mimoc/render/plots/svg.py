@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from itertools import chain
 
 from mimoc.quantities.quantity import Quantity
-from mimoc.render.plots.drawing import Drawing, Path, Point, area, dot, drawing, label, line
+from mimoc.render.plots.drawing import Drawing, Path, Point, area, dot, label, line
 from mimoc.render.plots.plot import Numbers, Plot, Range, Ticks
 
 WIDTH, HEIGHT = 340.0, 220.0
@@ -54,7 +54,7 @@ def draw_svg(plot: Plot) -> Drawing:
     lines = [path(item.x, item.y, item.look) for item in plot.lines]
     axis = path(x, (y[0], y[0]), "axis")
     about = plot.about or plot.title or plot.y.title
-    return drawing(about, (WIDTH, HEIGHT), (*grid, *bands, *lines, axis), dots, texts)
+    return Drawing(about, (WIDTH, HEIGHT), (*grid, *bands, *lines, axis), dots, texts)
 
 
 def around(values: Iterable[float], floor: float | None = None) -> Range:

@@ -11,7 +11,7 @@ from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import HEAD, LENGTH, WEIGHT
-from mimoc.render.plots.drawing import Drawing, drawing, label
+from mimoc.render.plots.drawing import Drawing, label
 from mimoc.render.plots.plot import Dots, Plot
 from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
@@ -155,4 +155,4 @@ def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
     told = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
     labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(told)]
     paths = outline.paths(UNITS_PER_M, (half, ground))
-    return drawing(", ".join(told), (2 * half, ground + BELOW), paths, (), labels, kind="body")
+    return Drawing(", ".join(told), (2 * half, ground + BELOW), paths, (), labels, kind="body")

@@ -8,7 +8,7 @@ from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
 from mimoc.quantities.columns import AVERAGE, DIFFERENCE, MEASURED
-from mimoc.render.plots.drawing import Drawing, Path, box, drawing, line
+from mimoc.render.plots.drawing import Drawing, Path, box, line
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Section, Text, number, table
@@ -58,4 +58,4 @@ def _bar(name: str, deviation: float) -> Drawing:
         line([(middle, 0), (middle, HEIGHT)], "axis"),
     ]
     told = f"{name}: {words.signed(100 * deviation)} % from the average child"
-    return drawing(told, (WIDTH, HEIGHT), paths, kind="small")
+    return Drawing(told, (WIDTH, HEIGHT), paths, kind="small")

@@ -5,11 +5,12 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from mimoc.bundle.io import Bundle
+from mimoc.bundle.io import LOCK, Bundle, digests
 from mimoc.compiler.explain import entries_of, value_text
+from mimoc.compiler.provenance.spec import SPEC_FILE
 from mimoc.errors import MimocError
 from mimoc.reporting import words
-from mimoc.reporting.page import Block, Cell, Details, Link, Section, Text, number, table
+from mimoc.reporting.page import Block, Cell, Code, Details, Link, Section, Text, number, table
 
 GROUPS = {
     "who": "Percentiles",
@@ -98,3 +99,18 @@ class Sources:
 def _fragment(key: str) -> str:
     """Return the fragment of a number on the page."""
     return "n-" + re.sub(r"\s+", "-", key)
+
+
+def origin(bundle: Bundle) -> Section:
+    """Return the section on what an infant was made from."""
+    versions = words.listed([f"{name} {version}" for name, version in sorted(bundle.versions.items())])
+    digest = digests({LOCK: bundle.files[LOCK]})[LOCK]
+    rows = [(Cell("Built with"), Cell(versions)), (Cell("Digest of its lock"), Cell(digest, "code"))]
+    rows += [(Cell("Note"), Cell(note)) for note in bundle.manifest.notes]
+    spec = (
+        Code(bundle.files[SPEC_FILE].decode(errors="replace"))
+        if SPEC_FILE in bundle.files
+        else Text("It has no spec.", "note")
+    )
+    blocks = (table(("", ""), rows), Details("The spec, as it was written", (spec,)))
+    return Section("spec", "What it was made from", blocks)

@@ -9,7 +9,7 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
 from mimoc.quantities.columns import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
-from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, drawing, label, line
+from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, label, line
 from mimoc.reporting import words
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Details, Drawings, Section, number, table
@@ -87,7 +87,7 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
             dots.append(dot(note.at, "mark", 2.2))
             labels.append(label((edge, y - 1), note.name, f"strong {side}"))
             labels.append(label((edge, y + 13), note.text, f"small {side}"))
-    return drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
+    return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
 
 
 def _joint_notes(

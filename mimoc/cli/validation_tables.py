@@ -1,0 +1,155 @@
+"""Console output of what infants are compared with: WHO's standards, AnthroKids, and motor milestones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+from rich.text import Text
+
+from mimoc.cli.console import new_table, open_console
+from mimoc.quantities.child import INDICATORS
+from mimoc.quantities.columns import DIFFERENCE, FROM_AGE
+
+if TYPE_CHECKING:
+    from mimoc.compiler.validation import GrowthReport, MeasurementReport, MeasurementRow, Row
+    from mimoc.fits.who import Reference
+    from mimoc.milestones import Milestone, MilestoneReport
+
+POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
+Column = Callable[["Row"], "str | Text"]
+
+
+def print_growth(report: GrowthReport, requested_sd: float) -> None:
+    """Print one table per growth indicator, with a row for each age, and the verdict.
+
+    Args:
+        report: The comparison.
+        requested_sd: How far measures may be from what the spec asks for, in standard deviations.
+    """
+    console = open_console()
+    for indicator, rows in report.by_indicator.items():
+        console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
+        console.print(_growth_table(rows))
+        console.print(_largest_deviation(rows) + "\n")
+    goals = {
+        "within one SD of the mean of WHO's boys and girls": [row for row in report.rows if row.requested_z is None],
+        f"as asked for, within {requested_sd:g} SD": [row for row in report.rows if row.requested_z is not None],
+    }
+    for goal, rows in goals.items():
+        judged = [row for row in rows if row.is_judged]
+        failing = sorted({row.indicator for row in judged if row.missed})
+        if failing:
+            console.print(Text(f"failed: not {goal} at every age: {', '.join(failing)}", style="red"))
+        elif judged:
+            console.print(Text(f"ok: {goal} at every age: {_names(judged)}", style="green"))
+    if reported := [row for row in report.rows if not row.is_judged]:
+        console.print(f"follows from other keys of the spec, and is not judged: {_names(reported)}")
+
+
+def _growth_table(rows: Sequence[Row]) -> Table:
+    columns = _growth_columns(rows)
+    table = new_table(*columns, left=0, collapse_padding=True, pad_edge=False)
+    for row in rows:
+        table.add_row(*(column(row) for column in columns.values()))
+    return table
+
+
+def _growth_columns(rows: Sequence[Row]) -> Mapping[str, Column]:
+    """Return the columns that have something to say about these rows, by heading."""
+    reference = rows[0].reference
+    found: dict[str, Column] = {"months": lambda row: f"{row.age_months:g}", "infant": lambda row: f"{row.value:.2f}"}
+    if reference == "mean":
+        found |= {"z boys": lambda row: f"{row.z['male']:+.2f}", "z girls": lambda row: f"{row.z['female']:+.2f}"}
+    found |= {"z": _z, "percentile": lambda row: f"{row.percentile[reference]:.1f}"}
+    if any(row.requested_z is not None for row in rows):
+        found["z asked for"] = lambda row: "" if row.requested_z is None else f"{row.requested_z:+.2f}"
+    if any(row.missed for row in rows):
+        found["verdict"] = lambda row: "missed" if row.missed else ""
+    return found
+
+
+def _z(row: Row) -> Text:
+    """Return a z-score as text, in yellow and with a star if it is missed."""
+    return Text(f"{row.z[row.reference]:+.2f}{'*' if row.missed else ' '}", style="yellow" if row.missed else "")
+
+
+def _largest_deviation(rows: Sequence[Row]) -> str:
+    row = max(rows, key=lambda row: abs(row.deviation))
+    what = "what is asked for" if row.requested_z is not None else "the median"
+    deviation = round(row.deviation, 2) + 0.0  # Which turns -0.0 into 0.
+    return f"largest deviation from {what}: {deviation:+.2f} SD at {row.age_months:g} months"
+
+
+def _names(rows: Sequence[Row]) -> str:
+    return ", ".join(dict.fromkeys(INDICATORS[row.indicator].label.lower() for row in rows))
+
+
+def print_measurements(report: MeasurementReport, tolerance: float) -> None:
+    """Print one row for each measurement, with its deviation in each age group, the largest of all, and the verdict.
+
+    Args:
+        report: The comparison.
+        tolerance: Largest deviation, relative to the goal.
+    """
+    console = open_console()
+    is_average = all(row.requested == 1 for row in report.rows)
+    goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")
+    console.print(f"{DIFFERENCE.heading} from {goal.removesuffix(',')}")
+    table = new_table("months", *(f"{age_months:g}" for age_months in report.ages_months), padding=0)
+    for name, rows in report.by_measurement():
+        cells = (_deviation(rows[age]) if age in rows else Text("") for age in report.ages_months)
+        table.add_row(name.replace("_", " "), *cells)
+    console.print(table)
+    worst = max((row for row in report.rows if row.is_judged), key=lambda row: abs(row.deviation))
+    console.print(
+        f"largest: {worst.measurement.replace('_', ' ')} at {worst.age_months:g} months, {worst.value_cm:.2f} cm "
+        f"({100 * worst.deviation:+.1f} %)"
+    )
+    verdict = f"within {100 * tolerance:g} % of {goal} in every age group"
+    if failing := [name for name, rows in report.by_measurement() if any(row.outside for row in rows.values())]:
+        console.print(Text(f"failed: not {verdict}: {', '.join(failing)}", style="red"))
+    else:
+        console.print(Text(f"ok: {verdict}", style="green"))
+    if reported := dict.fromkeys(row.measurement.replace("_", " ") for row in report.rows if not row.is_judged):
+        console.print(f"in brackets: changed by other keys of the spec, and not judged: {', '.join(reported)}")
+
+
+def _deviation(row: MeasurementRow) -> Text:
+    """Return a deviation as text, in yellow and with a star if it is too large, in brackets if it is not judged."""
+    text = f"{100 * row.deviation:+.1f}"
+    if not row.is_judged:
+        return Text(f"({text})")
+    return Text(f"{text}{'*' if row.outside else ' '}", style="yellow" if row.outside else "")
+
+
+def print_milestones(report: MilestoneReport) -> None:
+    """Print a row for each milestone, the sources, and the verdict."""
+    out = open_console()
+    out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
+    table = new_table("milestone", FROM_AGE.heading, "real infants", "median", "verdict")
+    for each in report.milestones:
+        table.add_row(*_milestone_row(each))
+    out.print(table)
+    for milestone in report.milestones:
+        window, trial = milestone.window, milestone.trial
+        out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
+    out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
+    failing = [each.trial.name for each in report.milestones if each.verdict not in ("inside", "no verdict")]
+    if failing:
+        out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
+    else:
+        out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
+
+
+def _milestone_row(each: Milestone) -> tuple[str | Text, ...]:
+    age, window = each.found.youngest_months, each.window
+    colour = {"inside": "green", "no verdict": ""}.get(each.verdict, "red")
+    return (
+        each.trial.name,
+        "not by 24" if age is None else "birth" if age == 0 else f"{age:g}",
+        f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
+        f"{window.median_months:g}" if window else "",
+        Text(each.verdict, style=colour),
+    )
