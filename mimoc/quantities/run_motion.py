@@ -32,7 +32,7 @@ class BodyPosition(Term):
 
     def __call__(self, worlds: Worlds, *args: Any) -> Any:
         """Return it for k infants."""
-        return worlds.xpos[:, self.body]
+        return worlds.xpos[:, self.body, :]
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ class HandsApart(Term):
         """Return it for k infants."""
         xp = worlds.xp
         hands_m = xp.take(worlds.xpos, self.hands, axis=1)
-        return xp.sqrt(xp.sum((hands_m[:, 0] - hands_m[:, 1]) ** 2, axis=-1)) / self.length_m[:, 0]
+        return xp.sqrt(xp.sum((hands_m[:, 0, :] - hands_m[:, 1, :]) ** 2, axis=-1)) / self.length_m[:, 0]
 
 
 def bind(model, manifest):
