@@ -59,15 +59,15 @@ def _growth_table(rows: Sequence[Row]) -> Table:
 def _growth_columns(rows: Sequence[Row]) -> Mapping[str, Column]:
     """Return the columns that have something to say about these rows, by heading."""
     reference = rows[0].reference
-    found: dict[str, Column] = {"months": lambda row: f"{row.age_months:g}", "infant": lambda row: f"{row.value:.2f}"}
+    columns: dict[str, Column] = {"months": lambda row: f"{row.age_months:g}", "infant": lambda row: f"{row.value:.2f}"}
     if reference == "mean":
-        found |= {"z boys": lambda row: f"{row.z['male']:+.2f}", "z girls": lambda row: f"{row.z['female']:+.2f}"}
-    found |= {"z": _z, "percentile": lambda row: f"{row.percentile[reference]:.1f}"}
+        columns |= {"z boys": lambda row: f"{row.z['male']:+.2f}", "z girls": lambda row: f"{row.z['female']:+.2f}"}
+    columns |= {"z": _z, "percentile": lambda row: f"{row.percentile[reference]:.1f}"}
     if any(row.requested_z is not None for row in rows):
-        found["z asked for"] = lambda row: "" if row.requested_z is None else f"{row.requested_z:+.2f}"
+        columns["z asked for"] = lambda row: "" if row.requested_z is None else f"{row.requested_z:+.2f}"
     if any(row.missed for row in rows):
-        found["verdict"] = lambda row: "missed" if row.missed else ""
-    return found
+        columns["verdict"] = lambda row: "missed" if row.missed else ""
+    return columns
 
 
 def _z(row: Row) -> Text:
@@ -129,27 +129,27 @@ def print_milestones(report: MilestoneReport) -> None:
     out = open_console()
     out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
     table = new_table("milestone", FROM_AGE.heading, "real infants", "median", "verdict")
-    for each in report.milestones:
-        table.add_row(*_milestone_row(each))
+    for milestone in report.milestones:
+        table.add_row(*_milestone_row(milestone))
     out.print(table)
     for milestone in report.milestones:
         window, trial = milestone.window, milestone.trial
         out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
     out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
-    failing = [each.trial.name for each in report.milestones if each.verdict not in ("inside", "no verdict")]
+    failing = [item.trial.name for item in report.milestones if item.verdict not in ("inside", "no verdict")]
     if failing:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
     else:
         out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
 
 
-def _milestone_row(each: Milestone) -> tuple[str | Text, ...]:
-    age, window = each.found.youngest_months, each.window
-    colour = {"inside": "green", "no verdict": ""}.get(each.verdict, "red")
+def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:
+    age, window = milestone.found.youngest_months, milestone.window
+    colour = {"inside": "green", "no verdict": ""}.get(milestone.verdict, "red")
     return (
-        each.trial.name,
+        milestone.trial.name,
         "not by 24" if age is None else "birth" if age == 0 else f"{age:g}",
         f"{window.youngest_months:g}-{window.oldest_months:g}" if window else "",
         f"{window.median_months:g}" if window else "",
-        Text(each.verdict, style=colour),
+        Text(milestone.verdict, style=colour),
     )

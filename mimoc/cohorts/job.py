@@ -58,34 +58,34 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[Infant], folder: Path, spec_fo
         MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
     """
     place, home = str(folder.resolve()), str(spec_folder.resolve())
-    own = tuple(name for name in cohort.measure if name not in measures())
+    functions_named = tuple(name for name in cohort.measure if name not in measures())
     steps = [*_steps(cohort)]
     if (number := len(infants) * len(steps)) > MAX_JOBS:
         raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
-    functions = {*own, *(options["function"] for step, options, _ in steps if step == "python")}
+    functions = {*functions_named, *(options["function"] for step, options, _ in steps if step == "python")}
     policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
     code = {name: digest_of(name, place) for name in functions}
     code |= {name: _policy_digest(Path(place) / name) for name in policies}
-    found: dict[str, Job] = {}
+    jobs: dict[str, Job] = {}
     for infant in infants:
         resolved = rounded(to_data(infant.spec))
         for step, options, seed in steps:
             alone = step in WITHOUT_INFANT
-            used = {*own, options.get("function"), options.get("policy")} & code.keys()
+            used = {*functions_named, options.get("function"), options.get("policy")} & code.keys()
             what = {
                 "mimoc": __version__,
                 "spec": None if alone else resolved,
                 "step": step,
                 "options": options,
                 "seed": seed,
-                "measure": (*own, *_added_measures(step)),
+                "measure": (*functions_named, *_added_measures(step)),
                 "code": {name: code[name] for name in sorted(used)},
             }
             key = sha256(_text(what).encode()).hexdigest()[:32]
             factors, data = ({}, None) if alone else (infant.factors, infant.data)
-            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, own)
-            found.setdefault(key, job)
-    return tuple(found.values())
+            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, functions_named)
+            jobs.setdefault(key, job)
+    return tuple(jobs.values())
 
 
 def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None]]:

@@ -75,11 +75,11 @@ def python(work: Work) -> Measures:
     """Call a function of the user's own, which returns measures by name, or nothing."""
     options = work.job.options
     function = import_function(options["function"], work.job.folder)
-    found = function(work, **options["options"])
-    if found is not None and not isinstance(found, Mapping):
-        raise MimocError(f"'{options['function']}' returned {type(found).__name__}; return a dictionary of measures")
-    own = {str(name): _cell(value, options["function"]) for name, value in (found or {}).items()}
-    return {**measure_child(work.bundle), **own}
+    returned = function(work, **options["options"])
+    if returned is not None and not isinstance(returned, Mapping):
+        raise MimocError(f"'{options['function']}' returned {type(returned).__name__}; return a dictionary of measures")
+    named = {str(name): _cell(value, options["function"]) for name, value in (returned or {}).items()}
+    return {**measure_child(work.bundle), **named}
 
 
 STEPS: Mapping[str, Callable[[Work], Measures]] = {

@@ -63,7 +63,7 @@ def silhouette(model: mujoco.MjModel) -> Silhouette:
     flat_m = points_m[..., 1:] - (0.0, sole_m)
     from_behind = np.argsort(figure.data.geom_xpos[geoms, 0], kind="stable")
     return Silhouette(
-        outlines_m=tuple(flat_m[:, each] for each in from_behind),
+        outlines_m=tuple(flat_m[:, solid] for solid in from_behind),
         height_m=float(flat_m[..., 1].max()),
         half_width_m=float(np.abs(flat_m[..., 0]).max()),
         figure=figure,

@@ -172,7 +172,7 @@ def _hyper_rows(settings: Settings) -> Iterator[tuple[Cell, ...]]:
 def _versions(run: TrainingRun) -> Block:
     names = sorted({name for session in run.sessions for name in session})
     headings = ("", *(f"session {index}" for index in range(1, len(run.sessions) + 1)))
-    return table(headings, ((Cell(name), *(Cell(each.get(name, "")) for each in run.sessions)) for name in names))
+    return table(headings, ((Cell(name), *(Cell(session.get(name, "")) for session in run.sessions)) for name in names))
 
 
 def _text(value: Any) -> str:

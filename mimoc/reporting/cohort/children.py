@@ -56,14 +56,14 @@ def children(jobs: Sequence[Job], store: Store) -> Section | None:
 
 def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
     """Return what is known of each child, by its number; what differs between its ages is left out."""
-    found: dict[int, dict[str, Any]] = {}
+    known: dict[int, dict[str, Any]] = {}
     for job in jobs:
         child = job.factors.get("child")
         if isinstance(child, int):
-            told = {name: value for name, value in job.factors.items() if "." not in name and name != "age_months"}
-            before = found.setdefault(child, told)
-            found[child] = {name: value for name, value in before.items() if told.get(name) == value}
-    return dict(sorted(found.items()))
+            factors = {name: value for name, value in job.factors.items() if "." not in name and name != "age_months"}
+            before = known.setdefault(child, factors)
+            known[child] = {name: value for name, value in before.items() if factors.get(name) == value}
+    return dict(sorted(known.items()))
 
 
 def _scatters(known: Mapping[int, Mapping[str, Any]]) -> list[Block]:
@@ -120,7 +120,7 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     if not drawn:
         yield Text("No infants are drawn, because their bundles are no longer in the folder.", "note")
         return
-    drawn.sort(key=lambda each: each[0].manifest.child.age_months)
+    drawn.sort(key=lambda item: item[0].manifest.child.age_months)
     some = f"{len(drawn)} of the {len(bodies)} bodies" if len(drawn) < len(bodies) else "The bodies"
     tallest_m = max(outline.height_m for _, outline in drawn)
     row = tuple(_outline(bundle, outline, tallest_m) for bundle, outline in drawn)
@@ -152,7 +152,7 @@ def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
     ground = ABOVE + UNITS_PER_M * tallest_m
     child = bundle.manifest.child
     sex = {"male": "boy, ", "female": "girl, "}.get(child.sex or "", "")
-    told = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
-    labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(told)]
+    texts = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
+    labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(texts)]
     paths = outline.paths(UNITS_PER_M, (half, ground))
-    return Drawing(", ".join(told), (2 * half, ground + BELOW), paths, (), labels, kind="body")
+    return Drawing(", ".join(texts), (2 * half, ground + BELOW), paths, (), labels, kind="body")

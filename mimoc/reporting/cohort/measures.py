@@ -36,15 +36,15 @@ class Measure:
 
 def measures_of(rows: Rows, names: Sequence[str]) -> tuple[Measure, ...]:
     """Return all measures that are numbers, or yes and no, in the order of *names*; by step, but those of the body."""
-    found: list[Measure] = []
+    known: list[Measure] = []
     steps = [*dict.fromkeys(str(row["step"]) for row in rows)]
     for name in names:
         if quantity_of(name).over == "child":
-            found += _measure(name, "", _once_an_infant(row for row in rows if _number(row[name]) is not None))
+            known += _measure(name, "", _once_an_infant(row for row in rows if _number(row[name]) is not None))
         else:
             for step in steps:
-                found += _measure(name, step, [row for row in rows if row["step"] == step])
-    return tuple(found)
+                known += _measure(name, step, [row for row in rows if row["step"] == step])
+    return tuple(known)
 
 
 def factors_of(rows: Rows, names: Sequence[str]) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ def plot(measure: Measure, factor: str, about: str) -> Plot | None:
         if len(levels) > MOST_LEVELS or factor.endswith(OF_CHILDREN):
             return _scattered(points, measure, factor, about)
         places = {level: float(level or 0) for level in levels}
-        return _summaries({places[each]: _values(pairs, each) for each in levels}, None, measure, factor, about)
+        return _summaries({places[level]: _values(pairs, level) for level in levels}, None, measure, factor, about)
     if len(levels) > MOST_LEVELS:
         return None
     ordered = sorted(levels, key=str)
@@ -104,7 +104,7 @@ def _over(measure: Measure, factor: str, about: str) -> Plot:
 
 
 def _values(pairs: Sequence[tuple[object, float]], level: object) -> list[float]:
-    return [value for each, value in pairs if each == level]
+    return [value for other, value in pairs if other == level]
 
 
 def _at(places: Sequence[float]) -> Ticks:

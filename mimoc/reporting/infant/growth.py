@@ -38,12 +38,12 @@ def _tiles(child: ChildEntry, percentiles: Mapping[str, float], sources: Sources
     for indicator, quantity in INDICATORS.items():
         if measures[indicator] is None:
             continue
-        told = "WHO has no standard for this age"
+        text = "WHO has no standard for this age"
         if indicator in percentiles:
-            told = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
+            text = words.rank(indicator, percentiles[indicator], child.sex, child.age_months)
         links = sources.links(f"child.{indicator}", f"who.{indicator}.percentile")
         yield Tile(
-            quantity.label, words.quantity(measures[indicator], quantity.unit), f"{words.sentence(told)}.", links
+            quantity.label, words.quantity(measures[indicator], quantity.unit), f"{words.sentence(text)}.", links
         )
 
 

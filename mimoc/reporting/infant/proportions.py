@@ -57,5 +57,5 @@ def _bar(name: str, deviation: float) -> Drawing:
         box(min(middle, middle + shown), 4, abs(shown), HEIGHT - 8, kind),
         line([(middle, 0), (middle, HEIGHT)], "axis"),
     ]
-    told = f"{name}: {words.signed(100 * deviation)} % from the average child"
-    return Drawing(told, (WIDTH, HEIGHT), paths, kind="small")
+    title = f"{name}: {words.signed(100 * deviation)} % from the average child"
+    return Drawing(title, (WIDTH, HEIGHT), paths, kind="small")

@@ -64,13 +64,13 @@ class Sources:
 
     def _followed(self) -> set[str]:
         """Return the numbers that were referred to, and all that they depend on."""
-        found, waiting = set[str](), list(self._named)
+        reached, waiting = set[str](), list(self._named)
         while waiting:
             key = waiting.pop()
-            if key in self._entries and key not in found:
-                found.add(key)
+            if key in self._entries and key not in reached:
+                reached.add(key)
                 waiting += self._entries[key].get("from", ())
-        return found
+        return reached
 
     def _group(self, title: str, keys: list[str]) -> Block:
         rows = [self._row(twins) for twins in self._twins(keys)]
@@ -79,11 +79,11 @@ class Sources:
 
     def _twins(self, keys: Iterable[str]) -> Iterator[tuple[str, ...]]:
         """Yield numbers, those of left and right together where they are the same."""
-        found: dict[str, list[str]] = {}
+        twins: dict[str, list[str]] = {}
         for key in keys:
             same = json.dumps([SIDE.sub("{side}_", key), self._entries[key]], sort_keys=True)
-            found.setdefault(SIDE.sub("{side}_", same), []).append(key)
-        yield from map(tuple, found.values())
+            twins.setdefault(SIDE.sub("{side}_", same), []).append(key)
+        yield from map(tuple, twins.values())
 
     def _row(self, twins: tuple[str, ...]) -> tuple[Cell, ...]:
         key, entry = twins[-1], self._entries[twins[-1]]

@@ -113,7 +113,7 @@ def _part_notes(
     for name, sides in _masses(model).items():
         side = next(iter(sides))
         masses_kg = list(sides.values())
-        body = next(each for pattern in PARTS[name] if (each := pattern.format(side=side)) in known)
+        body = next(name_of_body for pattern in PARTS[name] if (name_of_body := pattern.format(side=side)) in known)
         at = outline.at(outline.figure.data.body(body).xipos, scale, foot)
         each = " each" if len(sides) == 2 else ""
         share = 100 * masses_kg[0] / total_kg
@@ -138,14 +138,14 @@ def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:
 def _masses(model: mujoco.MjModel) -> dict[str, dict[str, float]]:
     """Return the mass of each part that an infant has, in [kg], by side; the left one first, the middle is empty."""
     bodies = {model.body(number).name: number for number in range(model.nbody)}
-    found: dict[str, dict[str, float]] = {}
+    masses_kg: dict[str, dict[str, float]] = {}
     for part, patterns in PARTS.items():
         for side in ("left", "right") if "{side}" in patterns[0] else ("",):
-            ids = [bodies[name] for each in patterns if (name := each.format(side=side)) in bodies]
+            ids = [bodies[name] for pattern in patterns if (name := pattern.format(side=side)) in bodies]
             if ids:
-                own = in_subtrees(model, ids) if part in WITH_ALL else ids
-                found.setdefault(part, {})[side] = float(model.body_mass[own].sum())
-    return found
+                weighed = in_subtrees(model, ids) if part in WITH_ALL else ids
+                masses_kg.setdefault(part, {})[side] = float(model.body_mass[weighed].sum())
+    return masses_kg
 
 
 def _mass_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iterator[tuple[Cell, ...]]:
@@ -169,8 +169,8 @@ def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iter
     for joint, limits_nm in torque_limits(bundle).items():
         low, high = (rad_to_deg(float(limit)) for limit in model.joint(joint).range)
         unsided = joint.removeprefix("robot:").replace("left_", "").replace("right_", "")
-        told = (unsided, _torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
-        rows.setdefault(told, []).append(joint)
+        text = (unsided, _torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
+        rows.setdefault(text, []).append(joint)
     for (name, torques, reach), joints in rows.items():
         sides = "" if len(joints) == 2 else next((s for s in ("left ", "right ") if f"{s[:-1]}_" in joints[0]), "")
         keys = [f"actuator.{actuator}.gear" for actuator in actuators.get(joints[0], ())]
@@ -181,8 +181,8 @@ def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iter
 def _torques(limits_nm: tuple[float, float]) -> str:
     """Return the peak torques in either direction."""
     low, high = (words.figure(abs(limit), 2) for limit in limits_nm)
-    told = low if low == high else f"{low} / {high}"
-    return f"{told}{words.THIN_SPACE}N{words.THIN_SPACE}m"
+    text = low if low == high else f"{low} / {high}"
+    return f"{text}{words.THIN_SPACE}N{words.THIN_SPACE}m"
 
 
 def _grams(mass_kg: float) -> str:
