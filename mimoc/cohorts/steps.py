@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.files import check_unlinked
-from mimoc.bundle.io import LOCK, Bundle
+from mimoc.bundle.io import LOCK
 from mimoc.cohorts.own_code import import_function
 from mimoc.cohorts.work import Work
 from mimoc.errors import MimocError
@@ -21,23 +21,22 @@ from mimoc.runtime.rollout import Run
 Measures = Mapping[str, Any]
 
 
-def measure_child(bundle: Bundle) -> Measures:
-    """Return the measures of an infant that every step has."""
-    child = bundle.manifest.child
-    return {item.name: getattr(child, item.key) for item in measured_in("build") if item.over == "child"}
+def measure_child(work: Work) -> Measures:
+    """Return the measures of an infant that a step has whatever it does."""
+    return measure("child", work.job.step, [work.bundle.manifest.child])
 
 
 def build(work: Work) -> Measures:
     """Build the infant, and keep its bundle."""
     bundle = work.bundle
     work.store.write_bundle(work.job, bundle)
-    return {**measure_child(bundle), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
+    return {**measure_child(work), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
 
 
 def check(work: Work) -> Measures:
     """Check that the infant stays stable from every pose."""
     checks = [*check_stability(work.bundle)]
-    return {**measure_child(work.bundle), **measure("pose", "check", checks)}
+    return {**measure_child(work), **measure("pose", "check", checks)}
 
 
 def run(work: Work) -> Measures:
@@ -48,7 +47,7 @@ def run(work: Work) -> Measures:
         for _ in range(options["steps"]):
             rollout.step()
         summary = rollout.summary()
-    return {**measure_child(work.bundle), **summary.measures, **summary.metrics}
+    return {**measure_child(work), **summary.measures, **summary.metrics}
 
 
 def train(work: Work) -> Measures:
@@ -60,7 +59,7 @@ def train(work: Work) -> Measures:
     training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
     last = asdict(training.curve.ends[1]) if training.curve.rows else {}
     learnt = {item.name: last.get(item.curve) for item in measured_in("train") if item.curve}
-    return {**measure_child(work.bundle), **learnt}
+    return {**measure_child(work), **learnt}
 
 
 def experiment(work: Work) -> Measures:
@@ -79,7 +78,7 @@ def python(work: Work) -> Measures:
     if returned is not None and not isinstance(returned, Mapping):
         raise MimocError(f"'{options['function']}' returned {type(returned).__name__}; return a dictionary of measures")
     named = {str(name): _cell(value, options["function"]) for name, value in (returned or {}).items()}
-    return {**measure_child(work.bundle), **named}
+    return {**measure_child(work), **named}
 
 
 STEPS: Mapping[str, Callable[[Work], Measures]] = {

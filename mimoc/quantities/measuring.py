@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.errors import KindError
 from mimoc.kinds import function_of
 from mimoc.quantities import measured_in
 from mimoc.quantities.quantity import Quantity
@@ -46,11 +47,12 @@ def measure(over: str, step: str, things: Sequence[object]) -> dict[str, Value]:
         over: One of `Quantity.over`.
         step: One of `Quantity.steps`.
         things: What has a value each, as an attribute.
+
+    Raises:
+        KindError: If something has no such attribute.
     """
     measured = [quantity for quantity in measured_in(step) if quantity.over == over]
-    return {
-        quantity.name: _reduced(quantity, [getattr(item, quantity.key) for item in things]) for quantity in measured
-    }
+    return {quantity.name: _reduced(quantity, [_field(quantity, item) for item in things]) for quantity in measured}
 
 
 class StepMeasures:
@@ -62,9 +64,16 @@ class StepMeasures:
         Args:
             env: The environment.
             step: Where they are measured, one of `Quantity.steps`.
+
+        Raises:
+            KindError: If one does not measure a number.
         """
         self._env, self._data = env, env.data
-        self._quantities = [quantity for quantity in measured_in(step) if quantity.over == "step"]
+        self._quantities = [
+            quantity
+            for quantity in measured_in(step)
+            if quantity.over == "step" and not (step == "record" and quantity.reduce == "path")
+        ]
         self._readers = self._bind()
         self._values: dict[str, list[Any]] = {quantity.name: [] for quantity in self._quantities}
 
@@ -95,7 +104,25 @@ class StepMeasures:
                 readers[quantity.name] = lambda term=term: term(worlds)[0].copy()
             elif quantity.read is not None:
                 readers[quantity.name] = function_of(quantity.read, quantity.name)(env)
+            _check_shape(quantity, readers)
         return readers
+
+
+def _check_shape(quantity: Quantity, readers: Mapping[str, Callable[[], Any]]) -> None:
+    """Check that what is read of an infant is one number, or a point of a path."""
+    shape = np.shape(readers[quantity.name]()) if quantity.name in readers else ()
+    if shape and quantity.reduce != "path":
+        what = f"'{quantity.name}' measures an array of shape {shape} of an infant"
+        raise KindError(f"{what}; return a number, or reduce points by 'path'")
+
+
+def _field(quantity: Quantity, item: object) -> Any:
+    """Return the value of one thing."""
+    try:
+        return getattr(item, quantity.key)
+    except AttributeError:
+        has = f"{type(item).__name__}, which has no '{quantity.key}'"
+        raise KindError(f"the quantity '{quantity.name}' is over {quantity.over}: {has}; name a field of it") from None
 
 
 def _reduced(quantity: Quantity, values: Sequence[Any]) -> Value:

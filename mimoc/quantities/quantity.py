@@ -34,7 +34,7 @@ class Quantity:
     """Its column in a learning curve."""
     steps: tuple[str, ...] = ("run", "record")
     """Where it is measured: by `build`, `check`, `run`, `train` and so on of a cohort, of which `run` is also
-    `mimoc run`; `record` is each control step of a recording, for a term with one number for each infant."""
+    `mimoc run`; `record` is each control step of a recording, where points have no column."""
     limits: tuple[float | None, float | None] = (None, None)
     """Least and largest possible value, where an axis begins and ends; None for no limit."""
     source: str | None = None
