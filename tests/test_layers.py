@@ -82,7 +82,7 @@ LAYERS = {
     ),
     "measuring": layer(
         "quantities.measuring quantities.run_contact quantities.run_motion",
-        "kinds quantities bundle terms runtime",
+        "errors kinds quantities bundle terms runtime",
         "mujoco",
     ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
