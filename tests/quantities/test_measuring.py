@@ -49,9 +49,7 @@ def test_a_step_is_read_as_the_infant_is_then_also_after_it_has_grown():
 
 def test_a_quantity_that_measures_more_than_a_number_is_refused_in_one_line(open_env, registered):
     places = replace(HIP_PATH, name="hip_place_m", reduce="mean", term=hip_path_m)
-    message = (
-        r"^'hip_place_m' measures an array of shape \(3,\) of an infant; return a number, or .*'path'$"
-    )
+    message = r"^'hip_place_m' measures an array of shape \(3,\) of an infant; return a number, or .*'path'$"
     with registered(places), pytest.raises(KindError, match=message):
         StepMeasures(open_env(), "run")
 
