@@ -12,8 +12,7 @@ from mimoc.quantities import quantity_of
 from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children
-from mimoc.reporting.cohort.measures import OF_CHILDREN, factors_of, measures_of, title_of
-from mimoc.reporting.cohort.plots import plot
+from mimoc.reporting.cohort.measures import OF_CHILDREN, measures_of
 from mimoc.reporting.page import Block, Cell, Drawings, Page, Section, Text, number, table
 from mimoc.version import __version__
 
@@ -115,10 +114,10 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
         if measure.is_constant:
             constant.append(measure)
             continue
-        varied = factors_of(measure.rows, factors)
+        varied = measure.factors(factors)
         left_out |= dict.fromkeys(varied[MOST_FACTORS:])
         for factor in varied[:MOST_FACTORS]:
-            drawn += [draw_svg(made)] if (made := plot(measure, factor, title_of(measure))) else []
+            drawn += [draw_svg(made)] if (made := measure.plot(factor)) else []
     blocks: list[Block] = []
     if drawn:
         blocks.append(Drawings(tuple(drawn[:MOST_PLOTS]), CAPTION))
@@ -132,7 +131,7 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
             Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
         )
     if constant:
-        same = [f"{title_of(measure)}: {words.figure(measure.values[0])}" for measure in constant]
+        same = [f"{measure.title}: {words.figure(measure.values[0])}" for measure in constant]
         blocks.append(Text(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))
     return Section("results", "Results", tuple(blocks))
 
