@@ -7,7 +7,11 @@ from mimoc.quantities.quantity import Quantity
 _of_episodes = partial(Quantity, over="episode", steps=("run", "train"))
 
 RETURN = _of_episodes(
-    "return", "Return of an episode", about="mean return", field="total_reward", curve="episode_return"
+    "return",
+    "Return of an episode",
+    about="mean return of the completed episodes",
+    field="total_reward",
+    curve="episode_return",
 )
 SUCCESS = _of_episodes(
     "success", "Share of episodes that succeed", about="of the completed ones", curve="success_rate", limits=(0.0, 1.0)
@@ -16,13 +20,23 @@ TIME_TO_SUCCESS = _of_episodes(
     "time_to_success_s", "Time to success", "s", "mean simulated time", curve="time_to_success_s", limits=(0.0, None)
 )
 EPISODES = _of_episodes(
-    "episodes", "Completed episodes", about="how many", reduce="count", field="steps", curve="episodes"
+    "episodes",
+    "Completed episodes",
+    about="number of episodes that ended",
+    reduce="count",
+    field="steps",
+    curve="episodes",
 )
 
 _of_learning = partial(Quantity, over="episode", steps=())
 
 EPISODE_STEPS = _of_learning(
-    "episode_steps", "Length of an episode", "control steps", "mean length", curve="episode_steps", limits=(0.0, None)
+    "episode_steps",
+    "Length of an episode",
+    "control steps",
+    "mean length of the completed episodes",
+    curve="episode_steps",
+    limits=(0.0, None),
 )
 TRAINED = _of_learning("trained_steps", "Control steps of training", about="of all environments", curve="steps")
 UNFINISHED = _of_learning("unfinished", "Unfinished episodes", about="under way at that time", curve="unfinished")

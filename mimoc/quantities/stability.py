@@ -6,7 +6,11 @@ from mimoc.quantities.quantity import Quantity
 
 _of_poses = partial(Quantity, over="pose", steps=("check",))
 
-STABLE = _of_poses("stable", "Simulation stayed stable", "", "whether in all trials", reduce="all", field="passed")
-ENERGY = _of_poses("energy_j_per_kg", "Kinetic energy", "J/kg", "largest, per body mass", reduce="max")
-BEYOND_LIMITS = _of_poses("beyond_deg", "Beyond joint limits", "°", "largest violation of a range", reduce="max")
-UNSTABLE = Quantity("unstable", "Simulation became unstable", about="whether it did", reduce="any", steps=("run",))
+STABLE = _of_poses(
+    "stable", "Simulation stayed stable", "", "whether it did in all trials", reduce="all", field="passed"
+)
+ENERGY = _of_poses("energy_j_per_kg", "Kinetic energy", "J/kg", "largest of all trials, per body mass", reduce="max")
+BEYOND_LIMITS = _of_poses("beyond_deg", "Beyond joint limits", "°", "largest violation of a joint range", reduce="max")
+UNSTABLE = Quantity(
+    "unstable", "Simulation became unstable", about="whether it did at any time", reduce="any", steps=("run",)
+)

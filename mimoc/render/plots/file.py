@@ -49,14 +49,7 @@ LOOKS: Mapping[str, dict[str, Any]] = {
     "inferred": {"color": GREY, "marker": "d", "markersize": 7, "markerfacecolor": "none", "alpha": 0.8, "zorder": 4},
     "whisker": {"color": GREY, "linewidth": 1.3},
     "law": {"color": "0.75", "zorder": 1},
-    "so-far": {
-        "color": "0.55",
-        "linestyle": ":",
-        "linewidth": 1,
-        "marker": "o",
-        "markersize": 3.5,
-        "fillstyle": "none",
-    },
+    "so-far": {"color": "0.55", "linestyle": ":", "marker": "o", "markersize": 3.5, "fillstyle": "none"},
     "window": {"color": BLUE, "alpha": 0.35},
     "usual": {"color": "0.85", "alpha": 1.0, "zorder": 1},
 }

@@ -31,11 +31,11 @@ def learning_sheet(
         parts = [part for label, seeds in curves.items() for part in _mean_and_range(seeds, quantity, label)]
         lines = [part for part in parts if isinstance(part, Line)]
         lines += _unfinished(drawn[0], quantity) if len(drawn) == 1 else []
-        plot = Plot(TRAINED, quantity, tuple(lines), tuple(part for part in parts if isinstance(part, Band)))
-        value = (levels or {}).get(quantity.curve)
-        plots.append(
-            replace(plot, x_range=(0, 1.02 * last), level=value, level_label=level if value is not None else "")
-        )
+        bands = tuple(part for part in parts if isinstance(part, Band))
+        plot = Plot(TRAINED, quantity, tuple(lines), bands, x_range=(0, 1.02 * last))
+        if quantity.curve in (levels or {}):
+            plot = replace(plot, level=(levels or {})[quantity.curve], level_label=level)
+        plots.append(plot)
     return Sheet(tuple(plots), columns=2, panel_px=(800, 520), shared_legend=True)
 
 
@@ -49,7 +49,8 @@ def _mean_and_range(seeds: Sequence[Columns], quantity: Quantity, label: str) ->
     known = np.isfinite(values).any(axis=0)
     steps, values = steps[known], values[:, known]
     band = Band(steps, np.nanmin(values, axis=0), np.nanmax(values, axis=0), label)
-    return [Line(steps, np.nanmean(values, axis=0), label), *([band] if len(seeds) > 1 else [])]
+    line = Line(steps, np.nanmean(values, axis=0), label, "marked" if len(steps) == 1 else "line")
+    return [line, *([band] if len(seeds) > 1 else [])]
 
 
 def _unfinished(columns: Columns, quantity: Quantity) -> list[Line]:

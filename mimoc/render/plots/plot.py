@@ -112,5 +112,5 @@ class Sheet:
     panel_px: tuple[int, int] = (800, 640)
     """Width and height of a plot with its axes."""
     caption: str = ""
-    shared_legend: bool | None = None
-    """Whether one legend above all plots shows every label; None is where all plots have the same labels."""
+    shared_legend: bool = False
+    """Whether one legend above all plots shows every label, even where plots do not have the same labels."""

@@ -115,9 +115,9 @@ def _part_notes(
         masses_kg = list(sides.values())
         body = next(name_of_body for pattern in PARTS[name] if (name_of_body := pattern.format(side=side)) in known)
         at = outline.at(outline.figure.data.body(body).xipos, scale, foot)
-        each = " each" if len(sides) == 2 else ""
+        ending = " each" if len(sides) == 2 else ""
         share = 100 * masses_kg[0] / total_kg
-        yield Note(at, words.sentence(name), f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{each}")
+        yield Note(at, words.sentence(name), f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{ending}")
 
 
 def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:

@@ -37,6 +37,11 @@ def test_where_nothing_is_known_nothing_is_drawn(recwarn):
     assert not recwarn.list
 
 
+def test_a_single_row_is_a_mark():
+    axes = draw(learning_sheet({"": [curve(1)]})).axes[0]
+    assert axes.lines[0].get_marker() == "o"
+
+
 def test_a_picture_of_nothing_and_of_curves_of_unequal_lengths():
     for curves in ({}, {"": []}, {"": [curve(0)]}, {"a": [curve(4), curve(2)]}):
         assert encode(learning_sheet(curves)).startswith(b"\x89PNG")
