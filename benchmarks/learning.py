@@ -16,7 +16,8 @@ from statistics import fmean, median
 import mimoc
 from mimoc.cli.console import progress
 from mimoc.experiments.notebook import markdown_table, open_notebook
-from mimoc.render.plots.learning import curves_png
+from mimoc.render.plots.file import encode
+from mimoc.render.plots.learning import learning_sheet
 from mimoc.training import Curve, Episode
 
 CONFIG = "configs/reach.yaml"
@@ -105,7 +106,7 @@ def write(given: argparse.Namespace, curves: Sequence[Curve], random: Result, ta
         "episode_steps": fmean(each.steps for each in random.episodes),
     }
     columns = [curve.columns() for curve in curves]
-    notebook.write_picture("learning.png", curves_png({"PPO": columns}, baseline))
+    notebook.write_picture("learning.png", encode(learning_sheet({"PPO": columns}, baseline)))
     about = ABOUT.format(
         config=CONFIG,
         steps=given.steps,

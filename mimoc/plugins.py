@@ -29,6 +29,7 @@ from mimoc.kinds import (
     installed_entry_points,
 )
 from mimoc.policies import POLICIES
+from mimoc.quantities import QUANTITIES, Quantity
 from mimoc.scenes import SCENES
 from mimoc.schema.base import Model
 from mimoc.schema.composition import recompose
@@ -36,7 +37,7 @@ from mimoc.senses import SENSES
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 
-Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PolicyKind
+Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PolicyKind | Quantity
 
 KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.senses": (SenseKind, SENSES),
@@ -45,6 +46,7 @@ KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.scenes": (SceneKind, SCENES),
     "mimoc.toys": (ToySource, TOY_SOURCES),
     "mimoc.policies": (PolicyKind, POLICIES),
+    "mimoc.quantities": (Quantity, QUANTITIES),
 }
 """The class and the table of records, by group of entry points."""
 IMPORT_LIMIT_S = 60.0

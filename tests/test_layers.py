@@ -37,7 +37,7 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
 BASE = "version errors units streams geometry files"
 LANGUAGE = f"{BASE} language kinds quantities composition spec"
 BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
-RUNNING = f"{LANGUAGE} bundle drawing terms run runtime control"
+RUNNING = f"{LANGUAGE} bundle drawing terms run runtime measuring control"
 KIND_FOLDERS = {
     "senses": "run",
     "tasks": "run",
@@ -90,7 +90,7 @@ LAYERS = {
     "compiler": layer("compiler", BUILDING, "mujoco"),
     "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
-    "plots": layer("render.plots", f"{BASE} schema fits body", "matplotlib"),
+    "plots": layer("render.plots", f"{BASE} quantities schema fits body", "matplotlib"),
     "terms": layer(
         "runtime.worlds runtime.term runtime.array_library runtime.term_contract",
         "errors",
@@ -102,6 +102,11 @@ LAYERS = {
         "runtime.warp runtime.device",
         f"{LANGUAGE} bundle drawing terms run runtime",
         "gymnasium mujoco warp mujoco_warp torch array_api_compat",
+    ),
+    "measuring": layer(
+        "quantities.measuring quantities.run_contact quantities.run_motion",
+        "errors kinds quantities bundle terms runtime",
+        "mujoco",
     ),
     "control": layer("control", f"{LANGUAGE} bundle run", "mujoco scipy"),
     "policies": layer("policies", RUNNING, ""),
@@ -119,13 +124,13 @@ LAYERS = {
     ),
     "reporting": layer(
         "reporting",
-        f"{BUILDING} compiler {RUNNING} training cohorts",
+        f"{BUILDING} compiler {RUNNING} training cohorts plots",
         "jinja2 mujoco PIL",
     ),
     "opening": layer("environments recordings", f"{BUILDING} compiler {RUNNING} recording", "gymnasium"),
     "viewer": layer(
         "viewer",
-        f"{BUILDING} compiler {RUNNING} rollout policies recording opening",
+        f"{BUILDING} compiler {RUNNING} rollout policies recording opening plots",
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "studies": layer(
@@ -245,7 +250,8 @@ def _named(node: ast.AST) -> Iterator[str]:
 def _is_code_of_record(item: Import) -> bool:
     """Return whether a kind's record names the code of the kind, such as `mimoc.senses.touch.run`."""
     folder = item.module.removeprefix("mimoc.").partition(".")[0]
-    return item.by_string and folder in KIND_FOLDERS and item.name.startswith(f"{item.module}.")
+    package = f"mimoc.{folder}.run_" if folder == "quantities" else f"{item.module}."
+    return item.by_string and folder in (*KIND_FOLDERS, "quantities") and item.name.startswith(package)
 
 
 def _under_type_checking(tree: ast.AST) -> Iterator[ast.AST]:

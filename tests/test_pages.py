@@ -42,6 +42,7 @@ PAGES = (
     "docs/container.md",
     "docs/own_reward.md",
     "docs/own_sense.md",
+    "docs/own_measure.md",
     "docs/plain_mujoco.md",
     "docs/growth.md",
     "docs/from_mimo.md",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
@@ -14,6 +14,10 @@ from rich.text import Text
 from rich.tree import Tree
 
 from mimoc.cli.terminal import printable
+from mimoc.errors import counted
+from mimoc.quantities import quantity_of
+from mimoc.quantities.child import INDICATORS
+from mimoc.quantities.columns import TOY_MASS, TOY_SIZE
 
 if TYPE_CHECKING:
     from mimoc.bundle.manifest import Manifest
@@ -21,14 +25,6 @@ if TYPE_CHECKING:
     from mimoc.compiler.explain import Explanation
     from mimoc.runtime.check import PoseCheck
     from mimoc.runtime.rollout import Summary
-
-LABELS = {
-    "length_cm": "length [cm]",
-    "weight_kg": "weight [kg]",
-    "head_circumference_cm": "head circumference [cm]",
-    "arm_circumference_cm": "arm circumference [cm]",
-}
-
 
 PIPE_WIDTH = 200
 """Width of the output when it is piped: wide enough that lines are not broken, for `grep`."""
@@ -68,16 +64,22 @@ class _Steps(MofNCompleteColumn):
         return super().render(task) if task.total is not None else Text()
 
 
+def new_table(*headings: str, title: str | None = None, left: int = 1, **options: Any) -> Table:
+    """Return an empty table with a title, whose columns stand at the right but for the first ones."""
+    table = Table(title=title, title_justify="left", **options)
+    for number, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if number < left else "right")
+    return table
+
+
 def print_child(manifest: Manifest, percentiles: dict[str, float]) -> None:
     """Print a child's measures and their WHO percentiles."""
     measures = manifest.child.model_dump()
-    table = Table(title=f"{manifest.name}, {manifest.child.age_months:g} months", title_justify="left")
-    table.add_column("measure")
-    table.add_column("value", justify="right")
     population = {"male": "boys", "female": "girls", None: "boys and girls"}[manifest.child.sex]
-    table.add_column(f"WHO percentile, {population}", justify="right")
+    title = f"{manifest.name}, {manifest.child.age_months:g} months"
+    table = new_table("measure", "value", f"WHO percentile, {population}", title=title)
     for name, value in percentiles.items():
-        table.add_row(LABELS[name], f"{measures[name]:.2f}", f"{value:.0f}")
+        table.add_row(INDICATORS[name].title, f"{measures[name]:.2f}", f"{value:.0f}")
     open_console().print(table)
 
 
@@ -93,10 +95,7 @@ def print_toys(manifest: Manifest) -> None:
     """Print the toys of the scene and the notes on the build."""
     console = open_console()
     if manifest.toys:
-        table = Table(title=f"{len(manifest.toys)} toys", title_justify="left")
-        table.add_column("toy")
-        for heading in ("longest side [cm]", "weight [g]"):
-            table.add_column(heading, justify="right")
+        table = new_table("toy", TOY_SIZE.heading, TOY_MASS.heading, title=f"{len(manifest.toys)} toys")
         for toy in manifest.toys:
             table.add_row(printable(toy.object), f"{100 * toy.size_m:.1f}", f"{1000 * toy.mass_kg:.0f}")
         console.print(table)
@@ -104,51 +103,18 @@ def print_toys(manifest: Manifest) -> None:
         console.print(Text(f"note: {note}", style="yellow"))
 
 
-METRICS = {
-    "hand_error_m": "distance from hand to target after 1.5 s, median [m]",
-    "fell_after_s": "too weak or too unsteady to sit unsupported: fell over after [s]",
-}
-"""Labels of some metrics of policies, by name."""
-
-
 def print_run(summary: Summary) -> None:
     """Print the summary of a run and its speed."""
-    table = Table(title=f"{summary.steps} control steps, {summary.simulated_s:g} s simulated", title_justify="left")
-    table.add_column("quantity")
-    table.add_column("value", justify="right")
-    low, high = summary.head_height_m
-    rows = {
-        "episodes": f"{summary.episodes}",
-        "total reward": f"{summary.total_reward:.6g}",
-        **_outcomes(summary),
-        "path length of the hip [m]": f"{summary.hip_path_m:.6f}",
-        "minimum height of the head [m]": f"{low:.6f}",
-        "maximum height of the head [m]": f"{high:.6f}",
-        "mean joint speed [rad/s]": f"{summary.joint_speed_rad_s:.6f}",
-        "stable": "no: the simulation became unstable" if summary.unstable else "yes",
-    }
-    for name, value in summary.metrics.items():
-        rows[METRICS.get(name, name.replace("_", " "))] = f"{value:.6g}"
-    for what, value in rows.items():
-        table.add_row(what, value)
+    title = f"{summary.steps} control steps, {summary.simulated_s:g} s simulated"
+    table = new_table("quantity", "value", title=title)
+    for name, value in {**summary.measures, **summary.metrics}.items():
+        if value is not None:
+            table.add_row(quantity_of(name).title, ("no", "yes")[value] if isinstance(value, bool) else f"{value:.6g}")
     console = open_console()
     console.print(table)
+    console.print(f"{counted(summary.episodes, 'episode')}, total reward {summary.total_reward:.6g}")
     rate_hz = summary.steps / summary.wall_s
     console.print(f"{rate_hz:.0f} steps/s, {summary.simulated_s / summary.wall_s:.1f} times real time")
-
-
-def _outcomes(summary: Summary) -> dict[str, str]:
-    """Return the outcomes of the completed episodes."""
-    if summary.mean_return is None:
-        return {"successes": "0 of 0 completed episodes"} if summary.task != "free" else {}
-    share = summary.successes / summary.finished
-    found = {
-        "mean return per episode": f"{summary.mean_return:.6g}",
-        "successes": f"{summary.successes} of {summary.finished} completed episodes ({share:.0%})",
-    }
-    if summary.time_to_success_s is not None:
-        found["mean time to success [s]"] = f"{summary.time_to_success_s:.3f}"
-    return found
 
 
 def print_check(check: PoseCheck) -> None:

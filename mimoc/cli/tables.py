@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 from rich.text import Text
 
-from mimoc.cli.console import LABELS, open_console
+from mimoc.cli.console import new_table, open_console
 from mimoc.errors import counted
+from mimoc.quantities.child import INDICATORS
+from mimoc.quantities.columns import DIFFERENCE, FROM_AGE, JOB_SIZE, JOB_TIME, TIME_LEFT
 
 if TYPE_CHECKING:
     from mimoc.cohorts import Status
@@ -31,8 +33,8 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
     """
     console = open_console()
     for indicator, rows in report.by_indicator.items():
-        console.print(f"{LABELS[indicator]} against WHO's {POPULATIONS[report.reference]}")
-        console.print(_table(rows))
+        console.print(f"{INDICATORS[indicator].title} against WHO's {POPULATIONS[report.reference]}")
+        console.print(_growth_table(rows))
         console.print(_largest_deviation(rows) + "\n")
     goals = {
         "within one SD of the mean of WHO's boys and girls": [row for row in report.rows if row.requested_z is None],
@@ -49,17 +51,15 @@ def print_growth(report: GrowthReport, requested_sd: float) -> None:
         console.print(f"follows from other keys of the spec, and is not judged: {_names(reported)}")
 
 
-def _table(rows: Sequence[Row]) -> Table:
-    table = Table(collapse_padding=True, pad_edge=False)
-    columns = _columns(rows)
-    for heading in columns:
-        table.add_column(heading, justify="right")
+def _growth_table(rows: Sequence[Row]) -> Table:
+    columns = _growth_columns(rows)
+    table = new_table(*columns, left=0, collapse_padding=True, pad_edge=False)
     for row in rows:
         table.add_row(*(column(row) for column in columns.values()))
     return table
 
 
-def _columns(rows: Sequence[Row]) -> Mapping[str, Column]:
+def _growth_columns(rows: Sequence[Row]) -> Mapping[str, Column]:
     """Return the columns that have something to say about these rows, by heading."""
     reference = rows[0].reference
     columns: dict[str, Column] = {"months": lambda row: f"{row.age_months:g}", "infant": lambda row: f"{row.value:.2f}"}
@@ -86,7 +86,7 @@ def _largest_deviation(rows: Sequence[Row]) -> str:
 
 
 def _names(rows: Sequence[Row]) -> str:
-    return ", ".join(dict.fromkeys(LABELS[row.indicator].partition(" [")[0] for row in rows))
+    return ", ".join(dict.fromkeys(INDICATORS[row.indicator].label.lower() for row in rows))
 
 
 def print_measurements(report: MeasurementReport, tolerance: float) -> None:
@@ -99,10 +99,8 @@ def print_measurements(report: MeasurementReport, tolerance: float) -> None:
     console = open_console()
     is_average = all(row.requested == 1 for row in report.rows)
     goal = "AnthroKids' means" + ("" if is_average else ", as scaled by the spec,")
-    console.print(f"deviation from {goal.removesuffix(',')} [%]")
-    table = Table(padding=0)
-    for heading in ("months", *(f"{age_months:g}" for age_months in report.ages_months)):
-        table.add_column(heading, justify="left" if heading == "months" else "right", no_wrap=True)
+    console.print(f"{DIFFERENCE.heading} from {goal.removesuffix(',')}")
+    table = new_table("months", *(f"{age_months:g}" for age_months in report.ages_months), padding=0)
     for name, rows in report.by_measurement():
         cells = (_deviation(rows[age]) if age in rows else Text("") for age in report.ages_months)
         table.add_row(name.replace("_", " "), *cells)
@@ -133,26 +131,22 @@ def print_milestones(report: MilestoneReport) -> None:
     """Print a row for each milestone, the sources, and the verdict."""
     out = open_console()
     out.print(f"motor milestones, development {report.development}, {report.actuation} actuation")
-    table = Table()
-    for heading in ("milestone", "from [months]", "real infants", "median", "verdict"):
-        table.add_column(heading, justify="left" if heading in ("milestone", "verdict") else "right")
+    table = new_table("milestone", FROM_AGE.heading, "real infants", "median", "verdict")
     for milestone in report.milestones:
-        table.add_row(*_row(milestone))
+        table.add_row(*_milestone_row(milestone))
     out.print(table)
     for milestone in report.milestones:
         window, trial = milestone.window, milestone.trial
         out.print(f"{trial.name}: {trial.title}" + (f"; {window.source} ({window.certainty})" if window else ""))
     out.print("'from': the youngest age at which, and at all older ages tried, the infant succeeds")
-    failing = [
-        milestone.trial.name for milestone in report.milestones if milestone.verdict not in ("inside", "no verdict")
-    ]
+    failing = [item.trial.name for item in report.milestones if item.verdict not in ("inside", "no verdict")]
     if failing:
         out.print(Text(f"failed: outside the window of real infants: {', '.join(failing)}", style="red"))
     else:
         out.print(Text("ok: every milestone is inside the window of real infants", style="green"))
 
 
-def _row(milestone: Milestone) -> tuple[str | Text, ...]:
+def _milestone_row(milestone: Milestone) -> tuple[str | Text, ...]:
     age, window = milestone.result.youngest_months, milestone.window
     colour = {"inside": "green", "no verdict": ""}.get(milestone.verdict, "red")
     return (
@@ -171,9 +165,8 @@ SHOWN = 10
 def print_plan(plan: Plan) -> None:
     """Print what each step will take, and all together."""
     console = open_console()
-    table = Table(title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}", title_justify="left")
-    for heading in ("step", "jobs", "done", "a job [s]", "the rest [h]", "a job [kB]"):
-        table.add_column(heading, justify="left" if heading == "step" else "right")
+    headings = ("step", "jobs", "done", JOB_TIME.heading, TIME_LEFT.heading, JOB_SIZE.heading)
+    table = new_table(*headings, title=f"{counted(plan.infants, 'infant')}, {counted(plan.jobs, 'job')}")
     for step in plan.steps:
         table.add_row(*_plan_row(step, plan.processes))
     console.print(table)
@@ -197,9 +190,7 @@ def _plan_row(step: StepPlan, processes: int) -> tuple[str, ...]:
 def print_status(status: Status) -> None:
     """Print how many jobs of each step are done, and the first that have failed."""
     console = open_console()
-    table = Table(title=counted(status.jobs, "job"), title_justify="left")
-    for heading in ("step", "ok", "failed", "missing"):
-        table.add_column(heading, justify="left" if heading == "step" else "right")
+    table = new_table("step", "ok", "failed", "missing", title=counted(status.jobs, "job"))
     for step, counts in status.counts.items():
         table.add_row(step, *(f"{counts.get(state, 0)}" for state in ("ok", "failed", "missing")))
     console.print(table)

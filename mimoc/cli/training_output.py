@@ -9,24 +9,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Protocol
 
-from rich.table import Table
-
 from mimoc.cli import console
 from mimoc.cli.terminal import printable
+from mimoc.quantities.outcome import CURVE
 from mimoc.training import Row, Training
 
-LABELS = {
-    "after steps": "steps",
-    "completed episodes": "episodes",
-    "mean return per episode": "episode_return",
-    "success rate": "success_rate",
-    "mean steps per episode": "episode_steps",
-    "mean time to success [s]": "time_to_success_s",
-    "unfinished episodes": "unfinished",
-    "their mean return so far": "unfinished_return",
-    "their mean steps so far": "unfinished_steps",
-}
-"""Field of a learning curve's row by its label."""
 PACKAGE = Path(__file__).parents[1]
 LINES_S, LINES_SHARE = 10.0, 1 / 20
 """Least time between two lines, in seconds and as a share of the time so far: 120 lines in ten hours."""
@@ -121,17 +108,16 @@ def print_training(training: Training, out: Path, task: str | None) -> None:
         task: The name of the user's own task, if any, which the policy may observe.
     """
     rows = training.curve.ends
-    table = Table(title=f"trained for {training.curve.steps} control steps", title_justify="left")
-    for heading in ("quantity", "start", "end"):
-        table.add_column(heading, justify="left" if heading == "quantity" else "right")
-    for label, name in LABELS.items():
-        table.add_row(label, *(_number(getattr(row, name)) for row in rows))
+    title = f"trained for {training.curve.steps} control steps"
+    table = console.new_table("quantity", "start", "end", title=title)
+    for quantity in CURVE:
+        table.add_row(quantity.title, *(_number(getattr(row, quantity.curve)) for row in rows))
     opened = console.open_console()
     opened.print(table)
     resumed = f", resumed at step {training.resumed_at}" if training.resumed_at else ""
     opened.print(f"{training.curve.rows[-1].wall_s:.0f} s of training{resumed}")
-    own = f" --task {task}" if task else ""
-    tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}{own}"
+    option = f" --task {task}" if task else ""
+    tried = f"see {out / 'curve.png'}, or try: mimoc run {out / 'bundle'} --policy {training.policy}{option}"
     print(printable(f"{out}: {tried}"))
 
 

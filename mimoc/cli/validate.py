@@ -17,6 +17,7 @@ from mimoc.cli.terminal import FAILED_CHECK
 from mimoc.errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from mimoc.render.plots.plot import Sheet
     from mimoc.schema.infant import InfantSpec
 
 Progress = Callable[[int, int], None]
@@ -32,45 +33,43 @@ class Findings:
     """All numbers, for `--json`."""
     show: Callable[[], None]
     """Prints the result for people."""
-    plot: Callable[[Path], None]
-    """Writes a plot, in the format of the file's name."""
+    sheet: Callable[[], Sheet]
+    """Returns the plots of it."""
 
 
 def _against_who(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_growth
     from mimoc.compiler import validation
-    from mimoc.render.plots import plot_growth
+    from mimoc.render.plots.growth import growth_sheet
 
     report = validation.grow_against_who(infant, progress=progress)
     shown = partial(print_growth, report, validation.REQUESTED_SD)
-    plot = partial(plot_growth, report.series, reference=report.reference)
-    return Findings(report.passed, report.to_data(), shown, plot)
+    return Findings(report.passed, report.to_data(), shown, lambda: growth_sheet(report.series, report.reference))
 
 
 def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findings:
     from mimoc.cli.tables import print_measurements
     from mimoc.compiler.validation import anthrokids
-    from mimoc.render.plots.measurements import plot_measurements
+    from mimoc.render.plots.growth import measurements_sheet
 
     report = anthrokids.compare_with_anthrokids(infant, progress=progress)
     series = {
         name: [(age_months, row.value_cm) for age_months, row in rows.items()] for name, rows in report.by_measurement()
     }
     shown = partial(print_measurements, report, anthrokids.TOLERANCE)
-    plot = partial(plot_measurements, series, anthrokids.TOLERANCE)
-    return Findings(report.within_tolerance, report.to_data(), shown, plot)
+    sheet = partial(measurements_sheet, series, anthrokids.TOLERANCE)
+    return Findings(report.within_tolerance, report.to_data(), shown, sheet)
 
 
 def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
     from mimoc.cli.tables import print_milestones
     from mimoc.milestones import Conditions, validate_milestones
-    from mimoc.render.plots.milestones import plot_milestones
+    from mimoc.render.plots.milestones import rows_sheet
 
     processes = os.cpu_count() or 1
     report = validate_milestones(infant, Conditions(delays=delays), processes=processes, progress=progress)
-    return Findings(
-        report.passed, report.to_data(), partial(print_milestones, report), partial(plot_milestones, report.bars)
-    )
+    sheet = partial(rows_sheet, report.rows, "real infants (line: median)", ("window", "reached"))
+    return Findings(report.passed, report.to_data(), partial(print_milestones, report), sheet)
 
 
 VALIDATIONS: Mapping[str, Callable[..., Findings]] = {
@@ -108,7 +107,7 @@ def validate(
       as scaled by the spec.
     """
     from mimoc.cli import console
-    from mimoc.render.plots import check_plot_name
+    from mimoc.render.plots.file import check_plot_name, write_sheet
 
     if against not in VALIDATIONS:
         raise UnknownNameError("comparison", against, list(VALIDATIONS))
@@ -120,7 +119,7 @@ def validate(
     with console.progress("growing") as show:
         findings = VALIDATIONS[against](infant, show, **({"delays": True} if delays else {}))
     if plot:
-        findings.plot(plot)
+        write_sheet(findings.sheet(), plot)
     print(json.dumps(findings.data, indent=1)) if as_json else findings.show()
     if not findings.passed:
         raise typer.Exit(FAILED_CHECK)

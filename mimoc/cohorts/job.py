@@ -14,8 +14,9 @@ from typing import Any
 
 from mimoc.cohorts.infants import CohortInfant
 from mimoc.errors import MimocError
+from mimoc.quantities import QUANTITIES, measured_in, measures
 from mimoc.rounding import rounded
-from mimoc.schema.cohort_file import MEASURES, CohortSpec
+from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.cohort_steps import step_of
 from mimoc.schema.infant import to_data
 from mimoc.version import __version__
@@ -61,11 +62,11 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, s
         MimocError: If a module or a policy does not exist, or there are more than `MAX_JOBS`.
     """
     place, home = str(folder.resolve()), str(spec_folder.resolve())
-    functions_of_user = tuple(name for name in cohort.measure if name not in MEASURES)
+    functions_named = tuple(name for name in cohort.measure if name not in measures())
     steps = [*_steps(cohort)]
     if (number := len(infants) * len(steps)) > MAX_JOBS:
         raise MimocError(f"{number:,} jobs are more than {MAX_JOBS:,}; split the cohort into several files")
-    functions = {*functions_of_user, *(options["function"] for step, options, _ in steps if step == "python")}
+    functions = {*functions_named, *(options["function"] for step, options, _ in steps if step == "python")}
     policies = {options["policy"] for step, options, _ in steps if step == "run" and options["policy"].endswith(".zip")}
     code = {name: digest_of(name, place) for name in functions}
     code |= {name: _policy_digest(Path(place) / name) for name in policies}
@@ -74,19 +75,19 @@ def jobs_of(cohort: CohortSpec, infants: Sequence[CohortInfant], folder: Path, s
         resolved = rounded(to_data(infant.spec))
         for step, options, seed in steps:
             alone = step in WITHOUT_INFANT
-            used = {*functions_of_user, options.get("function"), options.get("policy")} & code.keys()
+            used = {*functions_named, options.get("function"), options.get("policy")} & code.keys()
             what = {
                 "mimoc": __version__,
                 "spec": None if alone else resolved,
                 "step": step,
                 "options": options,
                 "seed": seed,
-                "measure": functions_of_user,
+                "measure": (*functions_named, *_added_measures(step)),
                 "code": {name: code[name] for name in sorted(used)},
             }
             key = sha256(_text(what).encode()).hexdigest()[:32]
             factors, data = ({}, None) if alone else (infant.factors, infant.data)
-            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, functions_of_user)
+            job = Job(key, cohort.cohort, factors, step, options, seed, data, place, home, functions_named)
             jobs.setdefault(key, job)
     return tuple(jobs.values())
 
@@ -98,6 +99,12 @@ def _steps(cohort: CohortSpec) -> Iterator[tuple[str, dict[str, Any], int | None
         options = chosen.model_dump(mode="json")
         for seed in options.pop("seeds", (None,)):
             yield name, options, seed
+
+
+def _added_measures(step: str) -> tuple[str, ...]:
+    """Return what plug-ins measure in a step, so that jobs that were done without them are done again."""
+    added = [item.name for item in measured_in(step) if item.name not in QUANTITIES.own]
+    return tuple(f"{QUANTITIES.distribution(name)}:{name}" for name in added)
 
 
 def _policy_digest(path: Path) -> str:

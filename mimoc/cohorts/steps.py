@@ -8,71 +8,46 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.files import check_unlinked
-from mimoc.bundle.io import LOCK, Bundle
+from mimoc.bundle.io import LOCK
 from mimoc.cohorts.job import import_function
-from mimoc.cohorts.self_contacts import SelfContacts
 from mimoc.cohorts.work import Work
 from mimoc.errors import MimocError
+from mimoc.quantities import measured_in
+from mimoc.quantities.measuring import measure
 from mimoc.runtime.check import check_stability
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Run
 
 Measures = Mapping[str, Any]
 
-CHILD = {
-    "length_cm": "length_cm",
-    "mass_kg": "weight_kg",
-    "head_circumference_cm": "head_circumference_cm",
-    "arm_circumference_cm": "arm_circumference_cm",
-}
-"""Field of a manifest's child by the name of the measure."""
 
-
-def measure_child(bundle: Bundle) -> Measures:
-    """Return the measures of an infant that every step has."""
-    return {name: getattr(bundle.manifest.child, field) for name, field in CHILD.items()}
+def measure_child(work: Work) -> Measures:
+    """Return the measures of an infant that a step has whatever it does."""
+    return measure("child", work.job.step, [work.bundle.manifest.child])
 
 
 def build(work: Work) -> Measures:
     """Build the infant, and keep its bundle."""
     bundle = work.bundle
     work.store.write_bundle(work.job, bundle)
-    return {**measure_child(bundle), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
+    return {**measure_child(work), "bundle": f"sha256:{sha256(bundle.files[LOCK]).hexdigest()}"}
 
 
 def check(work: Work) -> Measures:
     """Check that the infant stays stable from every pose."""
     checks = [*check_stability(work.bundle)]
-    return {
-        **measure_child(work.bundle),
-        "stable": all(each.passed for each in checks),
-        "energy_j_per_kg": max((each.energy_j_per_kg for each in checks), default=0.0),
-        "beyond_deg": max((each.beyond_deg for each in checks), default=0.0),
-    }
+    return {**measure_child(work), **measure("pose", "check", checks)}
 
 
 def run(work: Work) -> Measures:
     """Run the infant under a policy."""
     options = work.job.options
     with closing(InfantEnv(work.bundle)) as env:
-        rollout, contacts = Run(env, _policy(work, options["policy"]), work.seed), SelfContacts(env)
+        rollout = Run(env, _policy(work, options["policy"]), work.seed)
         for _ in range(options["steps"]):
             rollout.step()
-            contacts.count()
         summary = rollout.summary()
-    return {
-        **measure_child(work.bundle),
-        "return": summary.mean_return,
-        "success": summary.successes / summary.finished if summary.finished else None,
-        "time_to_success_s": summary.time_to_success_s,
-        "episodes": summary.finished,
-        "contacts_self": contacts.mean,
-        "hip_path_m": summary.hip_path_m,
-        "head_height_m": summary.head_height_m[1],
-        "joint_speed_rad_s": summary.joint_speed_rad_s,
-        "unstable": summary.unstable,
-        **summary.metrics,
-    }
+    return {**measure_child(work), **summary.measures, **summary.metrics}
 
 
 def train(work: Work) -> Measures:
@@ -83,13 +58,8 @@ def train(work: Work) -> Measures:
     origin = {"cohort": work.job.cohort, "job": work.job.key, "factors": dict(work.job.factors)}
     training = learn(work.bundle, folder, seed=work.seed, threads=1, origin=origin, **work.job.options)
     last = asdict(training.curve.ends[1]) if training.curve.rows else {}
-    return {
-        **measure_child(work.bundle),
-        "return": last.get("episode_return"),
-        "success": last.get("success_rate"),
-        "time_to_success_s": last.get("time_to_success_s"),
-        "episodes": last.get("episodes"),
-    }
+    learnt = {item.name: last.get(item.curve) for item in measured_in("train") if item.curve}
+    return {**measure_child(work), **learnt}
 
 
 def experiment(work: Work) -> Measures:
@@ -104,11 +74,11 @@ def python(work: Work) -> Measures:
     """Call a function of the user's own, which returns measures by name, or nothing."""
     options = work.job.options
     function = import_function(options["function"], work.job.folder)
-    found = function(work, **options["options"])
-    if found is not None and not isinstance(found, Mapping):
-        raise MimocError(f"'{options['function']}' returned {type(found).__name__}; return a dictionary of measures")
-    own = {str(name): _cell(value, options["function"]) for name, value in (found or {}).items()}
-    return {**measure_child(work.bundle), **own}
+    returned = function(work, **options["options"])
+    if returned is not None and not isinstance(returned, Mapping):
+        raise MimocError(f"'{options['function']}' returned {type(returned).__name__}; return a dictionary of measures")
+    named = {str(name): _cell(value, options["function"]) for name, value in (returned or {}).items()}
+    return {**measure_child(work), **named}
 
 
 STEPS: Mapping[str, Callable[[Work], Measures]] = {

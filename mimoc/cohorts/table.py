@@ -12,8 +12,8 @@ from mimoc.bundle.files import write_file
 from mimoc.cohorts.job import Job
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MissingExtraError
+from mimoc.quantities import measures as known_measures
 from mimoc.rounding import num
-from mimoc.schema.cohort_file import MEASURES
 
 CSV, PARQUET = "table.csv", "table.parquet"
 COLUMNS = ("job", "step", "seed", "status", "error", "log")
@@ -43,17 +43,17 @@ def rows_of(
     for job in jobs:
         progress(len(results), len(jobs))
         results.append(store.read(job))
-    found = [result for result in results if result]
+    done = [result for result in results if result]
     pairs = [*zip(jobs, results, strict=True)]
     returned = _union([result.measures for job, result in pairs if result and job.step == "python"])
-    own = [name for name in returned if name not in MEASURES]
-    shown = measures or _ordered({name for result in found for name in result.measures})
+    others = [name for name in returned if name not in known_measures()]
+    shown = measures or _ordered({name for result in done for name in result.measures})
     factors = _union([job.factors for job in jobs])
     columns = _Columns(
         factors=factors,
         options=varied_options(jobs),
-        measures={_column(name, {*COLUMNS, *factors}): name for name in (*shown, *own)},
-        libraries=_union([result.versions for result in found]),
+        measures={_column(name, {*COLUMNS, *factors}): name for name in (*shown, *others)},
+        libraries=_union([result.versions for result in done]),
     )
     return [columns.row(job, result, store) for job, result in pairs]
 
@@ -124,7 +124,7 @@ def write_parquet(rows: Rows, folder: Path) -> Path:
 
 def _union(mappings: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the keys of all mappings, in the order in which they first occur."""
-    return [*dict.fromkeys(name for each in mappings for name in each)]
+    return [*dict.fromkeys(name for mapping in mappings for name in mapping)]
 
 
 def _column(measure: str, others: Set[str]) -> str:
@@ -134,7 +134,8 @@ def _column(measure: str, others: Set[str]) -> str:
 
 def _ordered(names: set[str]) -> list[str]:
     """Return measures in the order in which they are documented, then others by name."""
-    return [*(name for name in MEASURES if name in names), *sorted(names - MEASURES.keys())]
+    known = known_measures()
+    return [*(name for name in known if name in names), *sorted(names - known.keys())]
 
 
 def varied_options(jobs: Sequence[Job]) -> list[tuple[str, str]]:

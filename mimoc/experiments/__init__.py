@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mimoc.errors import UnknownNameError
 from mimoc.experiments.notebook import Notebook, Progress, open_notebook
-from mimoc.render.plots.figure import require_matplotlib
+from mimoc.render.plots.file import require_matplotlib
 
 EXPERIMENTS: Mapping[str, str] = {
     "growth": "mimoc.experiments.growth",

@@ -8,9 +8,10 @@ from mimoc.compiler import building
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
 from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.looks.pictures import encode_palette_png
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
 from mimoc.render.picture_grid import Picture, tile_pictures
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
 from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
@@ -51,7 +52,7 @@ def run(notebook: Notebook) -> Path:
         ("age_months", "acuity_cpd", "frequency_cpd", "law", "measured"),
         ((each.age_months, each.acuity_cpd, each.frequency_cpd, each.law, each.measured) for each in measured),
     )
-    notebook.write_picture("csf.png", png(draw_panels([_csf_panel(measured), _profile_panel()])))
+    notebook.write_plots("csf.png", [_csf_plot(measured), _profile_plot()])
     return notebook.write_page(
         "Acuity and foveation",
         _sections(measured, size_px),
@@ -97,23 +98,28 @@ def _profile_rows() -> Iterator[tuple[float, ...]]:
         yield age_months, *(acuity_at(age_months, profile) for profile in PROFILES)
 
 
-def _csf_panel(measured: Sequence[Transfer]) -> Panel:
-    curves = []
+def _csf_plot(measured: Sequence[Transfer]) -> Plot:
+    lines, dots = [], []
     for age_months in PAPER_MONTHS:
         found = [each for each in measured if each.age_months == age_months]
         acuity_cpd, label = found[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
-        curves.append(Curve(label, (0, acuity_cpd), (1, 0)))
-        frequencies_cpd = [each.frequency_cpd for each in found]
-        curves.append(Curve(label, frequencies_cpd, [each.measured for each in found], marker="o", joined=False))
-    return Panel("Spatial frequency [cycles/degree]", "Remaining contrast", curves, "Contrast sensitivity")
+        lines.append(Line((0, acuity_cpd), (1, 0), label))
+        dots.append(Dots([each.frequency_cpd for each in found], [each.measured for each in found], label))
+    return Plot(
+        x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
+        y=Quantity("contrast", "Remaining contrast"),
+        lines=tuple(lines),
+        dots=tuple(dots),
+        title="Contrast sensitivity",
+    )
 
 
-def _profile_panel() -> Panel:
-    curves = [
-        Curve(profile, HALF_MONTHS, [acuity_at(age_months, profile) for age_months in HALF_MONTHS])
+def _profile_plot() -> Plot:
+    lines = (
+        Line(HALF_MONTHS, [acuity_at(age_months, profile) for age_months in HALF_MONTHS], profile)
         for profile in PROFILES
-    ]
-    return Panel("Age [months]", "Acuity [cycles/degree]", curves, "Acuity by age")
+    )
+    return Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), tuple(lines), title="Acuity by age")
 
 
 def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,9 @@ from mimoc.experiments.infant_reaches import DELAYS, reach_at_ages, write_reache
 from mimoc.experiments.infant_reaches_page import infant_sections
 from mimoc.experiments.learner import Learner, binned_times_s, detour, smoothness
 from mimoc.experiments.notebook import Notebook
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.quantities import Quantity
+from mimoc.quantities.outcome import TRAINED
+from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.tasks.reach.spec import ReachEntry
@@ -55,8 +57,7 @@ def run(notebook: Notebook) -> Path:
     write_reaches(notebook, groups)
     learners = list(_learners(notebook, steps, seeds, lambda done: notebook.progress(infants + done, total)))
     _write_tables(notebook, learners)
-    panels = [_learning_panel(learners), _path_panel(learners), _smoothness_panel(learners)]
-    notebook.write_picture("delays.png", png(draw_panels(panels)))
+    notebook.write_plots("delays.png", [_learning_plot(learners), _path_plot(learners), _smoothness_plot(learners)])
     numbers = {"age": AGE_MONTHS, "motor": MOTOR_MS, "steps": steps, "seeds": len(seeds)}
     learning = sections(_by_delay(learners), **numbers, episodes=EPISODES, shown=SHOWN)
     return notebook.write_page(
@@ -162,17 +163,19 @@ def _label(delay_ms: float) -> str:
     return f"{delay_ms:g} ms"
 
 
-def _learning_panel(learners: Sequence[Learner]) -> Panel:
-    curves = []
+def _learning_plot(learners: Sequence[Learner]) -> Plot:
+    lines, bands = [], []
     for delay_ms, group in _by_delay(learners).items():
         steps, times_s = zip(*(binned_times_s(each.training.curve) for each in group), strict=True)
         middle, low, high = np.mean(times_s, axis=0), np.min(times_s, axis=0), np.max(times_s, axis=0)
-        curves.append(Curve(_label(delay_ms), steps[0] / 1000, middle, band=(low, high)))
-    return Panel("Control steps of training [thousands]", "Time to reach [s]", curves, "Learning")
+        lines.append(Line(steps[0] / 1000, middle, _label(delay_ms)))
+        bands.append(Band(steps[0] / 1000, low, high, _label(delay_ms)))
+    y = Quantity("time_s", "Time to reach", "s")
+    return Plot(replace(TRAINED, unit="thousands"), y, tuple(lines), tuple(bands), title="Learning")
 
 
-def _path_panel(learners: Sequence[Learner]) -> Panel:
-    curves = []
+def _path_plot(learners: Sequence[Learner]) -> Plot:
+    lines = []
     for each in _of_first_seed(learners):
         with closing(InfantEnv(reaching(each.delay_ms))) as env:
             env.reset(seed=0)
@@ -180,13 +183,15 @@ def _path_panel(learners: Sequence[Learner]) -> Panel:
         for reach in each.reaches[:SHOWN]:
             assert reach.path_m is not None
             ahead, _, up = 100 * (reach.path_m - shoulder).T
-            curves.append(Curve(_label(each.delay_ms), ahead, up))
-    return Panel("In front of the shoulder [cm]", "Above the shoulder [cm]", curves, "Hand paths", equal=True)
+            lines.append(Line(ahead, up, _label(each.delay_ms)))
+    x, y = Quantity("ahead_cm", "In front of the shoulder", "cm"), Quantity("up_cm", "Above the shoulder", "cm")
+    return Plot(x, y, tuple(lines), title="Hand paths", equal=True)
 
 
-def _smoothness_panel(learners: Sequence[Learner]) -> Panel:
-    curves = []
+def _smoothness_plot(learners: Sequence[Learner]) -> Plot:
+    dots = []
     for delay_ms, group in _by_delay(learners).items():
         lengths = [each.arc_length() for each in group]
-        curves.append(Curve(_label(delay_ms), [delay_ms] * len(lengths), lengths, marker="o", joined=False))
-    return Panel("Sensory delay [ms]", "Spectral arc length (higher is smoother)", curves, "Smoothness")
+        dots.append(Dots([delay_ms] * len(lengths), lengths, _label(delay_ms)))
+    x, y = Quantity("delay_ms", "Sensory delay", "ms"), Quantity("sal", "Spectral arc length (higher is smoother)")
+    return Plot(x, y, dots=tuple(dots), title="Smoothness")

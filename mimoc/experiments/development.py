@@ -16,10 +16,12 @@ from mimoc.experiments.strength_over_load import GROUPS, Strength, strengths
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.milestones.search import SearchResult
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
 from mimoc.render.picture_grid import tile_pictures
-from mimoc.render.plots.age_rows import AgeRow, draw_age_rows
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.render.plots.file import encode
+from mimoc.render.plots.milestones import AgeRow, rows_sheet
+from mimoc.render.plots.plot import Line, Plot
 
 T = TypeVar("T")
 
@@ -129,17 +131,18 @@ def _write_strength(notebook: Notebook, found: Sequence[Strength]) -> None:
         for each in found
     )
     notebook.write_table("strength.csv", STRENGTH_HEADINGS, rows)
-    notebook.write_picture("strength.png", png(draw_panels([_strength_panel(found, law) for law in LAWS])))
+    notebook.write_plots("strength.png", [_strength_plot(found, law) for law in LAWS])
 
 
-def _strength_panel(found: Sequence[Strength], law: str) -> Panel:
-    curves = []
+def _strength_plot(found: Sequence[Strength], law: str) -> Plot:
+    lines = []
     for group, motor in GROUPS.items():
         own = [each for each in found if each.development == law and (each.actuator, each.direction) == motor]
         at_18 = next(each.ratio for each in own if each.age_months == COMPARED_MONTHS)
         ages, ratios = [each.age_months for each in own], [each.ratio / at_18 for each in own]
-        curves.append(Curve(group, ages, ratios, marker="."))
-    return Panel("Age [months]", "Torque / gravity moment, relative to 18 months", curves, law, level=1.0)
+        lines.append(Line(ages, ratios, group, "marked"))
+    y = Quantity("ratio", "Torque / gravity moment, relative to 18 months")
+    return Plot(AGE, y, tuple(lines), title=law, level=1.0)
 
 
 def _rest_cells(found: Rest) -> tuple[Cell, ...]:
@@ -167,11 +170,15 @@ def _write_milestones(notebook: Notebook, found: Mapping[Case, SearchResult]) ->
         AgeRow(
             name,
             {case.development: result.youngest_months for case, result in found.items() if case.trial == name},
-            (window.youngest_months, window.oldest_months) if (window := WINDOWS.get(name)) else None,
+            (window.youngest_months, window.oldest_months) if (window := WINDOWS.get(name)) else (),
         )
         for name in names
     ]
-    notebook.write_picture("milestones.png", png(draw_age_rows(rows, OLDEST_SHOWN_MONTHS, "real infants")))
+    notebook.write_picture("milestones.png", _rows_png(rows))
+
+
+def _rows_png(rows: Sequence[AgeRow]) -> bytes:
+    return encode(rows_sheet(rows, "real infants", ages_months=(0.0, OLDEST_SHOWN_MONTHS)))
 
 
 def _attempts(found: Mapping[Case, SearchResult]) -> Iterator[tuple[Cell, ...]]:
@@ -189,4 +196,4 @@ def _write_sensitivity(notebook: Notebook, found: Sequence[Varied]) -> None:
         AgeRow(name, {each.condition: each.youngest_months for each in found if each.trial == name})
         for name in dict.fromkeys(each.trial for each in found)
     ]
-    notebook.write_picture("sensitivity.png", png(draw_age_rows(shown, OLDEST_SHOWN_MONTHS, "")))
+    notebook.write_picture("sensitivity.png", _rows_png(shown))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ from mimoc.experiments.growing_learner import GrowingLearner, by_schedule
 from mimoc.experiments.growing_page import sections
 from mimoc.experiments.learner import binned_times_s, times_s
 from mimoc.experiments.notebook import Cell, Notebook
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
+from mimoc.quantities.outcome import TRAINED
+from mimoc.render.plots.plot import Band, Dots, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growth_schedule import COURSES, GrowthSchedule, growth_schedule
 from mimoc.schema.infant import InfantSpec
@@ -48,7 +51,7 @@ def run(notebook: Notebook) -> Path:
     with closing(InfantEnv(bundle)) as env:
         untrained = evaluate(env, "random", balls, seed=FIRST_BALL)
     _write_tables(notebook, learners, steps)
-    notebook.write_picture("growing.png", png(draw_panels(_panels(learners, untrained, steps))))
+    notebook.write_plots("growing.png", _plots(learners, untrained, steps))
     numbers = {"steps": steps, "seeds": len(seeds), "balls": balls, "check_balls": check_balls}
     return notebook.write_page(
         "Does growing help?",
@@ -163,60 +166,60 @@ def _outcome(reach: Episode) -> tuple[Cell, ...]:
     return reach.seed, float(reach.success), reach.duration_s, reach.total_reward
 
 
-def _panels(learners: Sequence[GrowingLearner], untrained: Sequence[Episode], steps: int) -> list[Panel]:
+def _plots(learners: Sequence[GrowingLearner], untrained: Sequence[Episode], steps: int) -> list[Plot]:
     groups = by_schedule(learners)
     return [
-        _age_panel([group[0] for group in groups.values()], steps),
-        _learning_panel(groups),
-        _check_panel(groups, float(np.mean([reach.duration_s for reach in untrained]))),
-        _final_panel(groups),
+        _age_plot([group[0] for group in groups.values()], steps),
+        _learning_plot(groups),
+        _check_plot(groups, float(np.mean([reach.duration_s for reach in untrained]))),
+        _final_plot(groups),
     ]
 
 
-THOUSANDS = "Control steps of training [thousands]"
+THOUSANDS = replace(TRAINED, unit="thousands")
+TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 
 
-def _age_panel(learners: Sequence[GrowingLearner], steps: int) -> Panel:
+def _age_plot(learners: Sequence[GrowingLearner], steps: int) -> Plot:
     done = np.arange(0, steps, max(1, steps // 500))
-    curves = [
-        Curve(each.schedule, done / 1000, [schedule_of(each.schedule, each.seed, steps)(int(step)) for step in done])
+    lines = tuple(
+        Line(done / 1000, [schedule_of(each.schedule, each.seed, steps)(int(step)) for step in done], each.schedule)
         for each in learners
-    ]
-    return Panel(THOUSANDS, "Age [months]", curves, f"Schedules (seed {learners[0].seed})")
+    )
+    return Plot(THOUSANDS, AGE, lines, title=f"Schedules (seed {learners[0].seed})")
 
 
-def _learning_panel(groups: Mapping[str, Sequence[GrowingLearner]]) -> Panel:
-    curves = []
+def _learning_plot(groups: Mapping[str, Sequence[GrowingLearner]]) -> Plot:
+    parts = []
     for schedule, group in groups.items():
         steps, found_s = zip(*(binned_times_s(each.training.curve) for each in group), strict=True)
-        curves.append(_with_band(schedule, steps[0], found_s))
-    return Panel(THOUSANDS, "Time to touch [s]", curves, "Learning, at the age of the moment")
+        parts.append(_with_band(schedule, steps[0], found_s))
+    return _time_plot(parts, "Learning, at the age of the moment")
 
 
-def _check_panel(groups: Mapping[str, Sequence[GrowingLearner]], untrained_s: float) -> Panel:
-    curves = [
+def _check_plot(groups: Mapping[str, Sequence[GrowingLearner]], untrained_s: float) -> Plot:
+    parts = [
         _with_band(schedule, list(group[0].checks), [list(each.check_times_s().values()) for each in group])
         for schedule, group in groups.items()
     ]
-    title = f"Tested at {AGES_MONTHS[1]:g} months"
-    return Panel(THOUSANDS, "Time to touch [s]", curves, title, level=untrained_s)
+    return _time_plot(parts, f"Tested at {AGES_MONTHS[1]:g} months", untrained_s)
 
 
-def _with_band(label: str, steps: npt.ArrayLike, values: npt.ArrayLike) -> Curve:
+def _time_plot(parts: Sequence[tuple[Line, Band]], title: str, level: float | None = None) -> Plot:
+    lines, bands = zip(*parts, strict=True)
+    return Plot(THOUSANDS, TIME_TO_TOUCH, lines, bands, title=title, level=level)
+
+
+def _with_band(label: str, steps: npt.ArrayLike, values: npt.ArrayLike) -> tuple[Line, Band]:
     """Return the mean over seeds, with a band from the least to the greatest."""
-    found = np.asarray(values)
-    return Curve(label, np.asarray(steps) / 1000, found.mean(axis=0), band=(found.min(axis=0), found.max(axis=0)))
+    found, thousands = np.asarray(values), np.asarray(steps) / 1000
+    return Line(thousands, found.mean(axis=0), label), Band(thousands, found.min(axis=0), found.max(axis=0), label)
 
 
-def _final_panel(groups: Mapping[str, Sequence[GrowingLearner]]) -> Panel:
-    curves = [
-        Curve(
-            schedule,
-            [each.time_s() for each in group],
-            [100 * each.success_rate() for each in group],
-            marker="o",
-            joined=False,
-        )
+def _final_plot(groups: Mapping[str, Sequence[GrowingLearner]]) -> Plot:
+    dots = tuple(
+        Dots([each.time_s() for each in group], [100 * each.success_rate() for each in group], schedule)
         for schedule, group in groups.items()
-    ]
-    return Panel("Time to touch [s]", "Balls touched [%]", curves, f"After training, at {AGES_MONTHS[1]:g} months")
+    )
+    title = f"After training, at {AGES_MONTHS[1]:g} months"
+    return Plot(TIME_TO_TOUCH, Quantity("touched", "Balls touched", "%"), dots=dots, title=title)

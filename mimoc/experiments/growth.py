@@ -5,8 +5,8 @@ from pathlib import Path
 
 from mimoc.compiler.validation import GrowthReport, Row, grow_against_who
 from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
-from mimoc.render.plots import draw_growth
-from mimoc.render.plots.figure import png
+from mimoc.render.plots.file import encode
+from mimoc.render.plots.growth import growth_sheet
 
 MONTHS: Sequence[float] = [half / 2 for half in range(49)]
 QUICK_MONTHS: Sequence[float] = (0, 3, 6, 9, 12, 18, 24)
@@ -33,7 +33,7 @@ def run(notebook: Notebook) -> Path:
         ("age_months", "indicator", "value", "z_boys", "z_girls", "z_mean", "percentile"),
         (_cells(row) for row in report.rows),
     )
-    notebook.write_picture("growth.png", png(draw_growth(report.series)))
+    notebook.write_picture("growth.png", encode(growth_sheet(report.series)))
     sections = (
         TEXTS["about"].format(count=len(months)),
         TEXTS["compared"].format(verdict=_verdict(report), table=_table(report)),

@@ -10,8 +10,9 @@ import numpy as np
 from mimoc.compiler import pipeline
 from mimoc.experiments.notebook import Notebook
 from mimoc.experiments.sensed_reaching import Reach, reach_once
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
+from mimoc.render.plots.plot import Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 
@@ -112,12 +113,14 @@ def write_reaches(notebook: Notebook, groups: Sequence[Group]) -> None:
             for index, reach in enumerate(group.reaches)
         ),
     )
-    panels = [
-        Panel("Time since onset [s]", "Speed of the hand [m/s]", list(_speeds(groups)), "One reach"),
-        Panel("Age [months]", "Movement units", list(_by_age(groups, "movement_units")), "Movement units"),
-        Panel("Age [months]", "Path length / distance", list(_by_age(groups, "path_ratio")), "Straightness"),
+    onset, speed = Quantity("time_s", "Time since onset", "s"), Quantity("speed_m_s", "Speed of the hand", "m/s")
+    units, ratio = Quantity("movement_units", "Movement units"), Quantity("path_ratio", "Path length / distance")
+    plots = [
+        Plot(onset, speed, tuple(_speeds(groups)), title="One reach"),
+        Plot(AGE, units, tuple(_by_age(groups, "movement_units")), title="Movement units"),
+        Plot(AGE, ratio, tuple(_by_age(groups, "path_ratio")), title="Straightness"),
     ]
-    notebook.write_picture("infants.png", png(draw_panels(panels)))
+    notebook.write_plots("infants.png", plots)
 
 
 def by_delay(groups: Sequence[Group]) -> dict[str, list[Group]]:
@@ -130,16 +133,16 @@ def _measured(reach: Reach) -> Iterator[float]:
         yield measure(reach)
 
 
-def _speeds(groups: Sequence[Group]) -> Iterator[Curve]:
+def _speeds(groups: Sequence[Group]) -> Iterator[Line]:
     """Yield the speed in the reach of median duration of the youngest infant, with each delay."""
     for group in groups:
         if group.age_months == groups[0].age_months:
             durations_s = [reach.duration_s for reach in group.reaches]
             reach = group.reaches[int(np.argsort(durations_s)[len(durations_s) // 2])]
-            yield Curve(group.delay, reach.step_s * np.arange(len(reach.speed_m_s)), reach.speed_m_s)
+            yield Line(reach.step_s * np.arange(len(reach.speed_m_s)), reach.speed_m_s, group.delay)
 
 
-def _by_age(groups: Sequence[Group], measure: str) -> Iterator[Curve]:
+def _by_age(groups: Sequence[Group], measure: str) -> Iterator[Line]:
     for delay, same in by_delay(groups).items():
         medians = [group.median(MEASURES[measure]) for group in same]
-        yield Curve(delay, [group.age_months for group in same], medians, marker="o")
+        yield Line([group.age_months for group in same], medians, delay, "marked")

@@ -12,8 +12,8 @@ from mimoc.compiler import pipeline
 from mimoc.control import GAIN_SETS, ReachGains
 from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.policies.reach_errors import ReachErrors, reach_errors
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.quantities import Quantity
+from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.sense import FloatArray
@@ -39,11 +39,10 @@ def run(notebook: Notebook) -> Path:
         ("gains", "time_s", *(f"{what}_{how}" for what in ("hands_mm", "eyes_deg") for how in HOW)),
         _rows(found),
     )
-    panels = [
-        Panel("Time [s]", "Distance of hands from targets [mm]", _curves(found, _hands_mm), "Hands"),
-        Panel("Time [s]", "Misalignment of eyes [degrees]", _curves(found, _eyes_deg), "Eyes"),
-    ]
-    notebook.write_picture("inverse.png", png(draw_panels(panels)))
+    hands = Quantity("hands_mm", "Distance of hands from targets", "mm")
+    eyes = Quantity("eyes_deg", "Misalignment of eyes", "degrees")
+    plots = [_plot(hands, "Hands", found, _hands_mm), _plot(eyes, "Eyes", found, _eyes_deg)]
+    notebook.write_plots("inverse.png", plots)
     about = TEXTS["about"].format(age=AGE_MONTHS, trials=trials, gains=_gains_table())
     compared = TEXTS["compared"].format(table=_table(found), verdict=_verdict(found))
     return notebook.write_page(
@@ -96,13 +95,15 @@ def _statistic(errors: FloatArray, percentile: float | None) -> FloatArray:
     return errors.mean(axis=0) if percentile is None else np.percentile(errors, percentile, axis=0)
 
 
-def _curves(found: Mapping[str, ReachErrors], pick: Callable[[ReachErrors], FloatArray]) -> list[Curve]:
-    curves = []
+def _plot(
+    quantity: Quantity, title: str, found: Mapping[str, ReachErrors], pick: Callable[[ReachErrors], FloatArray]
+) -> Plot:
+    lines, bands = [], []
     for name, errors in found.items():
-        values = pick(errors)
-        band = (_statistic(values, 25.0), _statistic(values, 75.0))
-        curves.append(Curve(f"{name} gains", errors.time_s, _statistic(values, None), band=band))
-    return curves
+        values, label = pick(errors), f"{name} gains"
+        lines.append(Line(errors.time_s, _statistic(values, None), label))
+        bands.append(Band(errors.time_s, _statistic(values, 25.0), _statistic(values, 75.0), label))
+    return Plot(Quantity("time_s", "Time", "s"), quantity, tuple(lines), tuple(bands), title=title)
 
 
 def _rows(found: Mapping[str, ReachErrors]) -> Iterator[tuple[str | float, ...]]:

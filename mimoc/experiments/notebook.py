@@ -14,6 +14,8 @@ from pathlib import Path
 
 from mimoc.bundle.files import write_file
 from mimoc.errors import OutputError
+from mimoc.render.plots.file import encode
+from mimoc.render.plots.plot import Plot, Sheet
 
 Progress = Callable[[int, int], None]
 """Called with the number of steps done and their total."""
@@ -59,6 +61,14 @@ class Notebook:
             OutputError: If it cannot be written.
         """
         write_file(self.folder / file, png)
+
+    def write_plots(self, file: str, plots: Sequence[Plot]) -> None:
+        """Write plots side by side as a PNG.
+
+        Raises:
+            OutputError: If it cannot be written.
+        """
+        self.write_picture(file, encode(Sheet(tuple(plots))))
 
     def write_page(self, title: str, sections: Iterable[str], *, seeds: str, libraries: Sequence[str] = ()) -> Path:
         """Write the report, which ends with how to reproduce it.

@@ -12,10 +12,10 @@ from mimoc.compiler import building
 from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.looks.pictures import encode_palette_png
+from mimoc.quantities import Quantity
 from mimoc.render.overview import overview
 from mimoc.render.picture_grid import Picture, captioned_grid
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
 from mimoc.toys.builtin import BUILTIN_TOYS
@@ -79,7 +79,7 @@ def run(notebook: Notebook) -> Path:
     notebook.write_picture("rooms.png", encode_palette_png(sheet, COLOURS))
     notebook.write_table("rooms.csv", ROOM_HEADINGS, (room.row for room in rooms))
     notebook.write_table("toys.csv", TOY_HEADINGS, (row for room in rooms for row in room.toy_rows))
-    notebook.write_picture("toys.png", png(draw_panels(_panels(rooms))))
+    notebook.write_plots("toys.png", _plots(rooms))
     about = TEXTS["about"].format(
         count=len(seeds), first=seeds[0], last=seeds[-1], reach_cm=100 * rooms[0].reach.radius_m
     )
@@ -91,29 +91,29 @@ def run(notebook: Notebook) -> Path:
     )
 
 
-def _panels(rooms: Sequence[Inventory]) -> list[Panel]:
+def _plots(rooms: Sequence[Inventory]) -> list[Plot]:
     toys = [toy for room in rooms for toy in room.toys]
     reach = rooms[0].reach
     around = np.array([(-toy.left_m, toy.ahead_m) for toy in toys]) / reach.radius_m
     distances = np.sort([toy.distance_m for toy in toys]) / reach.radius_m
     far = np.linspace(0, FARTHEST, 400)
     return [
-        Panel(
-            "To the right [reaches]",
-            "Ahead [reaches]",
-            [Curve("toys", *around.T, marker="o", joined=False)],
-            "Positions of toys",
+        Plot(
+            x=Quantity("right", "To the right", "reaches"),
+            y=Quantity("ahead", "Ahead", "reaches"),
+            dots=(Dots(around[:, 0], around[:, 1], "toys"),),
+            title="Positions of toys",
             ring=1.0,
             equal=True,
         ),
-        Panel(
-            "Distance [reaches]",
-            "Fraction of toys within distance",
-            [
-                Curve("measured", distances, np.arange(1, len(toys) + 1) / len(toys), marker="."),
-                Curve("law, on an empty floor", far, _share_nearer(reach, far * reach.radius_m)),
-            ],
-            "Distances",
+        Plot(
+            x=Quantity("distance", "Distance", "reaches"),
+            y=Quantity("nearer", "Fraction of toys within distance"),
+            lines=(
+                Line(distances, np.arange(1, len(toys) + 1) / len(toys), "measured", "marked"),
+                Line(far, _share_nearer(reach, far * reach.radius_m), "law, on an empty floor"),
+            ),
+            title="Distances",
         ),
     ]
 

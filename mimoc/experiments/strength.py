@@ -11,8 +11,8 @@ from mimoc.experiments import strength_page
 from mimoc.experiments.effort import BEHAVIOURS, Behaviour, Effort, Model, efforts
 from mimoc.experiments.notebook import Cell, Notebook, Progress
 from mimoc.experiments.strength_page import FULL_SIZE_MONTHS, TARGET_DEG, Findings
-from mimoc.render.plots.curves import Curve, Panel, draw_panels
-from mimoc.render.plots.figure import png
+from mimoc.quantities import Quantity
+from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
 
 PAPER_MONTHS: Sequence[float] = (0, 3, 6, 9, 12, 18, 24)
@@ -57,7 +57,7 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table("strength.csv", HEADINGS, map(_summary, torque))
     notebook.write_table("muscles.csv", HEADINGS, map(_summary, muscle))
     notebook.write_table("curves.csv", CURVE_HEADINGS, _samples(shown))
-    notebook.write_picture("strength.png", png(draw_panels([_panel(shown, each) for each in BEHAVIOURS])))
+    notebook.write_plots("strength.png", [_plot(shown, each) for each in BEHAVIOURS])
     sized = [
         (size, REFERENCE_S[each.name][size], effort)
         for (each, size), trial in by_size.items()
@@ -113,15 +113,15 @@ def _samples(found: Iterable[Effort]) -> Iterator[tuple[Cell, ...]]:
             yield effort.behaviour.name, effort.age_months, time_s, angle_deg
 
 
-def _panel(found: Iterable[Effort], behaviour: Behaviour) -> Panel:
-    return Panel(
-        x_label="Time [s]",
-        y_label="Angle [deg]",
-        curves=[
-            Curve(f"{effort.age_months:g} months", effort.time_s, effort.angle_deg)
+def _plot(found: Iterable[Effort], behaviour: Behaviour) -> Plot:
+    return Plot(
+        x=Quantity("time_s", "Time", "s"),
+        y=Quantity("angle_deg", "Angle", "deg"),
+        lines=tuple(
+            Line(effort.time_s, effort.angle_deg, f"{effort.age_months:g} months")
             for effort in found
             if effort.behaviour == behaviour
-        ],
+        ),
         title=behaviour.name.capitalize(),
         level=TARGET_DEG,
     )

@@ -12,7 +12,7 @@ from mimoc.milestones.search import Progress, SearchResult, age_grid, search
 from mimoc.milestones.trial import Trial
 from mimoc.milestones.trials import FURTHER, TRIALS
 from mimoc.milestones.windows import WINDOWS, AgeRange
-from mimoc.render.plots.milestones import Bar
+from mimoc.render.plots.milestones import AgeRow
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 
@@ -72,17 +72,17 @@ class MilestoneReport:
         return all(milestone.verdict in ("inside", "no verdict") for milestone in self.milestones)
 
     @property
-    def bars(self) -> list[Bar]:
+    def rows(self) -> list[AgeRow]:
         """The milestones as they are plotted."""
         return [
-            Bar(
-                milestone.trial.title,
-                (milestone.window.youngest_months, milestone.window.median_months, milestone.window.oldest_months)
-                if milestone.window
-                else None,
-                milestone.result.youngest_months,
+            AgeRow(
+                item.trial.title,
+                {"mimoc, from this age on": item.result.youngest_months},
+                (item.window.youngest_months, item.window.median_months, item.window.oldest_months)
+                if item.window
+                else (),
             )
-            for milestone in self.milestones
+            for item in self.milestones
         ]
 
     def to_data(self) -> dict[str, Any]:

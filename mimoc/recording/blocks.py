@@ -94,6 +94,7 @@ class Block:
         self.numbers |= {name: np.zeros(rows, bool) for name in ("terminated", "truncated")}
         self._infos: dict[str, Array] = {}
         self._terms: dict[str, Array] = {}
+        self._measures: dict[str, Array] = {}
         self.dense, self.sparse = dict[str, Array](), dict[str, Sparse]()
         for reading in self.readings:
             if reading.kind == "sparse":
@@ -139,6 +140,11 @@ class Block:
         for name, array in self.sparse.items():
             array.put(row, observation[name])
         self.rows += 1
+
+    def put_measures(self, measures: Mapping[str, Any]) -> None:
+        """Add quantities by name to the row that was put last; in rows without them they are NaN or False."""
+        for name, value in measures.items():
+            self._column(self._measures, "measure", name, value)[self.rows - 1] = value
 
     def _column(self, known: dict[str, Array], prefix: str, name: str, value: Any) -> Array:
         """Return the array of a number of the info; where there is none, it is NaN or False."""

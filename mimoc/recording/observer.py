@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import RecordingError
+from mimoc.quantities.measuring import StepMeasures
 from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Block, Reading, reading_of
 from mimoc.recording.described import Described
@@ -88,6 +89,7 @@ class RecordingObserver(Journal):
         self._before: dict[str, Any] | None = None
         self._physics, self._model, self._state = b"", infant.model, physics_of(infant.model, infant.data)
         self._described = _described(infant)
+        self._measures = StepMeasures(infant, "record")
 
     def resetting(self) -> None:
         """Keep what a reset goes on from: random numbers, noise, and what earlier episodes have left in the model."""
@@ -125,6 +127,8 @@ class RecordingObserver(Journal):
             self._change("action_dtype", action.dtype.name)
         episode.steps += 1
         self._put(action, judged, observation)
+        if self._block is not None:
+            self._block.put_measures(self._measures.read(judged[3]))
         self._physics = self._physics_now()
         if episode.steps % self._pace.states_every == 0:
             episode.states.append({"step": episode.steps, "state": self._infant.get_state()})

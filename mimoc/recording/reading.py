@@ -17,6 +17,7 @@ from mimoc.recording.described import OBSERVATION, Described
 from mimoc.recording.description import Description, Sidecar, read_sidecar
 from mimoc.recording.folder import EpisodeFiles, bundle_folder, description_in, digest, episodes_in
 from mimoc.recording.state_text import from_plain
+from mimoc.recording.table_check import MEASURE, OPTIONAL
 
 
 @dataclass(frozen=True)
@@ -127,6 +128,11 @@ class Episode:
         """What else `info` says of each control step, by name, each of shape (k,)."""
         return self._named("info.")
 
+    @property
+    def measures(self) -> dict[str, Array]:
+        """Quantities that plug-ins measure after each control step, by name, each of shape (k,)."""
+        return self._named(MEASURE)
+
     @cached_property
     def observations(self) -> Mapping[str, Array]:
         """What was observed before the first control step and after each, by name, each of shape (k + 1, ...)."""
@@ -176,7 +182,7 @@ class Episode:
             UnknownNameError: If there is no observation of this name, or it is one of pictures.
         """
         columns = {name: self.column(name) for name in self.table.column_names if name != "action" and "." not in name}
-        columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(("term.", "info."))}
+        columns |= {name: self.column(name) for name in self.table.column_names if name.startswith(OPTIONAL)}
         usual = ["action", *(reading.name for reading in self.described.readings if reading.kind == "dense")]
         for name in names or usual:
             array = self.column("action") if name == "action" else self._numbers(name)

@@ -13,7 +13,9 @@ from mimoc.recording.described import ACTION, OBSERVATION, Described
 STEP = "step"
 NUMBERS = ("time_s", "reward")
 FLAGS = ("terminated", "truncated")
-OPTIONAL = ("info.", "term.")
+MEASURE = "measure."
+"""What the names of columns of quantities begin with."""
+OPTIONAL = ("info.", "term.", MEASURE)
 """What the names of columns begin with that a table may have besides: numbers or flags."""
 _SHOWN = 60
 """Most characters of a name or type in an error."""

@@ -10,11 +10,21 @@ import numpy as np
 
 from mimoc.bundle.files import write_file
 from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.quantities import QUANTITIES
 from mimoc.recording.arrow import pa, pq
 from mimoc.recording.blocks import Array, Block, Reading, Sparse
 from mimoc.recording.described import ACTION, KEY, OBSERVATION, Described
 from mimoc.recording.folder import opened
-from mimoc.recording.table_check import STEP, check_rows, check_schema, has_numbers, lists_of, pairs_of, sparse_of
+from mimoc.recording.table_check import (
+    MEASURE,
+    STEP,
+    check_rows,
+    check_schema,
+    has_numbers,
+    lists_of,
+    pairs_of,
+    sparse_of,
+)
 
 SMALL_BYTES, MOST_RATIO = 2**29, 100
 """What a file may hold however small it is, and how many times its size."""
@@ -127,8 +137,14 @@ def _table(block: Block, described: Described) -> Any:
         elif reading.kind == "sparse":
             columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
     columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
-    fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
+    fields = [pa.field(name, column.type, False, _metadata(name)) for name, column in columns.items()]
     return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))
+
+
+def _metadata(column: str) -> dict[str, str] | None:
+    """Return what is written of a column besides its type: label and unit of a quantity."""
+    quantity = QUANTITIES.get(column.removeprefix(MEASURE)) if column.startswith(MEASURE) else None
+    return {"label": quantity.label, "unit": quantity.unit, "about": quantity.about} if quantity else None
 
 
 def _listed(kept: Sparse, rows: int) -> Any:

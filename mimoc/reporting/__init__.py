@@ -10,8 +10,7 @@ from mimoc.bundle.io import LOCK, Bundle, read_bundle
 from mimoc.compiler.loading import SPEC_SUFFIXES, load_spec
 from mimoc.compiler.pipeline import build
 from mimoc.errors import MimocError
-from mimoc.reporting.html import render
-from mimoc.reporting.page import Page
+from mimoc.reporting.page import Page, render
 from mimoc.schema.infant import InfantSpec
 
 if TYPE_CHECKING:

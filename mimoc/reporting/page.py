@@ -4,7 +4,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from mimoc.reporting.drawing import Drawing
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from mimoc.mjcf.printing import TEMPLATES
+from mimoc.render.plots.drawing import Drawing
+
+_HTML = Environment(
+    loader=FileSystemLoader(TEMPLATES),
+    undefined=StrictUndefined,
+    autoescape=True,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,3 +158,8 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[Cell]]) -> Table:
 def number(text: str, *links: Link) -> Cell:
     """Return a cell with a number."""
     return Cell(text, "number", links)
+
+
+def render(page: Page) -> bytes:
+    """Return a page as HTML, all that it shows included; the same page gives the same bytes."""
+    return _HTML.get_template("report/page.html.j2").render(page=page).encode()

@@ -1,7 +1,6 @@
 """The outline of an infant, drawn from the solids of its body as it stands upright, seen from the front."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -10,7 +9,7 @@ import numpy.typing as npt
 
 from mimoc.compiler.validation.compiled import own_solids, solid_extents
 from mimoc.compiler.validation.measuring import Figure
-from mimoc.reporting.drawing import Path, Point, area
+from mimoc.render.plots.drawing import Path, Point, area
 
 CORNERS = 24
 """Of the polygon that stands for the outline of a solid."""
@@ -42,11 +41,12 @@ class Silhouette:
         """
         return foot[0] + scale * float(point_m[1]), foot[1] - scale * (float(point_m[2]) - self.sole_m)
 
-    def paths(self, scale: float, foot: Point) -> Iterator[Path]:
-        """Yield the drawing of the body; see `at`."""
-        for outline in self.outlines_m:
-            points = [(foot[0] + scale * float(y), foot[1] - scale * float(z)) for y, z in outline]
-            yield area(points, "skin")
+    def paths(self, scale: float, foot: Point) -> list[Path]:
+        """Return the drawing of the body; see `at`."""
+        return [
+            area([(foot[0] + scale * float(y), foot[1] - scale * float(z)) for y, z in outline], "skin")
+            for outline in self.outlines_m
+        ]
 
 
 def silhouette(model: mujoco.MjModel) -> Silhouette:
@@ -63,7 +63,7 @@ def silhouette(model: mujoco.MjModel) -> Silhouette:
     flat_m = points_m[..., 1:] - (0.0, sole_m)
     from_behind = np.argsort(figure.data.geom_xpos[geoms, 0], kind="stable")
     return Silhouette(
-        outlines_m=tuple(flat_m[:, each] for each in from_behind),
+        outlines_m=tuple(flat_m[:, solid] for solid in from_behind),
         height_m=float(flat_m[..., 1].max()),
         half_width_m=float(np.abs(flat_m[..., 0]).max()),
         figure=figure,

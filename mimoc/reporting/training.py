@@ -6,13 +6,24 @@ from pathlib import Path
 from typing import Any
 
 from mimoc.bundle.model import load_model
+from mimoc.quantities import Quantity
+from mimoc.quantities.outcome import (
+    CURVE,
+    LEARNING,
+    RETURN,
+    SO_FAR,
+    SUCCESS,
+    TIME_TO_SUCCESS,
+    TRAINED,
+    UNFINISHED,
+    UNFINISHED_RETURN,
+)
+from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, dot
-from mimoc.reporting.frame import Frame, around
 from mimoc.reporting.infant import infant_sections
-from mimoc.reporting.infant.portrait import picture
 from mimoc.reporting.infant.sources import Sources
-from mimoc.reporting.infant.who import described
+from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Block, Cell, Code, Details, Drawings, Page, Section, Text, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
 from mimoc.training.hyperparameters import HYPERPARAMETERS
@@ -20,15 +31,6 @@ from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_trainin
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
-PLOTS = {
-    "success_rate": "Share of episodes that succeed",
-    "time_to_success_s": "Time to success [s]",
-    "episode_return": "Return of an episode",
-    "episode_steps": "Length of an episode [control steps]",
-}
-"""What is drawn of a learning curve, by column."""
-UNFINISHED = {"episode_return": "unfinished_return", "episode_steps": "unfinished_steps"}
-"""Column with what there is so far of episodes that have not ended, by that of those that have."""
 NAMES = {
     "algo": "learning algorithm",
     "steps": "control steps",
@@ -37,10 +39,13 @@ NAMES = {
     "steps_per_episode": "most control steps of an episode",
     "checkpoint_every": "control steps between checkpoints",
 }
+TILES = (SUCCESS, TIME_TO_SUCCESS, RETURN)
 SHOWN_DOTS = 60
 """Rows up to which each is a dot."""
 CAPTION = "Means of the episodes that ended since the point before; steps are summed over all parallel environments."
-SO_FAR = " Hollow and dotted: so far, of episodes that had not ended then, which cannot be compared with whole ones."
+UNFINISHED_NOTE = (
+    " Hollow and dotted: so far, of episodes that had not ended then, which cannot be compared with whole ones."
+)
 NO_CURVE = "The training has not reached its first checkpoint: there is no learning curve yet."
 
 
@@ -56,11 +61,11 @@ def training_page(folder: Path) -> Page:
     bundle = read_run_bundle(folder)
     sources = Sources(bundle)
     size, body, senses = infant_sections(bundle, load_model(bundle), sources)
-    pictures, missing = picture(bundle)
+    lead, pictures = introduce(bundle)
     return Page(
         kind="A training run of mimoc",
         title=f"{words.sentence(words.name(bundle.manifest.name))}, trained with {run.settings.algo.upper()}",
-        lead=(_summary(run), *described(bundle), *([missing] if missing else [])),
+        lead=(_summary(run), *lead),
         sections=(_curves(run.curve), _settings(run), size, body, senses, sources.section()),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,
@@ -76,85 +81,68 @@ def _summary(run: TrainingRun) -> str:
 def _curves(curve: Curve) -> Section:
     if not curve.rows:
         return Section("curves", "Learning", (Text(NO_CURVE, "note"),))
-    drawn = [_plot(curve, column, title) for column, title in PLOTS.items() if _known(curve, column)]
-    caption = CAPTION + (SO_FAR if _points(curve, "unfinished_return") else "")
+    drawn = [draw_svg(_plot(curve, quantity)) for quantity in LEARNING if _known(curve, quantity)]
+    caption = CAPTION + (UNFINISHED_NOTE if _points(curve, UNFINISHED_RETURN) else "")
     rows = [
-        (Cell(title), *(number(_figure(getattr(row, column))) for row in curve.ends)) for column, title in ROWS.items()
+        (Cell(quantity.title), *(number(_figure(getattr(row, quantity.curve))) for row in curve.ends))
+        for quantity in CURVE
     ]
     blocks = Tiles(tuple(_tiles(curve))), Drawings(tuple(drawn), caption, "pair"), table(("", "start", "end"), rows)
     return Section("curves", "Learning", blocks)
 
 
-ROWS = {
-    "steps": "Steps trained",
-    "episodes": "Episodes that ended",
-    **PLOTS,
-    "unfinished": "Episodes that had not ended",
-    "unfinished_return": "Their return so far",
-    "unfinished_steps": "Their length so far [control steps]",
-}
-"""What the table says of the first and the last point with episodes that ended, by column."""
-
-
 def _tiles(curve: Curve) -> Iterator[Tile]:
     first, last = curve.ends
-    for column, name, unit in (
-        ("success_rate", "Success", "%"),
-        ("time_to_success_s", "Time to success", "s"),
-        ("episode_return", "Return of an episode", ""),
-    ):
-        scale = 100 if unit == "%" else 1
-        before, after = (scale * float(getattr(row, column)) for row in (first, last))
+    for quantity in TILES:
+        unit, scale = ("%", 100) if quantity is SUCCESS else (quantity.unit, 1)
+        before, after = (scale * float(getattr(row, quantity.curve)) for row in (first, last))
         then = f"{words.figure(before)} {unit}".rstrip()
         since = f"; {then} at the start" if isfinite(before) else ""
         value = f"{words.figure(after)} {unit}".rstrip() if isfinite(after) else "none"
-        yield Tile(name, value, f"at the end{since}.")
+        yield Tile(quantity.label, value, f"at the end{since}.")
     if not last.episodes:
         so_far = f"{words.figure(last.unfinished_return)} so far"
-        yield Tile("Unfinished episodes", so_far, f"return of {last.unfinished}; no episode has ended.")
+        yield Tile(UNFINISHED.label, so_far, f"return of {last.unfinished}; no episode has ended.")
 
 
-def _plot(curve: Curve, column: str, title: str) -> Drawing:
-    known, so_far = _points(curve, column), _points(curve, UNFINISHED.get(column))
-    values = (value for _, value in (*known, *so_far))
-    frame = Frame(
-        (0.0, float(max(curve.steps, 1))),
-        (0.0, 1.0) if column == "success_rate" else around(values, _floor(column)),
-    )
+def _plot(curve: Curve, quantity: Quantity) -> Plot:
+    known, so_far = _points(curve, quantity), _points(curve, SO_FAR.get(quantity))
+    last = float(max(curve.steps, 1))
     series = (so_far, "leader", "survey", " so far"), (known, "line", "mean", "")
-    paths = [frame.line(points, line) for points, line, _, _ in series if len(points) > 1]
-    dots = [
-        dot(frame.at(steps, value), mark, 2.6, f"{steps:,.0f} steps: {words.figure(value)}{ending}")
-        for points, _, mark, ending in series
-        if len(points) <= SHOWN_DOTS
-        for steps, value in points
-    ]
-    about = f"{title} by control steps of training"
+    about = f"{quantity.title} by control steps of training"
     if known:
         about += f", from {words.figure(known[0][1])} to {words.figure(known[-1][1])}"
-    return frame.draw(title, "control steps of training", paths, dots, x_ticks=_few(frame.x[1]), description=about)
+    return Plot(
+        x=TRAINED,
+        y=quantity,
+        lines=tuple(Line(*_columns(points), "", look) for points, look, _, _ in series if len(points) > 1),
+        dots=tuple(
+            Dots(*_columns(points), "", look, tuple(f"{x:,.0f} steps: {words.figure(y)}{ending}" for x, y in points))
+            for points, _, look, ending in series
+            if len(points) <= SHOWN_DOTS
+        ),
+        about=about,
+        x_range=(0.0, last),
+        x_ticks=[(share * last, f"{share * last:,.0f}") for share in (0.0, 0.5, 1.0)],
+    )
+
+
+def _columns(points: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    return [x for x, _ in points], [y for _, y in points]
 
 
 def _figure(value: float) -> str:
     return f"{value:,}" if isinstance(value, int) else words.figure(value)
 
 
-def _known(curve: Curve, column: str) -> bool:
-    return bool(_points(curve, column) or _points(curve, UNFINISHED.get(column)))
+def _known(curve: Curve, quantity: Quantity) -> bool:
+    return bool(_points(curve, quantity) or _points(curve, SO_FAR.get(quantity)))
 
 
-def _points(curve: Curve, column: str | None) -> list[tuple[float, float]]:
-    """Return steps and value of each row where a column has a value; none without a column."""
-    points = [(float(row.steps), float(getattr(row, column))) for row in curve.rows] if column else []
+def _points(curve: Curve, quantity: Quantity | None) -> list[tuple[float, float]]:
+    """Return steps and value of each row where a quantity has a value; none without one."""
+    points = [(float(row.steps), float(getattr(row, quantity.curve))) for row in curve.rows] if quantity else []
     return [point for point in points if isfinite(point[1])]
-
-
-def _few(steps: float) -> Sequence[tuple[float, str]]:
-    return [(share * steps, f"{share * steps:,.0f}") for share in (0.0, 0.5, 1.0)]
-
-
-def _floor(column: str) -> float | None:
-    return None if column == "episode_return" else 0.0
 
 
 def _settings(run: TrainingRun) -> Section:
@@ -184,7 +172,7 @@ def _hyper_rows(settings: Settings) -> Iterator[tuple[Cell, ...]]:
 def _versions(run: TrainingRun) -> Block:
     names = sorted({name for session in run.sessions for name in session})
     headings = ("", *(f"session {index}" for index in range(1, len(run.sessions) + 1)))
-    return table(headings, ((Cell(name), *(Cell(each.get(name, "")) for each in run.sessions)) for name in names))
+    return table(headings, ((Cell(name), *(Cell(session.get(name, "")) for session in run.sessions)) for name in names))
 
 
 def _text(value: Any) -> str:

@@ -2,20 +2,21 @@
 
 import math
 
-THIN_SPACE, MINUS, TIMES, NOTHING = "\u202f", "\u2212", "\u00d7", "\u2013"
+from mimoc.render.plots.svg import MINUS
+
+THIN_SPACE, TIMES, NOTHING = "\u202f", "\u00d7", "\u2013"
 FEW, MANY = 3.0, 97.0
 """Percentiles between which WHO's charts draw the usual range."""
 LOW, HIGH = 15.0, 85.0
 """Percentiles between which 7 of 10 children are, the inner band of those charts."""
 
-INDICATORS = {
-    "length_cm": ("Length", "cm", "shorter", "short", "long"),
-    "weight_kg": ("Weight", "kg", "lighter", "light", "heavy"),
-    "head_circumference_cm": ("Head circumference", "cm", "smaller", "small", "large"),
-    "arm_circumference_cm": ("Upper-arm circumference", "cm", "thinner", "thin", "thick"),
+COMPARED = {
+    "length_cm": ("shorter", "short", "long"),
+    "weight_kg": ("lighter", "light", "heavy"),
+    "head_circumference_cm": ("smaller", "small", "large"),
+    "arm_circumference_cm": ("thinner", "thin", "thick"),
 }
-"""Of each of WHO's indicators: its name, its unit, what a child that has less of it is, and the words for little and
-much of it."""
+"""Of each of WHO's indicators: what a child that has less of it is, and the words for little and much of it."""
 CHILDREN = {"male": "boys", "female": "girls", None: "children"}
 
 
@@ -53,7 +54,7 @@ def of_age(age_months: float) -> str:
 
 def rank(indicator: str, percentile: float, sex: str | None, age_months: float) -> str:
     """Return where a child stands among others, in words: how many of a hundred have less."""
-    _, _, less, little, much = INDICATORS[indicator]
+    less, little, much = COMPARED[indicator]
     if percentile < FEW:
         verdict = f"unusually {little}"
     elif percentile < LOW:

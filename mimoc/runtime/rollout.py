@@ -4,20 +4,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
-import mujoco
 import numpy as np
 
 from mimoc.kinds import function_of
 from mimoc.policies import POLICIES
 from mimoc.policies.policy import Policy, PolicyMaker, episode_limit_of, metrics_of
+from mimoc.quantities.measuring import Outcome, StepMeasures, Value, measure
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.sense import FloatArray
 from mimoc.units import ms_to_s
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Summary of a run; everything but the wall time is determined by bundle, policy and seed."""
+    """Summary of a run; everything but the wall time is determined by bundle, policy and seed.
+
+    `measures` has all quantities that are measured in `run`; those that mimoc always has are also properties.
+    """
 
     steps: int
     """Number of control steps."""
@@ -27,26 +29,46 @@ class Summary:
     wall_s: float
     """Wall time of the simulation, without rendering and printing."""
     total_reward: float
-    hip_path_m: float
-    """Length of the hip's path."""
-    head_height_m: tuple[float, float]
-    """Minimum and maximum height of the head's centre above z = 0."""
-    joint_speed_rad_s: float
-    """Mean absolute joint velocity, over joints and steps."""
-    unstable: bool
-    """Whether an episode terminated because the simulation became unstable."""
     task: str
     """Kind of the task."""
     finished: int
     """Number of completed episodes."""
     successes: int
     """Number of successful episodes."""
-    mean_return: float | None
-    """Mean return of the completed episodes; None if there are none."""
-    time_to_success_s: float | None
-    """Mean simulated time to success; None if there was no success."""
+    measures: Mapping[str, Value]
+    """All that is measured of a run, by the name of the quantity; None for a mean of nothing."""
     metrics: Mapping[str, float]
     """What else the policy reports, by name with its unit; see `Policy`."""
+
+    @property
+    def mean_return(self) -> float | None:
+        """Mean return of the completed episodes; None if there are none."""
+        return self.measures["return"]
+
+    @property
+    def time_to_success_s(self) -> float | None:
+        """Mean simulated time to success; None if there was no success."""
+        return self.measures["time_to_success_s"]
+
+    @property
+    def hip_path_m(self) -> float:
+        """Length of the hip's path."""
+        return float(self.measures["hip_path_m"] or 0.0)
+
+    @property
+    def head_height_m(self) -> tuple[float, float]:
+        """Minimum and maximum height of the head's centre above z = 0."""
+        return float(self.measures["head_lowest_m"] or 0.0), float(self.measures["head_height_m"] or 0.0)
+
+    @property
+    def joint_speed_rad_s(self) -> float:
+        """Mean absolute joint velocity, over joints and steps."""
+        return float(self.measures["joint_speed_rad_s"] or 0.0)
+
+    @property
+    def unstable(self) -> bool:
+        """Whether an episode terminated because the simulation became unstable."""
+        return bool(self.measures["unstable"])
 
 
 def policy_of(env: InfantEnv, policy: str | PolicyMaker) -> Policy:
@@ -76,16 +98,10 @@ class Run:
         self.observation, _ = env.reset(seed=seed)  # Policies take their aims from how it starts.
         self.env, self._act = env, policy_of(env, policy)
         self._generator, self._limit = np.random.default_rng(seed), episode_limit_of(self._act)
-        self._wall_s, self._reward, self._episodes, self._unstable = 0.0, 0.0, 1, False
-        model = env.model
-        self._head = env.manifest.anatomy.head or env.manifest.root_body
-        self._hinges = model.jnt_dofadr[model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE]
-        self._hip_m: list[FloatArray] = []
-        self._head_m: list[float] = []
-        self._speeds: list[float] = []
-        self._earned, self._taken = 0.0, 0
-        self._returns: list[float] = []
-        self._times_s: list[float] = []
+        self._measures = StepMeasures(env, "run")
+        self._outcomes: list[Outcome] = []
+        self._wall_s, self._reward, self._steps = 0.0, 0.0, 0
+        self._earned, self._taken = 0.0, 0  # In this episode.
 
     def step(self) -> None:
         """Take one control step; start a new episode if this one ends."""
@@ -93,41 +109,29 @@ class Run:
         start = perf_counter()
         self.observation, reward, terminated, truncated, info = self.env.step(action)
         self._wall_s += perf_counter() - start
-        self._reward += reward
+        self._reward, self._steps = self._reward + reward, self._steps + 1
         self._earned, self._taken = self._earned + reward, self._taken + 1
-        self._unstable |= info["unstable"]
-        data, root = self.env.data, self.env.manifest.root_body
-        self._hip_m.append(data.body(root).xpos.copy())
-        self._head_m.append(float(data.body(self._head).xipos[2]))
-        self._speeds.append(float(np.abs(data.qvel[self._hinges]).mean()))
+        self._measures.add(info)
         if terminated or truncated or self._taken >= self._limit:
             self._end_episode(info["is_success"])
             self.observation, _ = self.env.reset()
 
     def _end_episode(self, success: bool) -> None:
-        self._returns.append(self._earned)
-        if success:
-            self._times_s.append(ms_to_s(self._taken * self.env.manifest.step_ms))
+        time_s = ms_to_s(self._taken * self.env.manifest.step_ms)
+        self._outcomes.append(Outcome(self._earned, self._taken, success, time_s if success else None))
         self._earned, self._taken = 0.0, 0
-        self._episodes += 1
 
     def summary(self) -> Summary:
         """Return the summary of the steps so far, of which there must be at least one."""
-        steps = len(self._head_m)
         return Summary(
-            steps=steps,
-            episodes=self._episodes,
-            simulated_s=ms_to_s(steps * self.env.manifest.step_ms),
+            steps=self._steps,
+            episodes=len(self._outcomes) + 1,
+            simulated_s=ms_to_s(self._steps * self.env.manifest.step_ms),
             wall_s=self._wall_s,
             total_reward=self._reward,
             task=self.env.manifest.task.kind,
-            finished=len(self._returns),
-            successes=len(self._times_s),
-            mean_return=float(np.mean(self._returns)) if self._returns else None,
-            time_to_success_s=float(np.mean(self._times_s)) if self._times_s else None,
-            hip_path_m=float(np.linalg.norm(np.diff(self._hip_m, axis=0), axis=1).sum()),
-            head_height_m=(min(self._head_m), max(self._head_m)),
-            joint_speed_rad_s=float(np.mean(self._speeds)),
-            unstable=self._unstable,
+            finished=len(self._outcomes),
+            successes=sum(outcome.success for outcome in self._outcomes),
+            measures={**measure("episode", "run", self._outcomes), **self._measures.measures()},
             metrics=metrics_of(self._act),
         )

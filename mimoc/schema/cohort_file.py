@@ -15,6 +15,7 @@ from pydantic import (
 )
 
 from mimoc.errors import suggestion
+from mimoc.quantities import measures
 from mimoc.rounding import rounded
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.body import IndividualSpec
@@ -28,26 +29,6 @@ from mimoc.schema.source import FileKind, Source
 from mimoc.schema.wording import unknown_key
 
 COHORT = FileKind("cohort file", "mimoc, cohort, base and do", "cohort: spring")
-
-MEASURES: Mapping[str, str] = {
-    "length_cm": "length from crown to sole",
-    "mass_kg": "mass of the whole body",
-    "head_circumference_cm": "head circumference",
-    "arm_circumference_cm": "upper-arm circumference",
-    "stable": "`check`: whether the infant stayed stable in all trials",
-    "energy_j_per_kg": "`check`: largest kinetic energy per body mass",
-    "beyond_deg": "`check`: largest violation of a joint range",
-    "return": "`run`, `train`: mean return of the completed episodes",
-    "success": "`run`, `train`: share of the completed episodes that were successful",
-    "time_to_success_s": "`run`, `train`: mean simulated time to success",
-    "episodes": "`run`, `train`: completed episodes",
-    "contacts_self": "`run`: mean number of contacts between parts of the own body",
-    "hip_path_m": "`run`: length of the path of the hip",
-    "head_height_m": "`run`: largest height of the head's centre",
-    "joint_speed_rad_s": "`run`: mean absolute joint velocity",
-    "unstable": "`run`: whether the simulation became unstable",
-}
-"""Measures by name, and what they are; those of a step have no value for other steps."""
 
 
 def _known_version(value: Any) -> Any:
@@ -71,8 +52,8 @@ def _known_key(key: str) -> str:
 
 
 def _known_measure(name: str) -> str:
-    if name not in MEASURES and not FUNCTION.fullmatch(name):
-        raise ValueError(f"'{name}' is not a measure; {suggestion(name, MEASURES)}; or name a module:function")
+    if name not in measures() and not FUNCTION.fullmatch(name):
+        raise ValueError(f"'{name}' is not a measure; {suggestion(name, measures())}; or name a module:function")
     return name
 
 

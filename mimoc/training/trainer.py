@@ -19,8 +19,8 @@ from mimoc.compiler.variants import BundleVariants
 from mimoc.errors import TrainingError
 from mimoc.recording.folder import check_recordable
 from mimoc.recording.recorder import Recording
-from mimoc.render.plots.figure import require_matplotlib
-from mimoc.render.plots.learning import curves_png
+from mimoc.render.plots.file import encode, require_matplotlib
+from mimoc.render.plots.learning import learning_sheet
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import has_learnt, make_agent, start_interval
@@ -259,7 +259,7 @@ def _write_curve(folder: RunFolder, progress: Progress) -> None:
 
 
 def _plot(progress: Progress) -> bytes:
-    return curves_png({"": [progress.curve.columns()]})
+    return encode(learning_sheet({"": [progress.curve.columns()]}))
 
 
 def _check_recordable(record: str | Path | None, bundle: Bundle, settings: Settings, processes: bool | None) -> None:

@@ -1,8 +1,7 @@
 """An infant at all ages, as arrays that a page interpolates: its solids, joints, poses, eyes and skin points."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from statistics import NormalDist
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -15,6 +14,8 @@ from mimoc.bundle.model import in_subtrees
 from mimoc.bundle.variants import Variant
 from mimoc.errors import MimocError
 from mimoc.fits.who import percentile
+from mimoc.render.plots.growth import PERCENTILES, who_chart
+from mimoc.render.plots.plot import Line
 from mimoc.senses.binding import bind_sense
 from mimoc.viewer.packing import EncodedArrays
 
@@ -173,11 +174,7 @@ def posed(variant: Variant) -> mujoco.MjData:
     return data
 
 
-INDICATORS = ("length_cm", "weight_kg", "head_circumference_cm")
-PERCENTILES = (3.0, 15.0, 50.0, 85.0, 97.0)
-"""Those that WHO's own charts show."""
-CURVE_AGES_MONTHS = tuple(half / 2 for half in range(49))
-"""Ages of the points of the curves."""
+SHOWN = ("length_cm", "weight_kg", "head_circumference_cm")
 
 
 def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) -> dict[str, Any]:
@@ -188,19 +185,14 @@ def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) ->
         children: The child at each age.
     """
     reference = children[0].sex or "mean"
-    tables = fits.load_tables().who
-    z_scores = [NormalDist().inv_cdf(share / 100) for share in PERCENTILES]
-    found = {}
-    for name in INDICATORS:
-        curves = [[tables[name].value(z, age, reference) for z in z_scores] for age in CURVE_AGES_MONTHS]
-        values = [getattr(child, name) for child in children]
-        z_of = [
-            tables[name].z_score(value, child.age_months, reference)
-            for value, child in zip(values, children, strict=True)
-        ]
-        found[name] = {
-            "curves": packed.put(np.array(curves)),
-            "child": packed.put(np.array(values)),
-            "percentile": packed.put(np.array([percentile(z) for z in z_of])),
+    ages_months = [child.age_months for child in children]
+    charts = {}
+    for name in SHOWN:
+        values, standard = [getattr(child, name) for child in children], fits.load_tables().who[name]
+        scores = [standard.z_score(value, age, reference) for value, age in zip(values, ages_months, strict=True)]
+        chart = who_chart(name, reference)
+        charts[name] = {
+            "plot": replace(chart, lines=(*chart.lines, Line(ages_months, values, "", "own"))).to_data(packed.put),
+            "percentile": packed.put([percentile(score) for score in scores]),
         }
-    return {"reference": reference, "percentiles": PERCENTILES, "ages_months": CURVE_AGES_MONTHS, "measures": found}
+    return {"reference": reference, "percentiles": PERCENTILES, "charts": charts}

@@ -157,7 +157,7 @@ def _page_of_env(env: InfantEnv, physics: bool) -> str:
     packed = EncodedArrays()
     data: dict[str, Any] = describe(packed, env.bundle, physics)
     own = own_parts(env.model, env.manifest)
-    lengths_cm = packed.arrays[data["standards"]["measures"]["length_cm"]["child"]["array"]]
+    lengths_cm = packed.arrays[data["standards"]["charts"]["length_cm"]["plot"]["lines"][-1]["y"]["array"]]
     posture = np.tile(env.data.qpos[own.qpos], (len(lengths_cm), 1))
     posture[:, 2] *= lengths_cm / env.manifest.child.length_cm
     data["poses"][NOW] = packed.put(posture)

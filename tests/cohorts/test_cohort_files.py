@@ -5,8 +5,9 @@ import pytest
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.plan import plan
 from mimoc.errors import SpecError
+from mimoc.quantities import measures
 from mimoc.schema import source
-from mimoc.schema.cohort_file import COHORT, MEASURES, CohortSpec, read_cohort_spec
+from mimoc.schema.cohort_file import COHORT, CohortSpec, read_cohort_spec
 from mimoc.schema.outline import language_of
 
 HEAD = "mimoc: 1\ncohort: spring\nbase: {mimoc: 1, name: x, age_months: 9}\n"
@@ -123,4 +124,4 @@ def test_a_cohort_can_be_made_in_python():
 def test_every_key_and_measure_is_described():
     language = language_of(CohortSpec)
     assert all(language.outline((key,)).schema.get("description") or key == "base" for key in language.outline(()).keys)
-    assert all(about for about in MEASURES.values())
+    assert all(quantity.about for quantity in measures().values())

@@ -68,7 +68,7 @@ OTHER_USES: tuple[Callable[[Path, Path], Any], ...] = (
 
 def _report(bundle: Path, page: Path) -> None:
     """Write a report without its picture, which is tried by itself."""
-    with patch("mimoc.reporting.infant.picture", lambda bundle: ((), None)):
+    with patch("mimoc.reporting.infant.introduce", lambda bundle: ((), ())):
         mimoc.report(bundle, page)
 
 

@@ -24,8 +24,8 @@ from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MimocError, SpecError
 from mimoc.policies import POLICIES
+from mimoc.quantities import measures
 from mimoc.runtime.rollout import policy_of
-from mimoc.schema.cohort_file import MEASURES
 from mimoc.schema.infant import read_spec
 from mimoc.schema.json_schema import json_schema
 from mimoc.schema.source import in_memory
@@ -106,7 +106,7 @@ IN_COHORTS: Hints = {
     "steps": _whole(1, 20),
     "policy": lambda generator: pick(generator, tuple(POLICIES)),
     "seeds": _among(0, [3, 1], "0:2"),
-    "measure": lambda generator: [name for name in (*MEASURES, "own_code:weigh") if generator.random() < 0.3],
+    "measure": lambda generator: [name for name in (*measures(), "own_code:weigh") if generator.random() < 0.3],
     "do": _do,
     "run": _run,
     "train": _train,

@@ -15,7 +15,7 @@ from fuzz.mutations import pick
 
 import mimoc
 from mimoc.errors import RenderingError
-from mimoc.reporting.infant import portrait
+from mimoc.reporting.infant import who
 from mimoc.training.run_folder import read_training_run
 
 SETTINGS = {"envs": 2, "checkpoint_every": 64, "hyper": policies.TINY}
@@ -58,7 +58,7 @@ def ways(prepared: Prepared, run: Path) -> tuple[Way, ...]:
 
 def use(chosen: Iterable[Way]) -> None:
     """Do things one after the other, without portraits, and raise the error of one that was refused."""
-    with patch.object(portrait, "portrait", _no_portrait):
+    with patch.object(who, "portrait", _no_portrait):
         cohorts.use(chosen)
 
 

@@ -5,7 +5,8 @@ import pytest
 from mimoc.cli.tables import print_milestones
 from mimoc.milestones import TRIALS, WINDOWS, Conditions, Milestone, MilestoneReport, Outcome, validate_milestones
 from mimoc.milestones.search import SearchResult
-from mimoc.render.plots.milestones import plot_milestones
+from mimoc.render.plots.file import draw
+from mimoc.render.plots.milestones import rows_sheet
 
 
 def report(*ages_months):
@@ -40,9 +41,10 @@ def test_the_table_names_what_is_outside_and_the_sources(capsys):
     assert all(cell.strip() for cell in table[1].split("┃")[1:-1])
 
 
-def test_the_plot_has_a_bar_for_each_milestone(tmp_path):
-    plot_milestones(report(6.0, None).bars, tmp_path / "milestones.svg")
-    assert (tmp_path / "milestones.svg").stat().st_size > 1000
+def test_the_plot_has_a_bar_for_each_milestone():
+    (axes,) = draw(rows_sheet(report(6.0, None).rows, "real infants")).axes
+    assert len(axes.collections) == 2
+    assert [label.get_text() for label in axes.get_yticklabels()] == [TRIALS[n].title for n in ("sit", "pull_to_stand")]
 
 
 def test_the_data_has_every_attempt():

@@ -13,7 +13,7 @@ import mimoc
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import RenderingError
-from mimoc.reporting.infant import portrait
+from mimoc.reporting.infant import who
 from mimoc.training.curve import Curve, Row
 from mimoc.training.run_folder import open_run_folder
 from mimoc.training.settings import Settings
@@ -92,7 +92,7 @@ def see() -> Callable[[Path], Seen]:
 @pytest.fixture
 def without_opengl(monkeypatch) -> None:
     """Draw no portraits, which takes most of a page's time."""
-    monkeypatch.setattr(portrait, "portrait", _no_opengl)
+    monkeypatch.setattr(who, "portrait", _no_opengl)
 
 
 @pytest.fixture(scope="session")
@@ -105,7 +105,7 @@ def small_one() -> mimoc.Bundle:
 def page(small_one, tmp_path_factory) -> Path:
     """Return the page of that infant, without a portrait."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(portrait, "portrait", _no_opengl)
+        patch.setattr(who, "portrait", _no_opengl)
         return mimoc.report(small_one, tmp_path_factory.mktemp("pages") / "infant.html")
 
 
@@ -113,7 +113,7 @@ def page(small_one, tmp_path_factory) -> Path:
 def run_page(run, tmp_path_factory) -> Path:
     """Return the page of a training run, without a portrait."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(portrait, "portrait", _no_opengl)
+        patch.setattr(who, "portrait", _no_opengl)
         return mimoc.report(run, tmp_path_factory.mktemp("pages") / "run.html")
 
 

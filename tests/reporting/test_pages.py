@@ -112,7 +112,7 @@ def test_a_page_has_a_portrait_or_says_why_not_and_so_with_the_check(small_one, 
 def test_the_page_of_a_training_has_its_curves_settings_and_versions(run_page, see):
     seen = see(run_page)
     assert "50 % of" in seen.text
-    assert seen.row("Steps trained")[1:] == ["1,024", "2,048"]
+    assert seen.row("Control steps of training")[1:] == ["1,024", "2,048"]
     assert seen.row("Control steps")[1:] == ["4,096"]
     assert seen.row("Share of episodes that succeed")[1:] == ["0", "0.375"]
     assert seen.row("gamma") == ["gamma", "0.9", "0.98"]

@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 
 import mimoc
 from mimoc.bundle.model import load_model
+from mimoc.quantities.child import AGE
+from mimoc.render.plots.plot import Dots, Plot
+from mimoc.render.plots.svg import around, draw_svg, ticks
 from mimoc.reporting import words
-from mimoc.reporting.frame import Frame, around, ticks
-from mimoc.reporting.html import render
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.strength import strength
-from mimoc.reporting.page import Cell, Code, Details, Page, Section, Text, table
+from mimoc.reporting.page import Cell, Code, Details, Page, Section, Text, render, table
 from mimoc.reporting.silhouette import silhouette
 from mimoc.units import cm_to_m
 
@@ -46,9 +47,10 @@ def test_an_axis_holds_its_values_and_a_few_round_ticks(values):
 
 @given(st.integers(0, 24), st.integers(0, 24))
 def test_more_is_farther_right_and_up(one, other):
-    frame = Frame((0.0, 24.0), (0.0, 24.0))
-    (x, y), (other_x, other_y) = frame.at(one, one), frame.at(other, other)
-    assert (x <= other_x and y >= other_y) == (one <= other)
+    plot = Plot(AGE, AGE, dots=(Dots((one, other), (one, other)),), x_range=(0.0, 24.0), y_range=(0.0, 24.0))
+    first, second = draw_svg(plot).dots
+    is_right, is_up = float(first.x) <= float(second.x), float(first.y) >= float(second.y)
+    assert (is_right and is_up) == (one <= other)
 
 
 @pytest.mark.parametrize(

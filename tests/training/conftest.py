@@ -11,7 +11,8 @@ from support import store
 
 import mimoc
 from mimoc.bundle.arrays import unpack_arrays
-from mimoc.render.plots.learning import curves_png
+from mimoc.render.plots.file import encode
+from mimoc.render.plots.plot import Sheet
 from mimoc.training import trainer
 
 TINY = {
@@ -38,13 +39,13 @@ def _curves_of_one_length_are_drawn_once() -> Iterator[None]:
     """Draw a learning curve only if there was none as long before: it takes longer than a short training."""
     pictures: dict[tuple[int, ...], bytes] = {}
 
-    def draw(curves: dict[str, Any]) -> bytes:
-        lengths = tuple(len(curve["steps"]) for each in curves.values() for curve in each)
-        pictures[lengths] = pictures.get(lengths) or curves_png(curves)
+    def draw(sheet: Sheet) -> bytes:
+        lengths = tuple(len(line.x) for plot in sheet.plots for line in plot.lines)
+        pictures[lengths] = pictures.get(lengths) or encode(sheet)
         return pictures[lengths]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(trainer, "curves_png", draw)
+        patch.setattr(trainer, "encode", draw)
         yield
 
 

@@ -83,14 +83,14 @@ def test_train_and_run_print_a_summary(invoke, here):
         "trained for 256 control steps",
         "start",
         "end",
-        "success rate",
-        "their mean return so far",
+        "Share of episodes that succeed",
+        "Their return so far",
         "mimoc run run/bundle --policy run/policy.zip",
     ):
         assert said in out
     code, out, err = invoke("run", "out", "--policy", "run/policy.zip", "--steps", 100)
     assert (code, err) == (0, "")
-    for said in ("mean return per episode", "successes", "completed episodes ("):
+    for said in ("Return of an episode", "Share of episodes that succeed", "Completed episodes"):
         assert said in out
 
 
@@ -114,7 +114,7 @@ def test_the_command_that_is_proposed_runs_a_policy_with_the_task_that_it_observ
     assert proposed[-2:] == ["--task", "height:Height"]
     code, out, _ = invoke(*proposed, "--steps", 60)
     assert code == 0
-    assert "mean return per episode" in out
+    assert "Return of an episode" in out
 
 
 def test_lines_come_with_the_first_row_and_then_now_and_then():

@@ -75,17 +75,18 @@ def test_touch_points_are_off_by_less_than_a_millimetre_and_a_half(known, varian
 
 def test_curves_are_whos_and_the_dot_is_the_child(known, variants):
     standard = fits.load_tables().who["length_cm"]
-    curves, measure = known["standards"], known["standards"]["measures"]["length_cm"]
-    for column, share in enumerate(curves["percentiles"]):
-        scores = [
-            standard.z_score(float(measure["curves"][row, column]), curves["ages_months"][row], "mean")
-            for row in (0, 18, 48)
-        ]
+    chart = known["standards"]["charts"]["length_cm"]
+    plot = chart["plot"]
+    (outer, inner), (median, own) = plot["bands"], plot["lines"]
+    curves = (outer["low"], inner["low"], median["y"], inner["high"], outer["high"])
+    for curve, share in zip(curves, known["standards"]["percentiles"], strict=True):
+        scores = [standard.z_score(float(curve[row]), float(median["x"][row]), "mean") for row in (0, 18, 48)]
         assert [percentile(z) for z in scores] == pytest.approx([share] * 3, abs=0.01)
     at_nine = known["ages_months"].index(9)
     child = variants.own.manifest.child
-    assert measure["child"][at_nine] == pytest.approx(child.length_cm)
-    assert measure["percentile"][at_nine] == pytest.approx(
+    assert (plot["y"], own["look"]) == ({"label": "Length", "unit": "cm"}, "own")
+    assert own["y"][at_nine] == pytest.approx(child.length_cm)
+    assert chart["percentile"][at_nine] == pytest.approx(
         percentile(standard.z_score(child.length_cm, 9, "mean")), abs=1e-3
     )
 

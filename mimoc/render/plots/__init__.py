@@ -1,5 +1,1 @@
-"""Plots, drawn with matplotlib."""
-
-from mimoc.render.plots.growth import check_plot_name, draw_growth, plot_growth
-
-__all__ = ["check_plot_name", "draw_growth", "plot_growth"]
+"""Plots: values that pages and files of pictures show."""

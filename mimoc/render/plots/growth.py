@@ -1,33 +1,21 @@
-"""Plots of an infant's growth against WHO's standards, as in figure 2 of the paper."""
+"""An infant's growth over WHO's standards, as in figure 2 of the paper, and its measurements over AnthroKids'."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
 from statistics import NormalDist
-from typing import TYPE_CHECKING
 
-import numpy as np
-
-from mimoc.bundle.files import write_file
-from mimoc.errors import OutputError
-from mimoc.fits import BIRTH, GrowthStandard, load_tables, measure
+from mimoc.fits import BIRTH, load_tables, measure
 from mimoc.fits.measurements import DataPoint
 from mimoc.fits.who import Reference
-from mimoc.render.plots.figure import FORMATS, encode, new_figure, tidy
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE, INDICATORS
+from mimoc.render.plots.plot import Band, Dots, Line, Plot, Sheet, Ticks
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-SIZE_PX = (1600, 1180)
 LAST_MONTH = 24
-
-TITLES = {
-    "length_cm": "Length [cm]",
-    "weight_kg": "Weight [kg]",
-    "head_circumference_cm": "Head circumference [cm]",
-    "arm_circumference_cm": "Arm circumference [cm]",
-}
-"""Label of the vertical axis by indicator."""
+AGE_RANGE = (-0.5, LAST_MONTH + 0.5)
+PERCENTILES = (3, 15, 50, 85, 97)
+"""Those of WHO's charts."""
+NAMED = (3, 50, 97)
+"""Those that are named at the ends of their curves."""
 
 SURVEYED = {
     "length_cm": "crown_sole_length",
@@ -36,112 +24,134 @@ SURVEYED = {
 }
 """AnthroKids' name of each indicator that it has; it does not have weight by age."""
 
-CAPTION = (
+GROWTH_CAPTION = (
     "mimoc: measured on the compiled models.  WHO: Child Growth Standards (2006, 2007), {population};"
     " arm circumference starts at three months.\n"
     "AnthroKids: means of age groups, at the middle of their months (Snyder et al. 1977);"
     " its birth row is inferred from WHO's birth length and head circumference."
 )
-
+MEASUREMENTS_CAPTION = (
+    "mimoc: measured on the compiled models as on children.  AnthroKids: means of age groups, at the middle of their "
+    "months (Snyder et al. 1977), with a band of 4 %.  Curve: growth law of the average child."
+)
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "mean of boys and girls"}
 
-WHO_COLOUR, INFANT_COLOUR, SURVEY_COLOUR = "#33669a", "#c8431f", "#6f6f6f"
-"""Colours that colour-blind readers can distinguish, also in grey."""
-
-Series = Mapping[str, Sequence[tuple[float, float]]]
-"""Pairs of age in months and value, by indicator."""
+Points = Sequence[tuple[float, float]]
+"""Pairs of age in months and value."""
 
 
-def check_plot_name(path: str | Path) -> None:
-    """Check, before anything is drawn, that the name of a file has the extension of a supported format.
+def growth_sheet(series: Mapping[str, Points], reference: Reference = "mean") -> Sheet:
+    """Return plots of an infant's growth with WHO's median and 5th to 95th percentiles.
 
-    Raises:
-        OutputError: If it has not.
+    Args:
+        series: Ages and values by indicator; the plots of others show WHO only.
+        reference: Which children's standards.
     """
-    if Path(path).suffix.lower() not in FORMATS:
-        raise OutputError(f"{path}: not a supported format for plots; end it in {', '.join(FORMATS)}")
+    plots = tuple(
+        _growth_plot(indicator, quantity, series.get(indicator, ()), reference, letter)
+        for letter, (indicator, quantity) in zip("abcd", INDICATORS.items(), strict=True)
+    )
+    caption = GROWTH_CAPTION.format(population=POPULATIONS[reference])
+    return Sheet(plots, columns=2, panel_px=(800, 525), caption=caption, shared_legend=True)
 
 
-def plot_growth(series: Series, path: str | Path, reference: Reference = "mean") -> None:
-    """Write a plot of an infant's growth with WHO's median and 5th to 95th percentiles, in the format of its name.
+def who_chart(indicator: str, reference: Reference, values: Sequence[float] = ()) -> Plot:
+    """Return WHO's growth chart of an indicator: the median, and bands between the `PERCENTILES`.
 
-    Raises:
-        OutputError: If the file cannot be written there.
-        MissingExtraError: If matplotlib is not installed.
+    Args:
+        indicator: One of `INDICATORS`.
+        reference: Which children's standards.
+        values: Further values that the chart has room for.
     """
-    check_plot_name(path)
-    write_file(path, encode(draw_growth(series, reference), Path(path).suffix.lower()))
+    ages_months, curves = _standard_curves(indicator, PERCENTILES, 0.5, reference)
+    low, inner_low, middle, inner_high, high = curves
+    shown = (*low, *high, *values)
+    return Plot(
+        x=AGE,
+        y=INDICATORS[indicator],
+        lines=(Line(ages_months, middle, "", "median"),),
+        bands=(Band(ages_months, low, high, "", "band"), Band(ages_months, inner_low, inner_high, "", "band-inner")),
+        x_range=(0.0, LAST_MONTH),
+        y_range=(min(shown) * 0.97, max(shown) * 1.02),
+        x_ticks=_months(6),
+        notes=tuple((LAST_MONTH, curves[PERCENTILES.index(share)][-1], f"{share}") for share in NAMED),
+    )
 
 
-def draw_growth(series: Series, reference: Reference = "mean") -> "Figure":
-    """Return the figure, with one panel per indicator; panels of indicators that are not in *series* show WHO only.
+def _standard_curves(
+    indicator: str, percentiles: Sequence[float], every_months: float, reference: Reference
+) -> tuple[list[float], list[list[float]]]:
+    """Return ages, in months, and at each of them the values of WHO's percentiles, one list for each of those."""
+    standard, steps = load_tables().who[indicator], round(LAST_MONTH / every_months)
+    ages_months = [age for step in range(steps + 1) if standard.covers(age := step * every_months)]
+    scores = [NormalDist().inv_cdf(percentile / 100) for percentile in percentiles]
+    return ages_months, [[standard.value(z, age, reference) for age in ages_months] for z in scores]
 
-    Raises:
-        MissingExtraError: If matplotlib is not installed.
+
+def measurements_sheet(series: Mapping[str, Points], tolerance: float) -> Sheet:
+    """Return plots of an infant's measurements over the survey's.
+
+    Args:
+        series: Ages and values in cm by AnthroKids name.
+        tolerance: Half width of the band around the means, relative to them.
     """
-    figure = new_figure(*SIZE_PX)
-    panels = figure.subplots(2, 2, sharex=True)
-    for axes, letter, (indicator, title) in zip(panels.flat, "abcd", TITLES.items(), strict=True):
-        _draw_panel(axes, indicator, series.get(indicator, ()), reference)
-        axes.set_ylabel(title)
-        axes.set_title(letter, loc="left", fontweight="bold", pad=4)
-    figure.align_ylabels(panels)
-    for axes in panels[-1]:
-        axes.set_xlabel("Age [months]")
-    handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper center", ncols=len(labels), frameon=False)
-    caption = CAPTION.format(population=POPULATIONS[reference])
-    figure.text(0.5, 0.012, caption, ha="center", va="bottom", fontsize=7.5, color="0.35", linespacing=1.5)
-    figure.subplots_adjust(left=0.065, right=0.985, top=0.915, bottom=0.125, wspace=0.15, hspace=0.16)
-    return figure
+    plots = tuple(_measurement_plot(name, points, tolerance) for name, points in sorted(series.items()))
+    return Sheet(plots, columns=6, panel_px=(330, 270), caption=MEASUREMENTS_CAPTION, shared_legend=True)
 
 
-def _draw_panel(axes: "Axes", indicator: str, infant: Sequence[tuple[float, float]], reference: Reference) -> None:
-    _draw_standard(axes, load_tables().who[indicator], reference)
+def _growth_plot(indicator: str, quantity: Quantity, infant: Points, reference: Reference, letter: str) -> Plot:
+    ages_months, (low, middle, high) = _standard_curves(indicator, (5, 50, 95), 0.05, reference)
+    lines = [Line(ages_months, middle, "WHO, mean" if reference == "mean" else "WHO, median", "median")]
+    return Plot(
+        x=AGE,
+        y=quantity,
+        lines=(*lines, *_infant_lines(infant)),
+        bands=(Band(ages_months, low, high, "WHO, 5th to 95th percentile", "band"),),
+        dots=tuple(_surveyed(indicator)),
+        title=letter,
+        x_range=AGE_RANGE,
+        x_ticks=_months(3),
+    )
+
+
+def _infant_lines(points: Points) -> Iterator[Line]:
+    if points:
+        yield Line([age for age, _ in points], [value for _, value in points], "mimoc", "infant")
+
+
+def _surveyed(indicator: str) -> Iterator[Dots]:
     if indicator in SURVEYED:
-        points = measure(0).table[SURVEYED[indicator]].points
-        _draw_points(axes, [point for point in points if not _is_inferred(point)], "x", "AnthroKids")
-        _draw_points(axes, [point for point in points if _is_inferred(point)], "d", "AnthroKids, inferred")
-    if infant:
-        ages_months, values = zip(*infant, strict=True)
-        axes.plot(ages_months, values, "o-", color=INFANT_COLOUR, markersize=4, linewidth=1.3, label="mimoc", zorder=3)
-    axes.set_xlim(-0.5, LAST_MONTH + 0.5)
-    axes.set_xticks(range(0, LAST_MONTH + 1, 3))
-    axes.locator_params(axis="y", integer=True)
-    tidy(axes)
+        points = [point for point in measure(0).table[SURVEYED[indicator]].points if point.age_months <= LAST_MONTH]
+        yield _dots([point for point in points if not _is_inferred(point)], "AnthroKids", "survey")
+        yield _dots([point for point in points if _is_inferred(point)], "AnthroKids, inferred", "inferred")
 
 
-def _draw_standard(axes: "Axes", standard: GrowthStandard, reference: Reference) -> None:
-    ages_months = [age for age in np.linspace(0, LAST_MONTH, 20 * LAST_MONTH + 1) if standard.covers(age)]
-    low, middle, high = (
-        [standard.value(NormalDist().inv_cdf(share), age, reference) for age in ages_months]
-        for share in (0.05, 0.5, 0.95)
-    )
-    axes.fill_between(
-        ages_months, low, high, color=WHO_COLOUR, alpha=0.18, linewidth=0, label="WHO, 5th to 95th percentile"
-    )
-    axes.plot(
-        ages_months,
-        middle,
-        color=WHO_COLOUR,
-        linewidth=1.8,
-        label="WHO, mean" if reference == "mean" else "WHO, median",
+def _measurement_plot(name: str, points: Points, tolerance: float) -> Plot:
+    means = load_tables().anthrokids.get(name, ())
+    surveyed = [point for point in measure(0).table[name].points if point.age_months <= LAST_MONTH][-len(means) :]
+    ages_months = [quarter / 4 for quarter in range(4 * LAST_MONTH + 1)]
+    law = Line(ages_months, [100 * measure(age)[name] for age in ages_months], "curve", "law")
+    whiskers = [
+        Line((point.age_months,) * 2, [(1 + side * tolerance) * point.value_cm for side in (-1, 1)], "", "whisker")
+        for point in surveyed
+        if means
+    ]
+    return Plot(
+        x=AGE,
+        y=Quantity(f"{name}_cm", name.replace("_", " ").capitalize(), "cm"),
+        lines=(law, *_infant_lines(points), *whiskers),
+        dots=(_dots(surveyed, "AnthroKids", "survey"),) if means else (),
+        x_range=AGE_RANGE,
+        x_ticks=_months(6),
     )
 
 
-def _draw_points(axes: "Axes", points: Sequence[DataPoint], marker: str, label: str) -> None:
-    shown = [point for point in points if point.age_months <= LAST_MONTH]
-    axes.plot(
-        [point.age_months for point in shown],
-        [point.value_cm for point in shown],
-        marker,
-        color=SURVEY_COLOUR,
-        markerfacecolor="none",
-        markersize=7,
-        alpha=0.8,
-        label=label,
-        zorder=4,
-    )
+def _dots(points: Sequence[DataPoint], label: str, look: str) -> Dots:
+    return Dots([point.age_months for point in points], [point.value_cm for point in points], label, look)
+
+
+def _months(every: int) -> Ticks:
+    return [(float(month), f"{month}") for month in range(0, LAST_MONTH + 1, every)]
 
 
 def _is_inferred(point: DataPoint) -> bool:

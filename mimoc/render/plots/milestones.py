@@ -1,63 +1,65 @@
-"""Windows of motor milestones as horizontal bars, as in WHO's chart, with an infant's own ages."""
+"""Ages in rows: when something is reached, beside when it usually is, as in WHO's chart of motor milestones."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
 
-from mimoc.bundle.files import write_file
-from mimoc.render.plots.figure import encode, new_figure, tidy
-from mimoc.render.plots.growth import INFANT_COLOUR, LAST_MONTH, WHO_COLOUR, check_plot_name
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
+from mimoc.render.plots.growth import AGE_RANGE
+from mimoc.render.plots.plot import Band, Dots, Line, Plot, Range, Sheet
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-WIDTH_PX, BAR_PX, FRAME_PX = 1600, 80, 240
+WIDTH_PX, ROW_PX, FRAME_PX = 1400, 100, 180
+SPREAD = 0.55
+"""Height that the marks of a row are spread over, by that of a row."""
+BAR = 0.6
+"""Height of a bar, by that of a row."""
+ROWS = Quantity("row", "")
 
 
 @dataclass(frozen=True, slots=True)
-class Bar:
-    """One milestone."""
+class AgeRow:
+    """Ages at which one thing is reached."""
 
     label: str
-    window_months: tuple[float, float, float] | None
-    """Youngest, median and oldest age of real infants; None if unknown."""
-    infant_months: float | None
-    """The infant's own age; None if it does not reach the milestone."""
+    ages_months: Mapping[str, float | None]
+    """By the label of the mark, the same in all rows; None if it is not reached."""
+    usual_months: tuple[float, ...] = ()
+    """When it is usually reached: the youngest age, the median if it is known, and the oldest."""
 
 
-def plot_milestones(bars: Sequence[Bar], path: str | Path) -> None:
-    """Write a plot of milestones, in the format of the file's name.
+def rows_sheet(
+    rows: Sequence[AgeRow], usual: str, looks: tuple[str, str] = ("usual", "row"), ages_months: Range = AGE_RANGE
+) -> Sheet:
+    """Return a plot with a row of marks for each thing, the first at the top.
 
-    Raises:
-        OutputError: If the file cannot be written there.
-        MissingExtraError: If matplotlib is not installed.
+    Args:
+        rows: The rows.
+        usual: Label of the bars of usual ages, in which a line is the median.
+        looks: Looks of bars and marks.
+        ages_months: Ends of the axis.
     """
-    check_plot_name(path)
-    write_file(path, encode(draw_milestones(bars), Path(path).suffix.lower()))
-
-
-def draw_milestones(bars: Sequence[Bar]) -> "Figure":
-    """Return the figure, the first milestone at the bottom.
-
-    Raises:
-        MissingExtraError: If matplotlib is not installed.
-    """
-    figure = new_figure(WIDTH_PX, FRAME_PX + BAR_PX * len(bars))
-    axes = figure.subplots()
-    for row, bar in enumerate(bars):
-        if bar.window_months:
-            youngest, median, oldest = bar.window_months
-            axes.barh(row, oldest - youngest, left=youngest, height=0.5, color=WHO_COLOUR, alpha=0.35)
-            axes.plot([median, median], [row - 0.25, row + 0.25], color=WHO_COLOUR, linewidth=2)
-        if bar.infant_months is not None:
-            axes.plot(bar.infant_months, row, marker="D", ms=7, color=INFANT_COLOUR, linestyle="none")
-    axes.plot([], [], marker="D", color=INFANT_COLOUR, linestyle="none", label="mimoc, from this age on")
-    axes.plot([], [], color=WHO_COLOUR, linewidth=8, alpha=0.35, label="real infants (line: median)")
-    axes.set_yticks(range(len(bars)), [bar.label for bar in bars])
-    axes.set_xlim(-0.5, LAST_MONTH)
-    axes.set_xlabel("Age [months]")
-    axes.legend(loc="lower right", frameon=False)
-    tidy(axes)
-    figure.tight_layout()
-    return figure
+    lines: list[Line] = []
+    bands: list[Band] = []
+    for place, row in enumerate(rows):
+        if row.usual_months:
+            youngest, *median, oldest = row.usual_months
+            edges = (place - BAR / 2,) * 2, (place + BAR / 2,) * 2
+            bands.append(Band((youngest, oldest), *edges, usual, looks[0]))
+            lines += [Line((age, age), (place - BAR / 2, place + BAR / 2), "", "median") for age in median]
+    labels = list(rows[0].ages_months)
+    offsets = [SPREAD * (index / max(1, len(labels) - 1) - 0.5) * (len(labels) > 1) for index in range(len(labels))]
+    dots = []
+    for label, offset in zip(labels, offsets, strict=True):
+        ages = [(age, place + offset) for place, row in enumerate(rows) if (age := row.ages_months[label]) is not None]
+        dots.append(Dots([age for age, _ in ages], [place for _, place in ages], label, looks[1]))
+    plot = Plot(
+        x=AGE,
+        y=ROWS,
+        lines=tuple(lines),
+        bands=tuple(bands),
+        dots=tuple(dots),
+        x_range=ages_months,
+        y_range=(len(rows) - 0.5, -0.5),
+        y_ticks=[(float(place), row.label) for place, row in enumerate(rows)],
+    )
+    return Sheet((plot,), panel_px=(WIDTH_PX, FRAME_PX + ROW_PX * len(rows)), shared_legend=True)

@@ -7,10 +7,11 @@ from mimoc.cohorts import Cohort, Job
 from mimoc.cohorts.cohort import Progress, Status, status_of
 from mimoc.cohorts.store import Store, kept_jobs
 from mimoc.cohorts.table import Rows, rows_of
+from mimoc.quantities import quantity_of
+from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.cohort.children import children
-from mimoc.reporting.cohort.measures import OF_CHILDREN, axis_of, factors_of, measures_of, title_of
-from mimoc.reporting.cohort.plots import plot
+from mimoc.reporting.cohort.measures import OF_CHILDREN, measures_of
 from mimoc.reporting.page import Block, Cell, Drawings, Page, Section, Text, number, table
 from mimoc.version import __version__
 
@@ -52,13 +53,14 @@ def cohort_page(folder: Path, cohort: Cohort | None, progress: Progress) -> Page
     sections = [_jobs(status, damaged, is_whole=cohort is not None), children(jobs, store)]
     sections += [_results(jobs, rows), _versions(rows)]
     infants = len({str(sorted(job.factors.items(), key=str)) for job in jobs})
-    told = f"{words.count(infants, 'infant')}, {words.count(status.jobs, 'job')}: "
+    summary = f"{words.count(infants, 'infant')}, {words.count(status.jobs, 'job')}: "
     states = {"ok": "done", "failed": "failed", "missing": "not done yet"}
-    told += words.listed([f"{status.number(each):,} {name}" for each, name in states.items() if status.number(each)])
+    numbers = {name: status.number(state) for state, name in states.items()}
+    summary += words.listed([f"{count:,} {name}" for name, count in numbers.items() if count])
     return Page(
         kind="A cohort of mimoc",
         title=words.sentence(words.name(jobs[0].cohort if jobs else folder.name)),
-        lead=(f"{told}.",),
+        lead=(f"{summary}.",),
         sections=tuple(section for section in sections if section),
         made_by=f"Made by mimoc {__version__}.",
     )
@@ -88,11 +90,11 @@ def _failures(status: Status) -> Iterator[Block]:
     if not errors:
         return
     rows = []
-    for (step, error), found in sorted(errors.items(), key=lambda each: (-len(each[1]), each[0]))[:MOST_ERRORS]:
-        first = status.failures[found[0]]
+    for (step, error), numbers in sorted(errors.items(), key=lambda item: (-len(item[1]), item[0]))[:MOST_ERRORS]:
+        first = status.failures[numbers[0]]
         who = ", ".join(f"{name} {value}" for name, value in first.job.factors.items())
         log = "/".join(first.log.parts[-3:])
-        rows.append((Cell(step), number(f"{len(found):,}"), Cell(error, "bad"), Cell(who), Cell(log, "code")))
+        rows.append((Cell(step), number(f"{len(numbers):,}"), Cell(error, "bad"), Cell(who), Cell(log, "code")))
     yield Text(f"{words.count(len(status.failures), 'job')} failed:")
     yield table(("step", "jobs", "error", "the first of these infants", "its log"), rows)
     if len(errors) > MOST_ERRORS:
@@ -111,10 +113,10 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
         if measure.is_constant:
             constant.append(measure)
             continue
-        varied = factors_of(measure.rows, factors)
+        varied = measure.factors(factors)
         left_out |= dict.fromkeys(varied[MOST_FACTORS:])
         for factor in varied[:MOST_FACTORS]:
-            drawn += [found] if (found := plot(measure, factor, title_of(measure))) else []
+            drawn += [draw_svg(made)] if (made := measure.plot(factor)) else []
     blocks: list[Block] = []
     if drawn:
         blocks.append(Drawings(tuple(drawn[:MOST_PLOTS]), CAPTION))
@@ -123,12 +125,12 @@ def _results(jobs: Sequence[Job], rows: Rows) -> Section:
     if len(drawn) > MOST_PLOTS:
         blocks.append(Text(f"{len(drawn) - MOST_PLOTS} more plots are left out.", "note"))
     if left_out:
-        names = words.listed([axis_of(name) for name in left_out])
+        names = words.listed([quantity_of(name).heading for name in left_out])
         blocks.append(
             Text(f"Each measure is drawn by at most {MOST_FACTORS} factors; these are left out: {names}.", "note")
         )
     if constant:
-        same = [f"{title_of(each)}: {words.figure(each.values[0])}" for each in constant]
+        same = [f"{measure.title}: {words.figure(measure.values[0])}" for measure in constant]
         blocks.append(Text(f"The same for all jobs that have it: {'; '.join(same)}.", "note"))
     return Section("results", "Results", tuple(blocks))
 
@@ -146,14 +148,14 @@ def _measure_names(names: Sequence[str]) -> list[str]:
 
 def _by_interest(names: Sequence[str], jobs: Sequence[Job]) -> list[str]:
     """Return factors in the order in which they are drawn: what is varied, then sex, then what children measure."""
-    own = [name for name in names if name == "sex" or name.endswith(OF_CHILDREN)]
-    return [*(name for name in names if name not in own), *sorted(own, key=lambda name: name != "sex")]
+    of_child = [name for name in names if name == "sex" or name.endswith(OF_CHILDREN)]
+    return [*(name for name in names if name not in of_child), *sorted(of_child, key=lambda name: name != "sex")]
 
 
 def _versions(rows: Rows) -> Section:
     names = [name for name in (rows[0] if rows else ()) if name.startswith(VERSION)]
-    found = [
+    versions = [
         (Cell(name.removeprefix(VERSION)), Cell(", ".join(sorted({str(row[name]) for row in rows if row[name]}))))
         for name in names
     ]
-    return Section("versions", "Versions of the software", (table(("", ""), found),))
+    return Section("versions", "Versions of the software", (table(("", ""), versions),))

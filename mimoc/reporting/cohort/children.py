@@ -9,9 +9,12 @@ from mimoc.bundle.model import load_model
 from mimoc.cohorts import Job
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import HEAD, LENGTH, WEIGHT
+from mimoc.render.plots.drawing import Drawing, label
+from mimoc.render.plots.plot import Dots, Plot
+from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, dot, drawing, label
-from mimoc.reporting.frame import Frame, around
 from mimoc.reporting.page import Block, Cell, Details, Drawings, Section, Text, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
 
@@ -26,14 +29,17 @@ BELOW, ABOVE = 36.0, 12.0
 LEAST_HALF = 34.0
 """Half of the least width, so that there is room for the words below."""
 KINDS = {"female": "girl", "male": "boy"}
-LENGTHS = {"length_percentile": ("length", "percentile"), "length_cm": ("length", "cm")}
-AGAINST_LENGTH = {
-    "weight_percentile": ("weight", "percentile"),
-    "weight_kg": ("weight", "kg"),
-    "head_percentile": ("head", "percentile"),
-    "head_circumference_cm": ("head", "cm"),
+LENGTHS = {
+    "length_percentile": Quantity("length_percentile", "Length", "percentile", limits=(0.0, 100.0)),
+    "length_cm": LENGTH,
 }
-"""Name and unit of the keys of an individual, each of which is drawn against each of LENGTHS."""
+AGAINST_LENGTH = {
+    "weight_percentile": Quantity("weight_percentile", "Weight", "percentile", limits=(0.0, 100.0)),
+    "weight_kg": WEIGHT,
+    "head_percentile": Quantity("head_percentile", "Head", "percentile", limits=(0.0, 100.0)),
+    "head_circumference_cm": HEAD,
+}
+"""Quantities by the keys of an individual; each of these is drawn against each of LENGTHS."""
 
 
 def children(jobs: Sequence[Job], store: Store) -> Section | None:
@@ -50,14 +56,14 @@ def children(jobs: Sequence[Job], store: Store) -> Section | None:
 
 def _individuals(jobs: Sequence[Job]) -> dict[int, Mapping[str, Any]]:
     """Return what is known of each child, by its number; what differs between its ages is left out."""
-    found: dict[int, dict[str, Any]] = {}
+    known: dict[int, dict[str, Any]] = {}
     for job in jobs:
         child = job.factors.get("child")
         if isinstance(child, int):
-            told = {name: value for name, value in job.factors.items() if "." not in name and name != "age_months"}
-            before = found.setdefault(child, told)
-            found[child] = {name: value for name, value in before.items() if told.get(name) == value}
-    return dict(sorted(found.items()))
+            factors = {name: value for name, value in job.factors.items() if "." not in name and name != "age_months"}
+            before = known.setdefault(child, factors)
+            known[child] = {name: value for name, value in before.items() if factors.get(name) == value}
+    return dict(sorted(known.items()))
 
 
 def _scatters(known: Mapping[int, Mapping[str, Any]]) -> list[Block]:
@@ -72,24 +78,18 @@ def _scatters(known: Mapping[int, Mapping[str, Any]]) -> list[Block]:
 
 
 def _scatter(pairs: Sequence[tuple[Mapping[str, Any], float, float]], across: str, up: str) -> Drawing:
-    (length, length_unit), (other, other_unit) = LENGTHS[across], AGAINST_LENGTH[up]
-    frame = Frame(_axis(length_unit, [pair[1] for pair in pairs]), _axis(other_unit, [pair[2] for pair in pairs]))
-    dots = [
-        dot(
-            frame.at(x, y),
-            KINDS.get(child.get("sex", ""), "mean"),
-            4.0,
-            f"child {child['child']}: {length} {words.figure(x)}, {other} {words.figure(y)}",
-        )
-        for child, x, y in pairs
-    ]
-    title = f"{words.sentence(other)} by {length} [{other_unit}]"
+    length, other = LENGTHS[across], AGAINST_LENGTH[up]
+    dots: list[Dots] = []
+    for child, x, y in pairs:
+        text = f"child {child['child']}: {_phrase(length)} {words.figure(x)}, {_phrase(other)} {words.figure(y)}"
+        dots.append(Dots((x,), (y,), "", KINDS.get(child.get("sex", ""), "mean"), (text,), 4.0))
+    title = f"{other.label} by {_phrase(length)}{other.title.removeprefix(other.label)}"
     about = f"{title} of {len(pairs)} children"
-    return frame.draw(title, f"{length} [{length_unit}]", (), dots, description=about)
+    return draw_svg(Plot(length, other, dots=tuple(dots), title=title, about=about))
 
 
-def _axis(unit: str, values: Sequence[float]) -> tuple[float, float]:
-    return (0.0, 100.0) if unit == "percentile" else around(values)
+def _phrase(quantity: Quantity) -> str:
+    return quantity.label.lower()
 
 
 def _list(known: Mapping[int, Mapping[str, Any]]) -> Block:
@@ -120,7 +120,7 @@ def _outlines(jobs: Sequence[Job], store: Store) -> Iterator[Block]:
     if not drawn:
         yield Text("No infants are drawn, because their bundles are no longer in the folder.", "note")
         return
-    drawn.sort(key=lambda each: each[0].manifest.child.age_months)
+    drawn.sort(key=lambda item: item[0].manifest.child.age_months)
     some = f"{len(drawn)} of the {len(bodies)} bodies" if len(drawn) < len(bodies) else "The bodies"
     tallest_m = max(outline.height_m for _, outline in drawn)
     row = tuple(_outline(bundle, outline, tallest_m) for bundle, outline in drawn)
@@ -152,7 +152,7 @@ def _outline(bundle: Bundle, outline: Silhouette, tallest_m: float) -> Drawing:
     ground = ABOVE + UNITS_PER_M * tallest_m
     child = bundle.manifest.child
     sex = {"male": "boy, ", "female": "girl, "}.get(child.sex or "", "")
-    told = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
-    labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(told)]
+    texts = f"{sex}{child.age_months:.3g} mo", words.quantity(child.length_cm, "cm")
+    labels = [label((half, ground + 16 + 14 * row), text, "small middle") for row, text in enumerate(texts)]
     paths = outline.paths(UNITS_PER_M, (half, ground))
-    return drawing(", ".join(told), (2 * half, ground + BELOW), paths, (), labels, kind="body")
+    return Drawing(", ".join(texts), (2 * half, ground + BELOW), paths, (), labels, kind="body")

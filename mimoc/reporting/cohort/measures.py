@@ -1,108 +1,145 @@
-"""The measures of a cohort by factor: values of one column of its table for each value of another."""
+"""The measures of a cohort by factor: values of one column of its table over those of another, and their plots."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import isfinite
 
+import numpy as np
+
 from mimoc.cohorts.table import Cell, Rows
+from mimoc.quantities import Quantity, quantity_of
+from mimoc.render.plots.plot import Dots, Line, Plot, Ticks
+from mimoc.render.plots.svg import around, ticks
 from mimoc.reporting import words
 
-OF_THE_BODY = ("length_cm", "mass_kg", "head_circumference_cm", "arm_circumference_cm")
-"""Measures that every step of an infant repeats."""
-TITLES = {
-    "length_cm": "Length [cm]",
-    "mass_kg": "Mass [kg]",
-    "head_circumference_cm": "Head circumference [cm]",
-    "arm_circumference_cm": "Upper-arm circumference [cm]",
-    "stable": "Share that stay stable",
-    "energy_j_per_kg": "Kinetic energy [J/kg]",
-    "beyond_deg": "Beyond joint limits [°]",
-    "return": "Return of an episode",
-    "success": "Share of episodes that succeed",
-    "time_to_success_s": "Time to success [s]",
-    "episodes": "Completed episodes",
-    "contacts_self": "Contacts with the own body",
-    "hip_path_m": "Path of the hip [m]",
-    "head_height_m": "Largest height of the head [m]",
-    "joint_speed_rad_s": "Joint speed [rad/s]",
-    "unstable": "Share that became unstable",
-}
-"""What mimoc's own measures are called."""
-AXES = {"age_months": "age [months]"}
-"""What factors are called, if it is not their name."""
 OF_CHILDREN = ("_percentile", "_cm", "_kg")
 """How the names of factors end that children are given by."""
 NOT_FACTORS = ("child",)
 LEAST = 2
 """Different values that a factor must have to be one."""
+MOST_LEVELS = 12
+"""Values of a factor up to which each has a summary; of more, those of numbers are put together in bins."""
+MOST_DOTS = 300
+"""Jobs up to which each is a dot if its factor has too many values."""
+MOST_LETTERS = 14
+BETWEEN = 0.5
+"""Room at either end of an axis of names, in distances of two."""
+LEVELS = {True: "true", False: "false", None: "none"}
 
 
 @dataclass(frozen=True, slots=True)
 class Measure:
     """A measure of the jobs of a step."""
 
-    name: str
+    quantity: Quantity
     step: str
     """Empty for a measure of the body, which all steps share."""
     rows: Rows
     """The rows that have it."""
     values: tuple[float, ...]
     """Of each of these rows."""
-    is_share: bool
-    """Whether it says yes or no, as 1 and 0."""
+
+    @property
+    def title(self) -> str:
+        """What it is called, with its unit and its step."""
+        return f"{self.quantity.title}, {self.step}" if self.step else self.quantity.title
+
+    @property
+    def is_share(self) -> bool:
+        """Whether it says yes or no, as 1 and 0."""
+        return all(isinstance(row[self.quantity.name], bool) for row in self.rows)
 
     @property
     def is_constant(self) -> bool:
         """Whether it is the same for all."""
         return len(set(self.values)) < LEAST
 
+    def factors(self, names: Sequence[str]) -> list[str]:
+        """Return the factors that differ between its rows."""
+        named = [name for name in names if name not in NOT_FACTORS]
+        return [name for name in named if len({row[name] for row in self.rows} - {None}) >= LEAST]
 
-def measures_of(rows: Rows, names: Sequence[str]) -> tuple[Measure, ...]:
-    """Return all measures that are numbers, or yes and no, in the order of *names*; by step, but those of the body."""
-    found: list[Measure] = []
+    def plot(self, factor: str) -> Plot | None:
+        """Return its plot by a factor; None if too many of the factor's values are not numbers."""
+        points = [
+            (row[factor], value) for row, value in zip(self.rows, self.values, strict=True) if row[factor] is not None
+        ]
+        groups: dict[Cell, list[float]] = {}
+        for level, value in points:
+            groups.setdefault(level, []).append(value)
+        if all(_number(level) is not None and not isinstance(level, bool) for level in groups):
+            numbers = [(float(level or 0), value) for level, value in points]
+            if len(groups) > MOST_LEVELS or factor.endswith(OF_CHILDREN):
+                return self._scattered(numbers, factor)
+            return self._summaries({float(level or 0): values for level, values in groups.items()}, None, factor)
+        if len(groups) > MOST_LEVELS:
+            return None
+        ordered = sorted(groups, key=str)
+        names = [(float(place), _short(LEVELS.get(level, str(level)))) for place, level in enumerate(ordered)]
+        return self._summaries({float(place): groups[level] for place, level in enumerate(ordered)}, names, factor)
+
+    def _summaries(self, groups: Mapping[float, Sequence[float]], names: Ticks | None, factor: str) -> Plot:
+        """Return a plot with median, quartiles and range of each group, by its place on the horizontal axis."""
+        places = sorted(groups)
+        lines: list[Line] = []
+        middles: list[float] = []
+        titles: list[str] = []
+        for place in places:
+            values = np.array(groups[place])
+            low, first, middle, third, high = np.quantile(values, (0, 0.25, 0.5, 0.75, 1)).tolist()
+            title = f"{len(values)}: median {words.figure(middle)}, {words.figure(low)} to {words.figure(high)}"
+            if self.is_share:
+                middle = float(values.mean())
+                title = f"{100 * middle:.0f} % of {len(values)}"
+            else:
+                lines += [Line((place, place), (low, high), "", "whisker")] if high > low else []
+                lines += [Line((place, place), (first, third), "", "quartiles")] if third > first else []
+            middles.append(middle)
+            titles.append(title)
+        if names is None and len(places) > 1:
+            lines.insert(0, Line(places, middles))
+        return replace(
+            self._by(factor),
+            lines=tuple(lines),
+            dots=(Dots(places, middles, "", "mean", tuple(titles), 4.0),),
+            x_range=(places[0] - BETWEEN, places[-1] + BETWEEN) if names else around(places),
+            y_range=(0.0, 1.0) if self.is_share else around(value for values in groups.values() for value in values),
+            x_ticks=names if names is not None else _at(places),
+        )
+
+    def _scattered(self, points: Sequence[tuple[float, float]], factor: str) -> Plot:
+        """Return a plot with a dot for each job, or with the summaries of bins if there are too many."""
+        if len(points) <= MOST_DOTS and not self.is_share:
+            dots = Dots([x for x, _ in points], [y for _, y in points], "", "one")
+            return replace(self._by(factor), dots=(dots,))
+        low, high = min(x for x, _ in points), max(x for x, _ in points)
+        width = (high - low) / MOST_LEVELS
+        groups: dict[float, list[float]] = {}
+        for x, value in points:
+            number = min(int((x - low) / width), MOST_LEVELS - 1)
+            groups.setdefault(low + (number + 0.5) * width, []).append(value)
+        return self._summaries(groups, None, factor)
+
+    def _by(self, factor: str) -> Plot:
+        """Return its empty plot by a factor."""
+        x = quantity_of(factor)
+        about = f"{self.title} by {x.heading}, {words.count(len(self.values), 'job')}"
+        return Plot(x, self.quantity, title=self.title, about=about)
+
+
+def measures_of(rows: Rows, names: Sequence[str]) -> Iterator[Measure]:
+    """Yield all measures that are numbers, or yes and no, in the order of *names*; by step, but those of the body."""
     steps = [*dict.fromkeys(str(row["step"]) for row in rows)]
-    for name in names:
-        if name in OF_THE_BODY:
-            found += _measure(name, "", _once_an_infant(row for row in rows if _number(row[name]) is not None))
-        else:
-            for step in steps:
-                found += _measure(name, step, [row for row in rows if row["step"] == step])
-    return tuple(found)
+    for quantity in map(quantity_of, names):
+        known = [row for row in rows if _number(row[quantity.name]) is not None]
+        for step in [""] if quantity.over == "child" else steps:
+            chosen = [row for row in known if row["step"] == step] if step else _once_an_infant(known)
+            if chosen:
+                yield Measure(quantity, step, chosen, tuple(float(row[quantity.name] or 0) for row in chosen))
 
 
-def factors_of(rows: Rows, names: Sequence[str]) -> tuple[str, ...]:
-    """Return the factors that differ between some rows."""
-    return tuple(
-        name for name in names if name not in NOT_FACTORS and len({row[name] for row in rows} - {None}) >= LEAST
-    )
-
-
-def title_of(measure: Measure) -> str:
-    """Return what a measure is called, with its unit and its step."""
-    told = TITLES.get(measure.name, words.sentence(words.name(measure.name)))
-    return f"{told}, {measure.step}" if measure.step else told
-
-
-def axis_of(factor: str) -> str:
-    """Return what a factor is called on an axis."""
-    return AXES.get(factor, words.name(factor))
-
-
-def is_number(values: Sequence[Cell]) -> bool:
-    """Return whether all values are numbers."""
-    return all(_number(value) is not None and not isinstance(value, bool) for value in values)
-
-
-def _measure(name: str, step: str, rows: Rows) -> Iterator[Measure]:
-    """Yield a measure, unless no row has a number of it."""
-    pairs = [(row, number) for row in rows if (number := _number(row[name])) is not None]
-    if pairs:
-        kept = [row for row, _ in pairs]
-        is_share = all(isinstance(row[name], bool) for row in kept)
-        yield Measure(name, step, kept, tuple(number for _, number in pairs), is_share)
-
-
-def _once_an_infant(rows: Iterator[Mapping[str, Cell]]) -> Rows:
+def _once_an_infant(rows: Rows) -> Rows:
     """Return the first row of each infant, which its factors tell from the others."""
     seen: dict[tuple[Cell, ...], Mapping[str, Cell]] = {}
     for row in rows:
@@ -112,6 +149,16 @@ def _once_an_infant(rows: Iterator[Mapping[str, Cell]]) -> Rows:
 
 
 def _number(cell: Cell) -> float | None:
-    if isinstance(cell, (bool, int, float)) and isfinite(cell):
-        return float(cell)
-    return None
+    return float(cell) if isinstance(cell, (bool, int, float)) and isfinite(cell) else None
+
+
+def _at(places: Sequence[float]) -> Ticks:
+    """Return ticks at the places themselves, if they are few, or at round numbers."""
+    near = (places[-1] - places[0]) / 12
+    if len(places) <= 8 and all(after - before > near for before, after in pairwise(places)):
+        return [(place, f"{place:.4g}") for place in places]
+    return ticks(places[0], places[-1])
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 1]}…"

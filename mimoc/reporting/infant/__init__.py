@@ -8,14 +8,12 @@ from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import load_model
 from mimoc.reporting import words
 from mimoc.reporting.infant.growth import growth
-from mimoc.reporting.infant.origin import origin
-from mimoc.reporting.infant.portrait import picture
 from mimoc.reporting.infant.proportions import proportions
 from mimoc.reporting.infant.senses import senses
-from mimoc.reporting.infant.sources import Sources
+from mimoc.reporting.infant.sources import Sources, origin
 from mimoc.reporting.infant.stability import stability, unchecked
 from mimoc.reporting.infant.strength import strength
-from mimoc.reporting.infant.who import described
+from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Page, Section
 from mimoc.version import __version__
 
@@ -40,12 +38,12 @@ def infant_page(bundle: Bundle, progress: Callable[[int, int], None], *, check: 
     measured = proportions(model, bundle.manifest.child.age_months, sources)
     progress(1, steps)
     checked = stability(bundle, lambda done: progress(1 + done, steps)) if check else unchecked()
-    pictures, missing = picture(bundle)
+    lead, pictures = introduce(bundle)
     progress(steps, steps)
     return Page(
         kind="An infant, compiled by mimoc",
         title=words.sentence(words.name(bundle.manifest.name)),
-        lead=(*described(bundle), *([missing] if missing else [])),
+        lead=lead,
         sections=(size, measured, body, sensed, checked, sources.section(), origin(bundle)),
         made_by=f"Made by mimoc {__version__}.",
         pictures=pictures,

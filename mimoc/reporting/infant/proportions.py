@@ -7,8 +7,9 @@ import mujoco
 from mimoc.compiler.validation.anthrokids import TOLERANCE
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.fits import load_tables, measure
+from mimoc.quantities.columns import AVERAGE, DIFFERENCE, MEASURED
+from mimoc.render.plots.drawing import Drawing, Path, box, line
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Drawing, Path, box, drawing, line
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Section, Text, number, table
 from mimoc.units import m_to_cm
@@ -27,7 +28,7 @@ ABOUT = (
 def proportions(model: mujoco.MjModel, age_months: float, sources: Sources) -> Section:
     """Return the section on an infant's measurements."""
     about = ABOUT.format(tolerance=100 * TOLERANCE)
-    headings = ("measurement", "this infant [cm]", "average child [cm]", "difference [%]", "")
+    headings = ("measurement", MEASURED.heading, AVERAGE.heading, DIFFERENCE.heading, "")
     rows = list(_rows(model, age_months, sources))
     return Section("proportions", "Proportions", (Text(about), table(headings, rows)))
 
@@ -56,5 +57,5 @@ def _bar(name: str, deviation: float) -> Drawing:
         box(min(middle, middle + shown), 4, abs(shown), HEIGHT - 8, kind),
         line([(middle, 0), (middle, HEIGHT)], "axis"),
     ]
-    told = f"{name}: {words.signed(100 * deviation)} % from the average child"
-    return drawing(told, (WIDTH, HEIGHT), paths, kind="small")
+    title = f"{name}: {words.signed(100 * deviation)} % from the average child"
+    return Drawing(title, (WIDTH, HEIGHT), paths, kind="small")

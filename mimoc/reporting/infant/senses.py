@@ -53,12 +53,12 @@ def senses(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section:
 def _about(name: str, entry: Any, bundle: Bundle, model: mujoco.MjModel) -> str:
     if name in ABOUT_SENSES:
         return ABOUT_SENSES[name](entry, model)
-    told = (SENSES[name].spec.__doc__ or "").strip().splitlines()
-    return words.sentence(told[0]) if told else ""
+    lines = (SENSES[name].spec.__doc__ or "").strip().splitlines()
+    return words.sentence(lines[0]) if lines else ""
 
 
 def _about_proprioception(entry: Any, model: mujoco.MjModel) -> str:
-    felt = [f"the angles of {len(entry.joints)} joints", *(FELT.get(each, str(each)) for each in entry.include)]
+    felt = [f"the angles of {len(entry.joints)} joints", *(FELT.get(signal, str(signal)) for signal in entry.include)]
     return f"Feels its own posture: {words.listed(felt)}."
 
 
@@ -68,8 +68,8 @@ def _about_balance(entry: Any, model: mujoco.MjModel) -> str:
 
 
 def _about_touch(entry: Any, model: mujoco.MjModel) -> str:
-    skin = [each for each in entry.skin if each.points]
-    total = sum(each.points for each in skin)
+    skin = [part for part in entry.skin if part.points]
+    total = sum(part.points for part in skin)
     if not skin:
         return "Has no skin points."
     finest, coarsest = min(skin, key=lambda s: s.spacing_m), max(skin, key=lambda s: s.spacing_m)

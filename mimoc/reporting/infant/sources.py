@@ -5,11 +5,12 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from mimoc.bundle.io import Bundle
+from mimoc.bundle.io import LOCK, Bundle, digests
 from mimoc.compiler.explain import entries_of, value_text
+from mimoc.compiler.provenance.spec import SPEC_FILE
 from mimoc.errors import MimocError
 from mimoc.reporting import words
-from mimoc.reporting.page import Block, Cell, Details, Link, Section, Text, number, table
+from mimoc.reporting.page import Block, Cell, Code, Details, Link, Section, Text, number, table
 
 GROUPS = {
     "who": "Percentiles",
@@ -63,13 +64,13 @@ class Sources:
 
     def _followed(self) -> set[str]:
         """Return the numbers that were referred to, and all that they depend on."""
-        found, waiting = set[str](), list(self._named)
+        reached, waiting = set[str](), list(self._named)
         while waiting:
             key = waiting.pop()
-            if key in self._entries and key not in found:
-                found.add(key)
+            if key in self._entries and key not in reached:
+                reached.add(key)
                 waiting += self._entries[key].get("from", ())
-        return found
+        return reached
 
     def _group(self, title: str, keys: list[str]) -> Block:
         rows = [self._row(twins) for twins in self._twins(keys)]
@@ -78,11 +79,11 @@ class Sources:
 
     def _twins(self, keys: Iterable[str]) -> Iterator[tuple[str, ...]]:
         """Yield numbers, those of left and right together where they are the same."""
-        found: dict[str, list[str]] = {}
+        twins: dict[str, list[str]] = {}
         for key in keys:
             same = json.dumps([SIDE.sub("{side}_", key), self._entries[key]], sort_keys=True)
-            found.setdefault(SIDE.sub("{side}_", same), []).append(key)
-        yield from map(tuple, found.values())
+            twins.setdefault(SIDE.sub("{side}_", same), []).append(key)
+        yield from map(tuple, twins.values())
 
     def _row(self, twins: tuple[str, ...]) -> tuple[Cell, ...]:
         key, entry = twins[-1], self._entries[twins[-1]]
@@ -98,3 +99,18 @@ class Sources:
 def _fragment(key: str) -> str:
     """Return the fragment of a number on the page."""
     return "n-" + re.sub(r"\s+", "-", key)
+
+
+def origin(bundle: Bundle) -> Section:
+    """Return the section on what an infant was made from."""
+    versions = words.listed([f"{name} {version}" for name, version in sorted(bundle.versions.items())])
+    digest = digests({LOCK: bundle.files[LOCK]})[LOCK]
+    rows = [(Cell("Built with"), Cell(versions)), (Cell("Digest of its lock"), Cell(digest, "code"))]
+    rows += [(Cell("Note"), Cell(note)) for note in bundle.manifest.notes]
+    spec = (
+        Code(bundle.files[SPEC_FILE].decode(errors="replace"))
+        if SPEC_FILE in bundle.files
+        else Text("It has no spec.", "note")
+    )
+    blocks = (table(("", ""), rows), Details("The spec, as it was written", (spec,)))
+    return Section("spec", "What it was made from", blocks)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from mimoc.bundle.io import Bundle
+from mimoc.quantities.stability import BEYOND_LIMITS, ENERGY
 from mimoc.reporting import words
 from mimoc.reporting.page import Cell, Section, Text, number, table
 from mimoc.runtime.check import CHECKED_S, MAX_BEYOND_DEG, MAX_ENERGY_J_PER_KG, PoseCheck, check_stability
@@ -22,7 +23,7 @@ def stability(bundle: Bundle, progress: Callable[[int], None]) -> Section:
         checks.append(check)
         progress(len(checks))
     about = ABOUT.format(seconds=CHECKED_S, energy=MAX_ENERGY_J_PER_KG, beyond=MAX_BEYOND_DEG)
-    headings = ("pose", "result", "warnings", "kinetic energy [J/kg]", "beyond joint limits [°]", "")
+    headings = ("pose", "result", "warnings", ENERGY.heading, BEYOND_LIMITS.heading, "")
     return Section("stability", "Stability", (Text(about), table(headings, map(_row, checks))))
 
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.model import in_subtrees
+from mimoc.quantities.columns import BODY_SHARE, JOINT_RANGE, PART_MASS, PEAK_TORQUE
+from mimoc.render.plots.drawing import Dot, Drawing, Label, Path, Point, dot, label, line
 from mimoc.reporting import words
-from mimoc.reporting.drawing import Dot, Drawing, Label, Path, Point, dot, drawing, label, line
 from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.page import Cell, Details, Drawings, Section, number, table
 from mimoc.reporting.silhouette import Silhouette, silhouette
@@ -64,9 +65,9 @@ def strength(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Section
     """Return the section on the masses of an infant's parts and the strength of its joints."""
     outline = silhouette(model)
     figure = Drawings((_figure(bundle, model, outline),), CAPTION, "wide")
-    masses = table(("part", "mass [g]", "share of the body [%]", ""), _mass_rows(bundle, model, sources))
+    masses = table(("part", PART_MASS.heading, BODY_SHARE.heading, ""), _mass_rows(bundle, model, sources))
     joints = list(_joint_rows(bundle, model, sources))
-    headings = ("joint", "peak torque [N m]", "range [°]", "")
+    headings = ("joint", PEAK_TORQUE.heading, JOINT_RANGE.heading, "")
     listed = Details("All joints that muscles move", (table(headings, joints),))
     return Section("body", "Masses and strength", (figure, masses, listed))
 
@@ -86,7 +87,7 @@ def _figure(bundle: Bundle, model: mujoco.MjModel, outline: Silhouette) -> Drawi
             dots.append(dot(note.at, "mark", 2.2))
             labels.append(label((edge, y - 1), note.name, f"strong {side}"))
             labels.append(label((edge, y + 13), note.text, f"small {side}"))
-    return drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
+    return Drawing("masses of body parts and peak torques of joints", (WIDTH, HEIGHT), paths, dots, labels)
 
 
 def _joint_notes(
@@ -112,11 +113,11 @@ def _part_notes(
     for name, sides in _masses(model).items():
         side = next(iter(sides))
         masses_kg = list(sides.values())
-        body = next(each for pattern in PARTS[name] if (each := pattern.format(side=side)) in known)
+        body = next(name_of_body for pattern in PARTS[name] if (name_of_body := pattern.format(side=side)) in known)
         at = outline.at(outline.figure.data.body(body).xipos, scale, foot)
-        each = " each" if len(sides) == 2 else ""
+        ending = " each" if len(sides) == 2 else ""
         share = 100 * masses_kg[0] / total_kg
-        yield Note(at, words.sentence(name), f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{each}")
+        yield Note(at, words.sentence(name), f"{_grams(masses_kg[0])}, {share:.1f}{words.THIN_SPACE}%{ending}")
 
 
 def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:
@@ -137,14 +138,14 @@ def _spread(notes: Iterable[Note]) -> list[tuple[Note, float]]:
 def _masses(model: mujoco.MjModel) -> dict[str, dict[str, float]]:
     """Return the mass of each part that an infant has, in [kg], by side; the left one first, the middle is empty."""
     bodies = {model.body(number).name: number for number in range(model.nbody)}
-    found: dict[str, dict[str, float]] = {}
+    masses_kg: dict[str, dict[str, float]] = {}
     for part, patterns in PARTS.items():
         for side in ("left", "right") if "{side}" in patterns[0] else ("",):
-            ids = [bodies[name] for each in patterns if (name := each.format(side=side)) in bodies]
+            ids = [bodies[name] for pattern in patterns if (name := pattern.format(side=side)) in bodies]
             if ids:
-                own = in_subtrees(model, ids) if part in WITH_ALL else ids
-                found.setdefault(part, {})[side] = float(model.body_mass[own].sum())
-    return found
+                weighed = in_subtrees(model, ids) if part in WITH_ALL else ids
+                masses_kg.setdefault(part, {})[side] = float(model.body_mass[weighed].sum())
+    return masses_kg
 
 
 def _mass_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iterator[tuple[Cell, ...]]:
@@ -168,8 +169,8 @@ def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iter
     for joint, limits_nm in torque_limits(bundle).items():
         low, high = (rad_to_deg(float(limit)) for limit in model.joint(joint).range)
         unsided = joint.removeprefix("robot:").replace("left_", "").replace("right_", "")
-        told = (unsided, _torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
-        rows.setdefault(told, []).append(joint)
+        text = (unsided, _torques(limits_nm), f"{words.signed(low, 0)} to {words.signed(high, 0)}")
+        rows.setdefault(text, []).append(joint)
     for (name, torques, reach), joints in rows.items():
         sides = "" if len(joints) == 2 else next((s for s in ("left ", "right ") if f"{s[:-1]}_" in joints[0]), "")
         keys = [f"actuator.{actuator}.gear" for actuator in actuators.get(joints[0], ())]
@@ -180,8 +181,8 @@ def _joint_rows(bundle: Bundle, model: mujoco.MjModel, sources: Sources) -> Iter
 def _torques(limits_nm: tuple[float, float]) -> str:
     """Return the peak torques in either direction."""
     low, high = (words.figure(abs(limit), 2) for limit in limits_nm)
-    told = low if low == high else f"{low} / {high}"
-    return f"{told}{words.THIN_SPACE}N{words.THIN_SPACE}m"
+    text = low if low == high else f"{low} / {high}"
+    return f"{text}{words.THIN_SPACE}N{words.THIN_SPACE}m"
 
 
 def _grams(mass_kg: float) -> str:

@@ -4,31 +4,30 @@ import { Ages } from "./ages.js";
 import { drawing, element } from "./elements.js";
 
 const [WIDTH, HEIGHT, LEFT, BOTTOM] = [290, 104, 26, 16];
-const LABELS = { length_cm: ["Length", "cm"], weight_kg: ["Weight", "kg"], head_circumference_cm: ["Head", "cm"] };
 const WHO = { male: "boys", female: "girls", mean: "the mean of boys and girls" };
 
 export class Charts {
   constructor({ standards, ages_months }) {
     this.ages = new Ages(ages_months);
-    const charts = Object.entries(standards.measures).map(([name, measure]) => this.#chart(name, measure, standards));
+    const charts = Object.entries(standards.charts).map(([name, chart]) => this.#chart(name, chart));
     const share = (i) => standards.percentiles[i];
     const text = `Shaded: the middle ${share(4) - share(0)} % and ${share(3) - share(1)} % of healthy children; WHO, ${WHO[standards.reference]}.`;
     this.figures = [...charts.map(({ figure }) => figure), element("p", { className: "note", textContent: text })];
     this.charts = charts;
   }
 
-  #chart(name, { curves, child, percentile }, standards) {
-    const [label, unit] = LABELS[name];
-    const months = standards.ages_months;
-    const [rows, columns] = curves.shape;
-    const curve = (column) => Array.from({ length: rows }, (_, row) => [months[row], curves.values[row * columns + column]]);
-    const all = [...curves.values, ...child.values];
+  // Draw a plot (Plot.to_data in mimoc/render/plots/plot.py): bands and lines, whose last one is the child's.
+  #chart(name, { plot, percentile }) {
+    const { label, unit } = plot.y;
+    const child = plot.lines.at(-1).y;
+    const all = [...plot.bands.flatMap(({ low, high }) => [...low.values, ...high.values]), ...child.values];
     const [low, high] = [Math.floor(Math.min(...all)), Math.ceil(Math.max(...all))];
     const x = (month) => LEFT + (month / 24) * (WIDTH - LEFT - 6);
     const y = (value) => HEIGHT - BOTTOM - ((value - low) / (high - low)) * (HEIGHT - BOTTOM - 6);
-    const path = (points) => points.map(([month, value], i) => `${i ? "L" : "M"}${x(month).toFixed(1)} ${y(value).toFixed(1)}`).join("");
-    const band = (one, other) => `${path(curve(one))}${path(curve(other).reverse()).replace("M", "L")}Z`;
-    const own = this.ages.months.map((month, i) => [month, child.values[i]]);
+    const points = (xs, ys) => Array.from(xs.values, (month, i) => `${x(month).toFixed(1)} ${y(ys.values[i]).toFixed(1)}`);
+    const through = (look, points, end = "") => drawing("path", { class: look, d: `M${points.join("L")}${end}` });
+    const bands = plot.bands.map((band) => through(band.look, [...points(band.x, band.low), ...points(band.x, band.high).reverse()], "Z"));
+    const curves = plot.lines.map((line) => through(line.look, points(line.x, line.y)));
     const dot = drawing("circle", { class: "dot", r: 5 });
     const lines = [0, 6, 12, 18, 24].flatMap((month) => [
       drawing("line", { class: "grid", x1: x(month), x2: x(month), y1: 4, y2: HEIGHT - BOTTOM }),
@@ -38,8 +37,7 @@ export class Charts {
     const svg = drawing(
       "svg",
       { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `${label} by age in months` },
-      ...[drawing("path", { class: "wide", d: band(0, 4) }), drawing("path", { class: "narrow", d: band(1, 3) }), ...lines, ...heights],
-      ...[drawing("path", { class: "median", d: path(curve(2)) }), drawing("path", { class: "own", d: path(own) }), dot],
+      ...[...bands, ...lines, ...heights, ...curves, dot],
     );
     const told = element("span");
     const figure = element("figure", {}, element("figcaption", {}, element("b", { textContent: label }), told), svg);

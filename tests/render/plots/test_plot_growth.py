@@ -6,9 +6,12 @@ import pytest
 from PIL import Image
 
 from mimoc.errors import MissingExtraError, OutputError
-from mimoc.render.plots import draw_growth, growth, plot_growth
-from mimoc.render.plots.growth import SIZE_PX, TITLES
+from mimoc.quantities.child import INDICATORS
+from mimoc.render.plots import file
+from mimoc.render.plots.file import draw, write_sheet
+from mimoc.render.plots.growth import growth_sheet, measurements_sheet
 
+SIZE_PX = (1600, 1180)
 SERIES = {
     "length_cm": [(0, 50.0), (12, 75.0), (24, 87.0)],
     "weight_kg": [(0, 3.3), (12, 9.3), (24, 11.8)],
@@ -20,13 +23,13 @@ SERIES = {
 @pytest.fixture(scope="module")
 def figure():
     """Return the figure of the series, which is only to be looked at."""
-    return draw_growth(SERIES)
+    return draw(growth_sheet(SERIES))
 
 
 @pytest.fixture
 def drawn(figure, monkeypatch) -> None:
     """Have that figure written, which need not be drawn again."""
-    monkeypatch.setattr(growth, "draw_growth", lambda series, reference: figure)
+    monkeypatch.setattr(file, "draw", lambda sheet: figure)
 
 
 def labelled(axes) -> dict[str, object]:
@@ -35,7 +38,7 @@ def labelled(axes) -> dict[str, object]:
 
 
 def test_the_picture_is_a_png_of_its_size(tmp_path):
-    plot_growth(SERIES, tmp_path / "growth.png")
+    write_sheet(growth_sheet(SERIES), tmp_path / "growth.png")
     with Image.open(tmp_path / "growth.png") as picture:
         assert (picture.format, picture.size) == ("PNG", SIZE_PX)
     assert [path.name for path in tmp_path.iterdir()] == ["growth.png"]
@@ -43,22 +46,22 @@ def test_the_picture_is_a_png_of_its_size(tmp_path):
 
 def test_the_same_series_gives_the_same_bytes(tmp_path):
     for name in ("one.png", "two.png"):
-        plot_growth(SERIES, tmp_path / name)
+        write_sheet(growth_sheet(SERIES), tmp_path / name)
     assert (tmp_path / "one.png").read_bytes() == (tmp_path / "two.png").read_bytes()
 
 
 @pytest.mark.usefixtures("drawn")
 def test_an_older_picture_is_replaced(tmp_path):
     (tmp_path / "growth.png").write_bytes(b"old")
-    plot_growth(SERIES, tmp_path / "growth.png")
+    write_sheet(growth_sheet(SERIES), tmp_path / "growth.png")
     with Image.open(tmp_path / "growth.png") as picture:
         assert picture.size == SIZE_PX
 
 
 def test_every_indicator_has_a_panel_with_its_unit(figure):
     axes = figure.axes
-    assert [panel.get_ylabel() for panel in axes] == list(TITLES.values())
-    assert all(title.endswith(("[cm]", "[kg]")) for title in TITLES.values())
+    assert [panel.get_ylabel() for panel in axes] == [quantity.title for quantity in INDICATORS.values()]
+    assert all(panel.get_ylabel().endswith(("[cm]", "[kg]")) for panel in axes)
 
 
 def test_the_infant_is_drawn_as_it_was_measured(figure):
@@ -69,11 +72,11 @@ def test_the_infant_is_drawn_as_it_was_measured(figure):
 def test_the_legend_says_what_was_inferred(figure):
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [
-        "WHO, 5th to 95th percentile",
         "WHO, mean",
+        "mimoc",
         "AnthroKids",
         "AnthroKids, inferred",
-        "mimoc",
+        "WHO, 5th to 95th percentile",
     ]
 
 
@@ -94,7 +97,7 @@ def test_who_band_spans_90_percent_of_boys_and_girls(figure):
 
 
 def test_an_indicator_without_the_infant_still_has_its_standard():
-    panel = draw_growth({}).axes[1]
+    panel = draw(growth_sheet({})).axes[1]
     assert labelled(panel).keys() == {"WHO, 5th to 95th percentile", "WHO, mean"}
 
 
@@ -103,7 +106,7 @@ def test_an_indicator_without_the_infant_still_has_its_standard():
 )
 def test_the_name_says_the_format(suffix, start, tmp_path):
     for name in ("one", "two"):
-        plot_growth(SERIES, tmp_path / f"{name}{suffix}")
+        write_sheet(growth_sheet(SERIES), tmp_path / f"{name}{suffix}")
     one, two = ((tmp_path / f"{name}{suffix}").read_bytes() for name in ("one", "two"))
     assert one.startswith(start)
     assert one == two
@@ -112,7 +115,7 @@ def test_the_name_says_the_format(suffix, start, tmp_path):
 @pytest.mark.parametrize("name", ["growth.doc", "growth", "growth.png.txt"])
 def test_a_name_of_another_format_is_refused(name, tmp_path):
     with pytest.raises(OutputError, match=r"end it in \.png, "):
-        plot_growth(SERIES, tmp_path / name)
+        write_sheet(growth_sheet(SERIES), tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -122,7 +125,7 @@ def test_a_place_that_cannot_be_written_is_an_error_that_leaves_nothing(place, t
     (tmp_path / "file.txt").write_text("mine")
     (tmp_path / "folder.png").mkdir()
     with pytest.raises(OutputError, match="cannot be written"):
-        plot_growth(SERIES, tmp_path / place)
+        write_sheet(growth_sheet(SERIES), tmp_path / place)
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["file.txt", "folder.png"]
     assert (tmp_path / "file.txt").read_text() == "mine"
 
@@ -135,20 +138,27 @@ def test_an_older_picture_outlives_a_failure(tmp_path, monkeypatch):
     (tmp_path / "growth.png").write_bytes(b"old")
     monkeypatch.setattr("os.replace", fail)
     with pytest.raises(OutputError, match="No space left"):
-        plot_growth(SERIES, tmp_path / "growth.png")
+        write_sheet(growth_sheet(SERIES), tmp_path / "growth.png")
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"old"]
 
 
 def test_a_missing_matplotlib_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(MissingExtraError, match=r"mimoc\[report\]"):
-        plot_growth(SERIES, tmp_path / "growth.png")
+        write_sheet(growth_sheet(SERIES), tmp_path / "growth.png")
     assert list(tmp_path.iterdir()) == []
 
 
+def test_every_measurement_has_a_small_plot_and_no_other_axes_are_drawn():
+    series = {"hand_length": [(3, 7.0), (12, 9.0)], "foot_length": [(3, 9.0), (12, 11.0)]}
+    panels = draw(measurements_sheet(series, 0.04)).axes
+    assert [panel.get_title("left") for panel in panels] == ["Foot length [cm]", "Hand length [cm]"]
+    assert labelled(panels[1]).keys() == {"AnthroKids", "curve", "mimoc"}
+
+
 def test_pyplot_and_its_global_state_are_left_alone(tmp_path):
-    draw = "from mimoc.render.plots.growth import plot_growth; plot_growth({}, sys.argv[1])"
-    code = f"import sys; {draw}; print(*sys.modules)"
+    imports = "from mimoc.render.plots import file, growth"
+    code = f"import sys; {imports}; file.write_sheet(growth.growth_sheet({{}}), sys.argv[1]); print(*sys.modules)"
     modules = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "growth.png")], capture_output=True, text=True, check=True
     ).stdout.split()

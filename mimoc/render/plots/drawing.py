@@ -1,6 +1,6 @@
 """Drawings for a page: what an SVG shows, with every coordinate as the text that is printed."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -51,24 +51,22 @@ class Drawing:
     template: ClassVar[str] = "report/drawing.svg.j2"
     title: str
     """What it shows, for those who cannot see it."""
-    width: str
-    height: str
-    paths: tuple[Path, ...] = ()
-    dots: tuple[Dot, ...] = ()
-    labels: tuple[Label, ...] = ()
+    size: Point
+    """Width and height."""
+    paths: Sequence[Path] = ()
+    dots: Sequence[Dot] = ()
+    labels: Sequence[Label] = ()
     kind: str = "plot"
 
+    @property
+    def width(self) -> str:
+        """Width as it is printed."""
+        return px(self.size[0])
 
-def drawing(
-    title: str,
-    size: tuple[float, float],
-    paths: Iterable[Path] = (),
-    dots: Iterable[Dot] = (),
-    labels: Iterable[Label] = (),
-    kind: str = "plot",
-) -> Drawing:
-    """Return a drawing of some width and height."""
-    return Drawing(title, px(size[0]), px(size[1]), tuple(paths), tuple(dots), tuple(labels), kind)
+    @property
+    def height(self) -> str:
+        """Height as it is printed."""
+        return px(self.size[1])
 
 
 def px(value: float) -> str:

@@ -1,0 +1,37 @@
+"""Quantities: one record for each thing that is measured, with its only name, label and unit."""
+
+from collections.abc import Mapping
+
+from mimoc.kinds import Kinds
+from mimoc.quantities.child import AGE, CHILD
+from mimoc.quantities.contact import CONTACTS_SELF
+from mimoc.quantities.motion import FELL_AFTER, HAND_ERROR, HEAD_HEIGHT, HEAD_LOWEST, HIP_PATH, JOINT_SPEED
+from mimoc.quantities.outcome import CURVE, EPISODES, RETURN, SUCCESS, TIME_TO_SUCCESS
+from mimoc.quantities.quantity import Quantity
+from mimoc.quantities.stability import BEYOND_LIMITS, ENERGY, STABLE, UNSTABLE
+
+__all__ = ["QUANTITIES", "Quantity", "measured_in", "measures", "quantity_of"]
+
+_OWN = (
+    *(*CHILD, STABLE, ENERGY, BEYOND_LIMITS),
+    *(RETURN, SUCCESS, TIME_TO_SUCCESS, EPISODES, CONTACTS_SELF),
+    *(HIP_PATH, HEAD_HEIGHT, HEAD_LOWEST, JOINT_SPEED, UNSTABLE),
+    *(HAND_ERROR, FELL_AFTER, AGE, *CURVE),
+)
+"""In the order in which tables show them."""
+QUANTITIES = Kinds[Quantity]("quantity", {quantity.name: quantity for quantity in _OWN})
+
+
+def measures() -> Mapping[str, Quantity]:
+    """Return the quantities that a cohort can measure, by name."""
+    return {name: quantity for name, quantity in QUANTITIES.items() if quantity.steps}
+
+
+def measured_in(step: str) -> list[Quantity]:
+    """Return the quantities that are measured somewhere, such as in the step `run` of a cohort."""
+    return [quantity for quantity in QUANTITIES.values() if step in quantity.steps]
+
+
+def quantity_of(name: str) -> Quantity:
+    """Return a quantity, or for the name of anything else one without unit that is called by this name's words."""
+    return QUANTITIES[name] if name in QUANTITIES else Quantity(name, (name[:1].upper() + name[1:]).replace("_", " "))

@@ -1,0 +1,22 @@
+"""How an infant moves."""
+
+from functools import partial
+
+from mimoc.quantities.quantity import Quantity
+
+_of_steps = partial(Quantity, term="mimoc.quantities.run_motion", steps=("run",))
+
+HIP_PATH = _of_steps("hip_path_m", "Path of the hip", "m", "length of the path of the hip", reduce="path")
+HEAD_HEIGHT = _of_steps("head_height_m", "Largest height of the head", "m", "of its centre above z = 0", reduce="max")
+HEAD_LOWEST = _of_steps("head_lowest_m", "Smallest height of the head", "m", "of its centre above z = 0", reduce="min")
+JOINT_SPEED = _of_steps("joint_speed_rad_s", "Joint speed", "rad/s", "mean absolute velocity over joints and steps")
+HAND_ERROR = Quantity(
+    "hand_error_m", "Distance from hand to target after 1.5 s, median", "m", "of the policies that reach", steps=()
+)
+FELL_AFTER = Quantity(
+    "fell_after_s",
+    "Too weak or too unsteady to sit unsupported: fell over after",
+    "s",
+    "of the policies that keep sitting",
+    steps=(),
+)

@@ -1,0 +1,56 @@
+"""The record of a quantity: its name, label and unit, and how it is measured."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from mimoc.kinds import Code
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Something that is measured, or that an axis or a column shows: its only label and unit."""
+
+    name: str
+    """Name in tables, files and Python, which ends with the unit, such as `joint_speed_rad_s`."""
+    label: str
+    """What people read, such as `Joint speed`."""
+    unit: str = ""
+    """Unit as people write it, such as `rad/s`; empty for none."""
+    about: str = ""
+    """What it is, in a sentence."""
+    over: Literal["child", "pose", "step", "episode"] = "step"
+    """What has a value of its own: a child, each pose of a check, each control step, or each completed episode."""
+    reduce: Literal["mean", "min", "max", "path", "all", "any", "count"] = "mean"
+    """From these values to one of a run: `path` is the length of the way through points, `count` how many there are."""
+    term: Code | None = None
+    """`bind(model, manifest) -> Term`: what measures a control step of one infant, of many, and on a device; or the
+    module that defines this function by the quantity's name."""
+    read: Code | None = None
+    """`bind(env) -> Callable[[], float]`: the same for what no term can say; of one infant, on the CPU."""
+    field: str = ""
+    """Without either: the attribute or key, by default its name, that holds its value in the child's entry of a
+    manifest, in the check of a pose, in the `info` of a control step, or in an `Outcome` of an episode."""
+    curve: str = ""
+    """Its column in a learning curve."""
+    steps: tuple[str, ...] = ("run", "record")
+    """Where it is measured: by `build`, `check`, `run`, `train` and so on of a cohort, of which `run` is also
+    `mimoc run`; `record` is each control step of a recording, where points have no column."""
+    limits: tuple[float | None, float | None] = (None, None)
+    """Least and largest possible value, where an axis begins and ends; None for no limit."""
+    source: str | None = None
+    """Publication that defines it."""
+
+    @property
+    def key(self) -> str:
+        """The attribute or key that holds its value."""
+        return self.field or self.name
+
+    @property
+    def title(self) -> str:
+        """Label with unit: `Joint speed [rad/s]`."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    @property
+    def heading(self) -> str:
+        """The same within a sentence or above a column: `joint speed [rad/s]`."""
+        return self.title[:1].lower() + self.title[1:]
