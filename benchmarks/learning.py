@@ -15,9 +15,9 @@ from statistics import fmean, median
 
 import mimoc
 from mimoc.cli.console import progress
-from mimoc.experiments.notebook import markdown_table, open_notebook
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.learning import learning_sheet
+from mimoc.studies.experiments.notebook import markdown_table, open_notebook
 from mimoc.training import Curve, Episode
 
 CONFIG = "configs/reach.yaml"

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from mimoc.control import Align, Gains, InverseDynamics, LookAt, Posture, Reach
     from mimoc.environments import make
     from mimoc.errors import MimocError
-    from mimoc.experiments import run_experiment
-    from mimoc.milestones import validate_milestones
     from mimoc.plugins import register
     from mimoc.recording import record
     from mimoc.recording.export import export_recording
@@ -34,6 +32,8 @@ if TYPE_CHECKING:
     from mimoc.runtime.growth_schedule import growth_schedule
     from mimoc.runtime.limits import torque_limits
     from mimoc.schema.infant import InfantSpec
+    from mimoc.studies.experiments import run_experiment
+    from mimoc.studies.milestones import validate_milestones
     from mimoc.tasks.task import Task, Verdict
     from mimoc.training import evaluate, load_policy, train
     from mimoc.vector_environments import make_vec, sb3_vec_env
@@ -71,11 +71,11 @@ _HOMES = {
     "register": "mimoc.plugins",
     "replay_recording": "mimoc.recordings",
     "report": "mimoc.reporting",
-    "run_experiment": "mimoc.experiments",
+    "run_experiment": "mimoc.studies.experiments",
     "sb3_vec_env": "mimoc.vector_environments",
     "torque_limits": "mimoc.runtime.limits",
     "train": "mimoc.training",
-    "validate_milestones": "mimoc.milestones",
+    "validate_milestones": "mimoc.studies.milestones",
     "view": "mimoc.viewer.viewing",
     "write_bundle": "mimoc.bundle.io",
 }

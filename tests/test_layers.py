@@ -88,7 +88,6 @@ LAYERS = {
     "looks": layer("looks", f"{BASE} body mjcf", "PIL"),
     "build": layer("", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh coacd fast_simplification platformdirs"),
     "compiler": layer("compiler", BUILDING, "mujoco"),
-    "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
     "plots": layer("render.plots", f"{BASE} quantities schema fits body", "matplotlib"),
     "terms": layer(
@@ -113,13 +112,16 @@ LAYERS = {
     "rollout": layer("runtime.rollout", f"{RUNNING} policies", "mujoco"),
     "recording": layer("recording", f"{RUNNING} rollout", "gymnasium av PIL mujoco pyarrow minari"),
     "training": layer(
-        "training experiments importers",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording",
+        "training importers",
+        f"{BUILDING} compiler {RUNNING} plots rollout policies recording",
         "gymnasium mujoco stable_baselines3 torch tensorboard",
+    ),
+    "studies": layer(
+        "studies", f"{BUILDING} compiler {RUNNING} plots rollout policies recording training", "gymnasium mujoco"
     ),
     "cohorts": layer(
         "cohorts",
-        f"{BUILDING} compiler {RUNNING} rollout policies training",
+        f"{BUILDING} compiler {RUNNING} rollout policies training studies",
         "pyarrow submitit ray",
     ),
     "reporting": layer(
@@ -133,20 +135,15 @@ LAYERS = {
         f"{BUILDING} compiler {RUNNING} rollout policies recording opening plots",
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
-    "studies": layer(
-        "studies",
-        f"{BUILDING} compiler {RUNNING} plots rollout policies recording training cohorts reporting opening viewer",
-        "gymnasium mujoco",
-    ),
     "mimoc": layer(
         "__init__ plugin vector_environments registration notebook",
-        f"signals {BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening "
+        f"signals {BUILDING} compiler {RUNNING} device rollout recording training cohorts reporting opening "
         "viewer studies",
         "gymnasium",
     ),
     "cli": layer(
         "cli __main__",
-        f"{BUILDING} compiler milestones {RUNNING} plots rollout policies recording training cohorts reporting "
+        f"{BUILDING} compiler {RUNNING} plots rollout policies recording training cohorts reporting "
         "opening viewer studies mimoc signals",
         "typer rich",
     ),

@@ -55,8 +55,8 @@ def experiment(
     ] = False,
 ) -> None:
     """Reproduce an experiment of the paper: tables (CSV), figures (PNG), and a report that compares the results."""
-    from mimoc import experiments
     from mimoc.cli import console
+    from mimoc.studies import experiments
 
     with console.progress(name) as show, resumable():
         page = experiments.run_experiment(name, out, quick=quick, progress=show)

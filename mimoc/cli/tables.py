@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mimoc.cohorts.plan import Plan, StepPlan
     from mimoc.compiler.validation import GrowthReport, MeasurementReport, MeasurementRow, Row
     from mimoc.fits.who import Reference
-    from mimoc.milestones import Milestone, MilestoneReport
+    from mimoc.studies.milestones import Milestone, MilestoneReport
 
 POPULATIONS: Mapping[Reference, str] = {"male": "boys", "female": "girls", "mean": "boys and girls"}
 Column = Callable[["Row"], "str | Text"]

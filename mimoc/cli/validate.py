@@ -63,8 +63,8 @@ def _against_anthrokids(infant: InfantSpec | None, progress: Progress) -> Findin
 
 def _against_milestones(infant: InfantSpec | None, progress: Progress, *, delays: bool = False) -> Findings:
     from mimoc.cli.tables import print_milestones
-    from mimoc.milestones import Conditions, validate_milestones
     from mimoc.render.plots.milestones import rows_sheet
+    from mimoc.studies.milestones import Conditions, validate_milestones
 
     processes = os.cpu_count() or 1
     report = validate_milestones(infant, Conditions(delays=delays), processes=processes, progress=progress)

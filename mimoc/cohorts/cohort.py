@@ -302,7 +302,7 @@ def _check(step: StepSpec) -> None:
     if isinstance(step, RunStep) and not step.policy.endswith(".zip"):
         POLICIES.find(step.policy)
     elif isinstance(step, ExperimentStep):
-        from mimoc.experiments import EXPERIMENTS  # Takes time to import, in each process that does jobs.
+        from mimoc.studies.experiments import EXPERIMENTS  # Takes time to import, in each process that does jobs.
 
         if step.name not in EXPERIMENTS:
             raise UnknownNameError("known experiment", step.name, EXPERIMENTS)

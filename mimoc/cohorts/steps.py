@@ -64,7 +64,7 @@ def train(work: Work) -> Measures:
 
 def experiment(work: Work) -> Measures:
     """Run one of mimoc's experiments; its tables and its page are kept."""
-    from mimoc.experiments import run_experiment
+    from mimoc.studies.experiments import run_experiment
 
     run_experiment(work.job.options["name"], work.folder, quick=work.job.options["quick"])
     return {}

@@ -12,7 +12,7 @@ from support.full import FULL
 import mimoc
 from mimoc.cli import cohort, commands
 from mimoc.compiler.validation import who
-from mimoc.experiments import growth
+from mimoc.studies.experiments import growth
 from mimoc.training import hyperparameters
 from mimoc.training.hyperparameters import HYPERPARAMETERS
 

@@ -14,10 +14,10 @@ from mimoc.compiler.variants import SpecVariants
 from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
 from mimoc.fits.who import percentile
-from mimoc.milestones import validate_milestones
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.body import INDICATORS
 from mimoc.schema.source import parse
+from mimoc.studies.milestones import validate_milestones
 
 BY_CM = {"sex": "male", "length_cm": 66.0, "weight_kg": 7.2, "head_circumference_cm": 43.1}
 ATTEMPTED = "leg_lift"

@@ -1,0 +1,154 @@
+"""Acuity and foveation: one scene as seen at several ages (López et al. 2025, figure 3)."""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from mimoc.compiler import building
+from mimoc.looks.pictures import encode_palette_png
+from mimoc.quantities import Quantity
+from mimoc.quantities.child import AGE
+from mimoc.render.picture_grid import Picture, tile_pictures
+from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.schema.infant import InfantSpec
+from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at
+from mimoc.senses.vision.comparison import DEFAULT_FOVEATION, compare_ages
+from mimoc.senses.vision.preview import preview
+from mimoc.senses.vision.spec import VisionSpec
+from mimoc.studies.experiments.gratings import FOVY_DEG, Transfer, transfers
+from mimoc.studies.experiments.notebook import Notebook, markdown_table, page_texts
+
+PAPER_MONTHS: Sequence[float] = (1, 2, 4, 6, 12)
+PROFILE = VisionSpec().acuity_profile
+SEED = 4
+"""Seed of the room."""
+SIDE = "left"
+"""Side of the eye."""
+DOWN_DEG = 35.0
+"""Downward gaze, towards the toys."""
+SIZE_PX, QUICK_SIZE_PX = 176, 64
+"""Size of each view."""
+MIDDLE_TIMES = 4
+"""Magnification of the middle of the view in the last row."""
+COLOURS = 256
+"""Number of colours of the figure, which makes its file a third as large."""
+HALF_MONTHS: Sequence[float] = [half / 2 for half in range(49)]
+
+TEXTS = page_texts("acuity")
+
+
+def run(notebook: Notebook) -> Path:
+    """Render one scene as seen at several ages, measure gratings, and return the path of the report."""
+    measured, parts = [], len(PAPER_MONTHS) + 1
+    for done, age_months in enumerate(PAPER_MONTHS, start=1):
+        measured += transfers(age_months, acuity_at(age_months, PROFILE))
+        notebook.progress(done, parts)
+    size_px = QUICK_SIZE_PX if notebook.quick else SIZE_PX
+    notebook.write_picture("acuity.png", _sheet(size_px))
+    notebook.progress(parts, parts)
+    notebook.write_table("profiles.csv", ("age_months", *(f"{name}_cpd" for name in PROFILES)), _profile_rows())
+    notebook.write_table(
+        "gratings.csv",
+        ("age_months", "acuity_cpd", "frequency_cpd", "law", "measured"),
+        ((each.age_months, each.acuity_cpd, each.frequency_cpd, each.law, each.measured) for each in measured),
+    )
+    notebook.write_plots("csf.png", [_csf_plot(measured), _profile_plot()])
+    return notebook.write_page(
+        "Acuity and foveation",
+        _sections(measured, size_px),
+        seeds=f"The room is that of seed {SEED}.",
+        libraries=["matplotlib"],
+    )
+
+
+def _sheet(size_px: int) -> bytes:
+    """Return the PNG of one view, processed in several ways (rows) and at several ages (columns)."""
+    spec = {
+        "mimoc": 1,
+        "name": "onlooker",
+        "age_months": 10,
+        "scene": {"kind": "room", "pose": "sitting", "toys": {"count": [6, 6], "size_cm": [8, 14]}},
+    }
+    infant = building.builder(InfantSpec.model_validate(spec))(SEED, check=False)
+    whole, finer = (
+        compare_ages(VisionSpec(), SIDE, PAPER_MONTHS, times * size_px, foveation=DEFAULT_FOVEATION)
+        for times in (1, MIDDLE_TIMES)
+    )
+    pictures = preview(infant, whole.entries, down_deg=DOWN_DEG)
+    (acuity_row,) = (entries for name, entries in zip(finer.rows, finer.entries, strict=True) if name == "acuity")
+    (larger,) = preview(infant, [acuity_row], down_deg=DOWN_DEG)
+    middles = [_middle(picture, size_px) for picture in larger]
+    rows = (*whole.rows, f"acuity, middle {_middle_deg():.0f} degrees")
+    return encode_palette_png(tile_pictures([*pictures, middles], whole.columns, rows), COLOURS)
+
+
+def _middle(picture: Picture, size_px: int) -> Picture:
+    """Return the middle of a square image, shape (size, size, 3)."""
+    start = (len(picture) - size_px) // 2
+    return picture[start : start + size_px, start : start + size_px]
+
+
+def _middle_deg() -> float:
+    """Return the field of view of the middle, in [deg]."""
+    return 2 * math.degrees(math.atan(math.tan(math.radians(FOVY_DEG / 2)) / MIDDLE_TIMES))
+
+
+def _profile_rows() -> Iterator[tuple[float, ...]]:
+    for age_months in HALF_MONTHS:
+        yield age_months, *(acuity_at(age_months, profile) for profile in PROFILES)
+
+
+def _csf_plot(measured: Sequence[Transfer]) -> Plot:
+    lines, dots = [], []
+    for age_months in PAPER_MONTHS:
+        found = [each for each in measured if each.age_months == age_months]
+        acuity_cpd, label = found[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
+        lines.append(Line((0, acuity_cpd), (1, 0), label))
+        dots.append(Dots([each.frequency_cpd for each in found], [each.measured for each in found], label))
+    return Plot(
+        x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
+        y=Quantity("contrast", "Remaining contrast"),
+        lines=tuple(lines),
+        dots=tuple(dots),
+        title="Contrast sensitivity",
+    )
+
+
+def _profile_plot() -> Plot:
+    lines = (
+        Line(HALF_MONTHS, [acuity_at(age_months, profile) for age_months in HALF_MONTHS], profile)
+        for profile in PROFILES
+    )
+    return Plot(AGE, Quantity("acuity_cpd", "Acuity", "cycles/degree"), tuple(lines), title="Acuity by age")
+
+
+def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
+    about = TEXTS["about"].format(
+        seed=SEED,
+        side=SIDE,
+        ages=", ".join(f"{age_months:g}" for age_months in PAPER_MONTHS),
+        foveation=DEFAULT_FOVEATION,
+        magnification=DEFAULT_FOVEATION / math.log1p(DEFAULT_FOVEATION),
+        profile=PROFILE,
+    )
+    compared = TEXTS["compared"].format(
+        table=_acuity_table(),
+        count=len(measured),
+        error=max(abs(each.measured - each.law) for each in measured),
+        fovy=FOVY_DEG,
+        size=size_px,
+        shown=size_px / (2 * FOVY_DEG),
+        shown_middle=MIDDLE_TIMES * size_px / (2 * FOVY_DEG),
+    )
+    return about, compared
+
+
+def _acuity_table() -> str:
+    headings = ("months", *(f"`{profile}` [cycles/degree]" for profile in PROFILES))
+    return markdown_table(
+        headings,
+        (
+            [f"{age_months:g}", *(f"{acuity_at(age_months, profile):.2f}" for profile in PROFILES)]
+            for age_months in PAPER_MONTHS
+        ),
+    )

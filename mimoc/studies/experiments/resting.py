@@ -1,0 +1,91 @@
+"""What becomes of an infant without commands: lying on its back, its head without support, sitting."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import Development
+from mimoc.studies.milestones import Conditions, TrialInfant, compile_at
+from mimoc.studies.milestones.trials.sitting import seat
+
+LYING_S, FALLING_S = 6.0, 3.0
+ON_THE_BACK_DEG, LEANING_BACK_DEG, UPRIGHT_DEG = -90.0, -45.0, 0.0
+BENT_DEG = {"{side}_hip1": -50.0, "{side}_hip2": -25.0, "{side}_knee": -70.0, "{side}_elbow": -60.0}
+"""The posture in which an infant is laid down, its arms away from its body: that of mimoc's pose `supine`."""
+ARMS_DEG = 60.0
+ABOVE_M = 1.0
+"""Height at which a trunk is held, so that nothing touches the floor."""
+LEANS = (0.15, 0.25, 0.35, 0.45)
+"""Where the weight of a sitting infant stands at first: 0 over the seat, 1 over the heels."""
+SITTING_KNEE_DEG = -20.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """Where an infant without commands comes to rest."""
+
+    development: Development
+    age_months: float
+    hip_deg: float
+    """Lying on its back; below 0 is bent, as for knee and elbow."""
+    knee_deg: float
+    elbow_deg: float
+    head_upright_deg: float
+    """Angle of the head with the trunk held upright; above 0, the chin has fallen to the chest."""
+    head_back_deg: float
+    """The same with the trunk leaning back by 45 degrees; below 0, the head has fallen back."""
+    slumps_deg: Sequence[float]
+    """Tilt of the chest after sitting, for each of `LEANS`; above 0 forward, about 90 is lying."""
+
+
+def rest(development: Development, age_months: float) -> Rest:
+    """Return where the average child of an age comes to rest."""
+    spec = InfantSpec(mimoc=1, name="average_child", age_months=age_months, development=development)
+    infant = compile_at(spec, age_months, Conditions())
+    lying = _lying(infant)
+    return Rest(
+        development,
+        age_months,
+        hip_deg=_angle_deg(infant, lying, "left_hip1"),
+        knee_deg=_angle_deg(infant, lying, "left_knee"),
+        elbow_deg=_angle_deg(infant, lying, "left_elbow"),
+        head_upright_deg=_head_deg(infant, UPRIGHT_DEG),
+        head_back_deg=_head_deg(infant, LEANING_BACK_DEG),
+        slumps_deg=[_slump_deg(infant, lean) for lean in LEANS],
+    )
+
+
+def _lying(infant: TrialInfant) -> mujoco.MjData:
+    data = mujoco.MjData(infant.model)
+    infant.place(data, ON_THE_BACK_DEG, {**BENT_DEG, "{side}_shoulder_ad_ab": ARMS_DEG})
+    return _after(infant, data, LYING_S)
+
+
+def _head_deg(infant: TrialInfant, pitch_deg: float) -> float:
+    """Return the angle of a head without support, the trunk held at some pitch."""
+    held = infant.fixed(infant.trunk_dofs())
+    data = mujoco.MjData(held.model)
+    held.place(data, pitch_deg, {}, above_m=ABOVE_M)
+    return _angle_deg(held, _after(held, data, FALLING_S), "head_tilt")
+
+
+def _slump_deg(infant: TrialInfant, lean: float) -> float:
+    """Return the tilt of the chest of a slack infant that sat with its weight over some point."""
+    data = _after(infant, seat(infant, SITTING_KNEE_DEG, lean), FALLING_S)
+    forward, _, up = data.xmat[infant.pushed].reshape(3, 3)[:, 2]
+    return float(np.degrees(np.arctan2(forward, up)))
+
+
+def _after(infant: TrialInfant, data: mujoco.MjData, seconds: float) -> mujoco.MjData:
+    """Let time pass without commands."""
+    for _ in range(round(seconds / infant.model.opt.timestep)):
+        mujoco.mj_step(infant.model, data)
+    return data
+
+
+def _angle_deg(infant: TrialInfant, data: mujoco.MjData, joint: str) -> float:
+    address = infant.model.joint(f"robot:{joint}").qposadr[0]
+    return float(np.degrees(data.qpos[address]))

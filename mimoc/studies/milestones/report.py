@@ -1,0 +1,143 @@
+"""Milestones of an infant beside those of real infants."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from mimoc.compiler.aged import errors_at, quickly_aged
+from mimoc.compiler.availability import refuse_unavailable
+from mimoc.compiler.child import child_of
+from mimoc.render.plots.milestones import AgeRow
+from mimoc.rounding import rounded
+from mimoc.schema.infant import InfantSpec, validated
+from mimoc.studies.milestones.infant import Conditions
+from mimoc.studies.milestones.search import Progress, SearchResult, age_grid, search
+from mimoc.studies.milestones.trial import Trial
+from mimoc.studies.milestones.trials import FURTHER, TRIALS
+from mimoc.studies.milestones.windows import WINDOWS, AgeRange
+
+Verdict = Literal["inside", "too early", "too late", "not reached", "no verdict"]
+
+
+@dataclass(frozen=True)
+class Milestone:
+    """What was found for one trial."""
+
+    trial: Trial
+    result: SearchResult
+    window: AgeRange | None
+    """When real infants reach it, if that is known."""
+    judged: bool
+    """Whether it is compared with real infants, or only reported."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """How the infant compares with real ones."""
+        age = self.result.youngest_months
+        if not self.judged or self.window is None:
+            return "no verdict"
+        if age is None:
+            return "not reached"
+        if self.window.contains(age):
+            return "inside"
+        return "too early" if age < self.window.youngest_months else "too late"
+
+    def to_data(self) -> dict[str, Any]:
+        """Return everything as plain data."""
+        return {
+            "name": self.trial.name,
+            "title": self.trial.title,
+            "youngest_months": self.result.youngest_months,
+            "at_birth": self.result.at_birth,
+            "verdict": self.verdict,
+            "window": asdict(self.window) if self.window else None,
+            "tried": [{"age_months": age, **asdict(outcome)} for age, outcome in self.result.outcomes.items()],
+        }
+
+
+@dataclass(frozen=True)
+class MilestoneReport:
+    """The milestones of an infant."""
+
+    development: str
+    """The law that it follows."""
+    actuation: str
+    """Its actuation model."""
+    conditions: Conditions
+    milestones: Sequence[Milestone]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every milestone that is judged is inside its window."""
+        return all(milestone.verdict in ("inside", "no verdict") for milestone in self.milestones)
+
+    @property
+    def rows(self) -> list[AgeRow]:
+        """The milestones as they are plotted."""
+        return [
+            AgeRow(
+                item.trial.title,
+                {"mimoc, from this age on": item.result.youngest_months},
+                (item.window.youngest_months, item.window.median_months, item.window.oldest_months)
+                if item.window
+                else (),
+            )
+            for item in self.milestones
+        ]
+
+    def to_data(self) -> dict[str, Any]:
+        """Return the report as plain data, numbers rounded as in files."""
+        return rounded(
+            {
+                "development": self.development,
+                "actuation": self.actuation,
+                "conditions": asdict(self.conditions),
+                "passed": self.passed,
+                "milestones": [milestone.to_data() for milestone in self.milestones],
+            }
+        )
+
+
+def validate_milestones(
+    spec: InfantSpec | None = None,
+    conditions: Conditions | None = None,
+    *,
+    names: Sequence[str] = tuple(TRIALS),
+    ages: Sequence[float] | None = None,
+    processes: int = 1,
+    progress: Progress | None = None,
+) -> MilestoneReport:
+    """Return at what age an infant reaches each motor milestone, beside real infants.
+
+    Args:
+        spec: The infant, grown to each age; None means the average child. Its own age, scene and task are not used.
+        conditions: Under which conditions it tries; None means the usual ones.
+        names: The trials, of `TRIALS`.
+        ages: Ages to try, in months; None means every half month from birth to two years.
+        processes: Number of processes. With more than one, a script must guard its main part by
+            `if __name__ == "__main__"`.
+        progress: Called with the number of ages done with and their total.
+
+    Raises:
+        SpecError: If the spec asks for what this version cannot build, or for a child that there is not at some age.
+
+    Example:
+        >>> import mimoc
+        >>> report = mimoc.validate_milestones(names=["no_head_lag"], ages=[0, 18])
+        >>> [tried["success"] for tried in report.to_data()["milestones"][0]["tried"]]
+        [False, True]
+    """
+    infant = validated(spec) if spec else InfantSpec(mimoc=1, name="average_child", age_months=0)
+    refuse_unavailable(infant)
+    for age_months in ages or age_grid():  # Before minutes of trials.
+        with errors_at(infant, age_months):
+            child_of(quickly_aged(infant, age_months))
+    usual = conditions or Conditions()
+    results = search(infant, usual, names, ages or age_grid(), processes, progress)
+    further = {trial.name for trial in FURTHER}
+    return MilestoneReport(
+        infant.development,
+        infant.actuation.model,
+        usual,
+        [Milestone(TRIALS[name], results[name], WINDOWS.get(name), name not in further) for name in names],
+    )

@@ -1,0 +1,96 @@
+"""Keeping on hands and knees, and rocking there."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+import mujoco
+import numpy as np
+
+from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant
+from mimoc.studies.milestones.trial import Attempt, Trial, steady
+
+HELD_S = 10.0
+SUPPORTS = ("left_hand", "right_hand", "left_upper_leg", "right_upper_leg")
+"""Parts that may touch the floor, with all that hangs on them; thighs, because they end in the knees."""
+ELBOWS_DEG = (-30.0, -40.0)
+"""Elbows of the postures that are tried: bent, so that muscles carry the infant. Stretched, its weight would lock them
+against the ends of their range, and arms would need hardly any strength."""
+THIGHS_DEG = (0.0, 20.0)
+"""Forward slants of the thighs that are tried."""
+ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
+BISECTIONS = 12
+
+
+def _still(infant: TrialInfant) -> Iterator[Attempt]:
+    yield from _attempts(infant, lambda start: steady(start))
+
+
+def _rocking(infant: TrialInfant) -> Iterator[Attempt]:
+    """Yield attempts to swing forward and back over the hands, by hips and shoulders against each other."""
+    names = infant.joint_names
+    sway = np.zeros(len(names))
+    for side in SIDES:
+        if f"{side}_hip1" in names and f"{side}_shoulder_ad_ab" in names:
+            sway[names.index(f"{side}_hip1")] = sway[names.index(f"{side}_shoulder_ad_ab")] = np.radians(ROCKING_DEG)
+
+    def rock(start: FloatArray) -> Callable[[mujoco.MjData, float], FloatArray]:
+        return lambda data, time_s: start + np.sin(2 * np.pi * ROCKING_HZ * time_s) * sway
+
+    yield from _attempts(infant, rock)
+
+
+def _attempts(
+    infant: TrialInfant, target: Callable[[FloatArray], Callable[[mujoco.MjData, float], FloatArray]]
+) -> Iterator[Attempt]:
+    if not infant.has(*SUPPORTS):
+        return
+    forbidden = infant.parts_without(SUPPORTS)
+    for elbow_deg in ELBOWS_DEG:
+        for thigh_deg in THIGHS_DEG:
+            data = kneel(infant, elbow_deg, thigh_deg)
+
+            def check(data: mujoco.MjData) -> str:
+                part = infant.touching(data, forbidden)
+                return f"{part} touches the floor" if part else ""
+
+            yield Attempt(
+                infant,
+                data.qpos.copy(),
+                target(data.qpos[infant.angles]),
+                HELD_S,
+                check,
+                strategy=f"elbows {elbow_deg:g}°, thighs slanted by {thigh_deg:g}°",
+            )
+
+
+def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjData:
+    """Return an infant on hands and knees, its shanks flat on the floor and its arms upright.
+
+    The pitch of the trunk that brings hands and knees to the floor together is found by bisection.
+    """
+    data = mujoco.MjData(infant.model)
+    low, high = 50.0, 110.0
+    for _ in range(BISECTIONS):
+        pitch_deg = (low + high) / 2
+        infant.place(data, pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg))
+        if infant.lowest_m(data, "left_hand") > infant.lowest_m(data, "left_lower_leg"):
+            low = pitch_deg
+        else:
+            high = pitch_deg
+    return data
+
+
+def _kneeling_angles(pitch_deg: float, elbow_deg: float, thigh_deg: float) -> Mapping[str, float]:
+    return {
+        "{side}_hip1": -pitch_deg - thigh_deg,
+        "{side}_knee": -90.0 - thigh_deg,
+        "{side}_foot1": -55.0,
+        "{side}_shoulder_horizontal": 80.0,
+        "{side}_shoulder_ad_ab": pitch_deg,
+        "{side}_elbow": elbow_deg,
+        "{side}_hand2": 80.0,
+        "head_tilt": -30.0,
+    }
+
+
+HANDS_AND_KNEES = Trial("hands_and_knees", "keeps on hands and knees for 10 s", _still)
+ROCKING = Trial("rocking", "rocks on hands and knees for 10 s", _rocking)

@@ -1,0 +1,101 @@
+"""Lifting the head: lying on the belly, being pulled to sit, lying on the back."""
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+
+from mimoc.studies.milestones.infant import TrialInfant, elevation_deg
+from mimoc.studies.milestones.trial import Attempt, Trial, steady
+from mimoc.units import deg_to_rad
+
+PRONE_S = 3.0
+PRONE_UP_DEG = 45.0
+"""How far the face has to be turned up from straight down: "head up 45 degrees" of Denver II."""
+RAISED_S = 3.0
+MOST_LAG_DEG = 20.0
+"""How far the head may stay behind the trunk while it is raised."""
+SUPINE_S, SUPINE_HELD_S = 3.0, 1.0
+SUPINE_RAISED_DEG = 45.0
+"""How far the face has to be turned forward from straight up."""
+BISECTIONS = 12
+
+
+def _prone(infant: TrialInfant) -> Iterator[Attempt]:
+    """Yield attempts to keep a head up that somebody else lifted: with arms at the sides, then on the forearms."""
+    head = infant.model.body("head").id
+
+    def check(data: mujoco.MjData) -> str:
+        if infant.touching(data, frozenset({head})):
+            return "head touches the floor"
+        return "" if elevation_deg(data, head) >= PRONE_UP_DEG - 90.0 else "head too low"
+
+    flat = mujoco.MjData(infant.model)
+    infant.place(flat, 90.0, {"{side}_foot1": -50.0, "head_tilt": -65.0})
+    postures = {"arms at the sides": flat}
+    if infant.has("left_lower_arm", "left_upper_leg"):
+        postures["on the forearms"] = _on_forearms(infant)
+    for arms, data in postures.items():
+        yield Attempt(infant, data.qpos.copy(), steady(data.qpos[infant.angles]), PRONE_S, check, strategy=arms)
+
+
+def _on_forearms(infant: TrialInfant) -> mujoco.MjData:
+    """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
+    data = mujoco.MjData(infant.model)
+    low, high = 30.0, 95.0
+    for _ in range(BISECTIONS):
+        pitch_deg = (low + high) / 2
+        infant.place(data, pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG})
+        if infant.lowest_m(data, "left_lower_arm") > infant.lowest_m(data, "left_upper_leg"):
+            low = pitch_deg
+        else:
+            high = pitch_deg
+    return data
+
+
+FOREARMS_DEG = {
+    "{side}_knee": -10.0,
+    "{side}_foot1": -50.0,
+    "{side}_shoulder_horizontal": 80.0,
+    "{side}_shoulder_ad_ab": 60.0,
+    "{side}_elbow": -120.0,
+    "head_tilt": -60.0,
+}
+
+
+def _raised(infant: TrialInfant) -> Iterator[Attempt]:
+    held = infant.fixed(infant.trunk_dofs())
+    tilt = int(infant.model.joint("robot:head_tilt").qposadr[0])
+    data = mujoco.MjData(infant.model)
+    infant.place(data, -90.0, {"{side}_hip1": -40.0, "{side}_knee": -40.0})
+    lying = data.qpos.copy()
+
+    def raise_trunk(data: mujoco.MjData, time_s: float) -> None:
+        """Turn the trunk about the hip, from lying to upright, at an even rate."""
+        rate_rad_s = deg_to_rad(90.0) / RAISED_S
+        half = (deg_to_rad(-90.0) + rate_rad_s * time_s) / 2
+        data.qpos[:7] = (*lying[:3], np.cos(half), 0.0, np.sin(half), 0.0)
+        data.qvel[:6] = (0.0, 0.0, 0.0, 0.0, rate_rad_s, 0.0)
+
+    def check(data: mujoco.MjData) -> str:
+        lag_deg = -float(np.degrees(data.qpos[tilt]))
+        return f"head lags by {lag_deg:.0f}°" if lag_deg > MOST_LAG_DEG else ""
+
+    yield Attempt(held, lying, steady(infant.turned(data, {"head_tilt": 10.0})), RAISED_S, check, apparatus=raise_trunk)
+
+
+def _supine(infant: TrialInfant) -> Iterator[Attempt]:
+    head = infant.model.body("head").id
+    data = mujoco.MjData(infant.model)
+    infant.place(data, -90.0, {"{side}_hip1": -50.0, "{side}_knee": -70.0})
+
+    def check(data: mujoco.MjData) -> str:
+        return "" if elevation_deg(data, head) <= 90.0 - SUPINE_RAISED_DEG else "head too low"
+
+    target = steady(infant.turned(data, {"head_tilt": 60.0}))
+    yield Attempt(infant, data.qpos.copy(), target, SUPINE_S, check, checked_from_s=SUPINE_S - SUPINE_HELD_S)
+
+
+PRONE_HEAD = Trial("prone_head", "lying on its belly, keeps the head up by 45° for 3 s", _prone)
+HEAD_LAG = Trial("no_head_lag", "raised to sitting in 3 s, the head lags by less than 20°", _raised)
+SUPINE_HEAD = Trial("supine_head", "lying on its back, lifts the head to 45° for 1 s", _supine)

@@ -1,0 +1,199 @@
+"""What holds of every experiment; each is made small."""
+
+import re
+import sys
+from functools import partial
+from importlib import import_module
+
+import pytest
+from PIL import Image
+from support.full import full_but
+
+import mimoc
+from mimoc.bundle.model import load_model
+from mimoc.errors import MissingExtraError, OutputError, UnknownNameError
+from mimoc.studies.experiments import EXPERIMENTS, run_experiment
+from mimoc.studies.experiments.delays import reaching
+from mimoc.studies.experiments.effort import lying
+from mimoc.studies.experiments.inverse import sitting
+
+SHORT_ROUNDS = partial(mimoc.train, hyper={"n_steps": 64, "batch_size": 64})
+SMALL = {
+    "growth": {"QUICK_MONTHS": (0, 6, 18)},
+    "strength": {"PAPER_MONTHS": (3, 18)},
+    "acuity": {"PAPER_MONTHS": (1, 6), "QUICK_SIZE_PX": 32},
+    "delays": {
+        "train": SHORT_ROUNDS,
+        "QUICK_STEPS": 1024,
+        "QUICK_SEEDS": (1,),
+        "DELAYS_MS": (0, 50),
+        "EPISODES": 2,
+        "SHOWN": 1,
+        "MONTHS": (4, 9),
+        "QUICK_REACHES": 1,
+        "REACH_S": 0.3,
+    },
+    "inverse": {"QUICK_TRIALS": 1, "QUICK_SECONDS": 0.2},
+    "rooms": {"QUICK_SEEDS": range(2), "PICTURE_PX": (64, 48)},
+    "development": {
+        "QUICK_NAMES": ("no_head_lag",),
+        "QUICK_AGES": (0, 18),
+        "QUICK_MONTHS": (0, 18),
+        "QUICK_SITTING_MONTHS": (0,),
+        "VARIED_NAMES": ("no_head_lag",),
+    },
+    "growing": {
+        "train": partial(mimoc.train, hyper={"n_steps": 32, "batch_size": 64}),
+        "AGES_MONTHS": (6, 6.5),
+        "EPISODE_STEPS": 20,
+        "QUICK_STEPS": 512,
+        "QUICK_CHECKPOINT_EVERY": 256,
+        "QUICK_SEEDS": (1,),
+        "QUICK_BALLS": 2,
+        "QUICK_CHECK_BALLS": 1,
+    },
+}
+"""What makes an experiment small, by name."""
+
+
+QUICK = ("growth", "acuity", "inverse", "rooms")
+
+
+@pytest.fixture(scope="module", params=full_but(QUICK, list(EXPERIMENTS)))
+def made(request, tmp_path_factory):
+    """Return the name of an experiment, two folders with the results of one small run each, and its progress."""
+    name, told = request.param, []
+    folders = [tmp_path_factory.mktemp(name), tmp_path_factory.mktemp(name)]
+    with pytest.MonkeyPatch.context() as patch:
+        for constant, value in SMALL[name].items():
+            patch.setattr(import_module(EXPERIMENTS[name]), constant, value)
+        run_experiment(name, folders[0], quick=True, progress=lambda *done: told.append(done))
+        run_experiment(name, folders[1], quick=True)
+    return name, folders, told
+
+
+@pytest.mark.parametrize(
+    "infant", [lambda: lying(6)(0), lambda: reaching(50), sitting], ids=["effort", "delays", "inverse"]
+)
+def test_what_the_paper_shows_of_strength_and_control_is_shown_by_its_law(infant):
+    """Whose motors have no activation."""
+    bundle = infant()
+    assert "development: published" in bundle.files["resolved.yaml"].decode().splitlines()
+    assert load_model(bundle).na == 0
+
+
+def test_it_writes_tables_pictures_and_one_page(made):
+    name, (folder, _), _ = made
+    kinds = [path.suffix for path in folder.iterdir() if path.is_file()]
+    assert (folder / f"{name}.md").is_file()
+    assert set(kinds) == {".csv", ".png", ".md"}
+    assert kinds.count(".md") == 1
+
+
+def test_the_same_seeds_give_the_same_tables_to_the_byte(made):
+    _, folders, _ = made
+    one, other = ({path.name: path.read_bytes() for path in folder.glob("*.csv")} for folder in folders)
+    assert one == other
+
+
+def test_every_table_has_a_heading_with_units_and_a_value_in_each_column(made):
+    for path in made[1][0].glob("*.csv"):
+        heading, *rows = (line.split(",") for line in path.read_text().splitlines())
+        assert rows, path
+        assert {len(row) for row in rows} == {len(heading)}
+
+
+def test_every_picture_is_whole_and_small(made):
+    for path in made[1][0].glob("*.png"):
+        with Image.open(path) as picture:
+            picture.verify()
+        assert path.stat().st_size < 300_000
+
+
+def test_the_page_compares_in_a_table_and_names_the_paper(made):
+    page = (made[1][0] / f"{made[0]}.md").read_text()
+    assert "| --- |" in page
+    assert "paper" in page
+    assert f"mimoc experiment {made[0]} -o " in page
+    assert f"mimoc {mimoc.__version__}" in page
+
+
+def test_the_page_shows_every_picture_and_mentions_every_table(made):
+    name, (folder, _), _ = made
+    page = (folder / f"{name}.md").read_text()
+    assert set(re.findall(r"\]\((.*?)\)", page)) == {path.name for path in folder.glob("*.png")}
+    assert all(f"`{path.name}`" in page for path in folder.glob("*.csv"))
+
+
+def test_the_page_has_no_gaps_and_no_place_of_this_machine(made):
+    page = (made[1][0] / f"{made[0]}.md").read_text()
+    assert "{" not in page.replace("{model: muscle}", "")
+    assert str(made[1][0].parent) not in page
+
+
+def test_progress_counts_up_to_the_end(made):
+    told = made[2]
+    counts = [done for done, _ in told]
+    assert counts == sorted(counts)
+    assert {total for _, total in told} == {counts[-1]}
+
+
+# What is refused.
+
+
+def test_an_unknown_name_lists_those_there_are(tmp_path):
+    with pytest.raises(UnknownNameError, match="'strenght' is not a known experiment; did you mean 'strength'"):
+        run_experiment("strenght", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_matplotlib_is_told_before_anything_is_done(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(MissingExtraError, match=r"mimoc\[report\]"):
+        run_experiment("growth", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_in_the_way_is_refused(tmp_path):
+    (tmp_path / "out").write_text("mine")
+    with pytest.raises(OutputError, match="is a file"):
+        run_experiment("growth", tmp_path / "out")
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["walking", "-o", "out"],
+            f"'walking' is not a known experiment; choose from {', '.join(sorted(EXPERIMENTS))}",
+        ),
+        (["growth", "-o", "file"], "file: is a file, not a folder; choose another folder"),
+    ],
+)
+def test_the_command_says_in_one_line_what_is_wrong(arguments, message, invoke, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    assert invoke("experiment", *arguments) == (2, "", message + "\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_command_prints_where_the_page_is(invoke, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(import_module(EXPERIMENTS["growth"]), "QUICK_MONTHS", (6,))
+    assert invoke("experiment", "growth", "-o", "out/growth", "--quick") == (0, "out/growth/growth.md\n", "")
+
+
+def test_what_was_finished_outlives_an_interruption(tmp_path, monkeypatch):
+    """Every file is whole or not there; what an earlier run left stays until its successor is whole."""
+    strength = import_module(EXPERIMENTS["strength"])
+    (tmp_path / "strength.csv").write_text("earlier")
+
+    def interrupt(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(strength, "PAPER_MONTHS", (3,))
+    with pytest.raises(KeyboardInterrupt):
+        run_experiment("strength", tmp_path, quick=True, progress=interrupt)
+    assert [path.name for path in tmp_path.iterdir()] == ["strength.csv"]
+    assert (tmp_path / "strength.csv").read_text() == "earlier"

@@ -1,0 +1,152 @@
+"""What infants of a few ages can do; the whole table is the command's, and the experiment's."""
+
+from functools import lru_cache
+
+import mujoco
+import numpy as np
+import pytest
+
+from mimoc.schema.infant import InfantSpec
+from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions, compile_at, try_out
+from mimoc.studies.milestones.controller import Controller, servo
+from mimoc.studies.milestones.trials.sitting import seat
+
+USUAL = Conditions()
+CHILD = InfantSpec(mimoc=1, name="child", age_months=0)
+
+
+@lru_cache
+def infant(age_months, **changes):
+    return compile_at(CHILD.with_(**changes), age_months, USUAL)
+
+
+@pytest.mark.parametrize("name", [trial.name for trial in MILESTONES])
+def test_a_newborn_reaches_no_milestone(name):
+    assert not try_out(TRIALS[name], infant(0), USUAL).success
+
+
+@pytest.mark.parametrize(
+    ("name", "too_young", "old_enough"),
+    [("prone_head", 1.0, 2.5), ("arm_out", 2.5, 4.5), ("no_head_lag", 2.5, 5.5), ("half_squat", 2.0, 4.0)],
+)
+def test_early_milestones_come_within_a_month_of_real_infants(name, too_young, old_enough):
+    assert not try_out(TRIALS[name], infant(too_young), USUAL).success
+    assert try_out(TRIALS[name], infant(old_enough), USUAL).success
+
+
+@pytest.mark.parametrize(("name", "too_young", "old_enough"), [("sit", 4.0, 8.0), ("hands_and_knees", 4.5, 8.5)])
+def test_later_milestones_come_within_two_months_of_real_infants(name, too_young, old_enough):
+    assert not try_out(TRIALS[name], infant(too_young), USUAL).success
+    assert try_out(TRIALS[name], infant(old_enough), USUAL).success
+
+
+def test_standing_comes_before_the_end_of_who_window_and_not_before_its_start():
+    assert not try_out(TRIALS["stand"], infant(6.5), USUAL).success
+    assert try_out(TRIALS["stand"], infant(13), USUAL).success
+
+
+@pytest.mark.parametrize("name", ["arm_out", "hands_and_knees"])
+def test_arms_of_half_the_strength_delay_what_arms_carry(name):
+    """What an infant can do at 6 months, one with weak arms cannot, but at 12 months it can."""
+    weak = {"actuation": {"strength": {"arms": 0.5}}}
+    assert try_out(TRIALS[name], infant(6.0), USUAL).success
+    assert not try_out(TRIALS[name], compile_at(CHILD.with_(**weak), 6.0, USUAL), USUAL).success
+    assert try_out(TRIALS[name], compile_at(CHILD.with_(**weak), 12.0, USUAL), USUAL).success
+
+
+@pytest.mark.parametrize("name", ["half_squat", "no_head_lag"])
+def test_arms_of_half_the_strength_do_not_delay_what_legs_and_neck_do(name):
+    weak = CHILD.with_(actuation={"strength": {"arms": 0.5}})
+    assert try_out(TRIALS[name], compile_at(weak, 6.0, USUAL), USUAL).success
+
+
+def test_the_published_law_lets_a_newborn_do_what_it_cannot():
+    published = compile_at(CHILD.with_(development="published"), 0.0, USUAL)
+    assert all(try_out(TRIALS[name], published, USUAL).success for name in ("arm_out", "no_head_lag", "half_squat"))
+
+
+def test_a_trial_gives_the_same_outcome_each_time():
+    one, other = (try_out(TRIALS["sit"], compile_at(CHILD, 3.0, USUAL), USUAL) for _ in range(2))
+    assert one == other
+
+
+def test_an_infant_without_the_part_does_not_succeed():
+    armless = CHILD.with_(body={"remove": ["left_upper_arm", "right_upper_arm"]})
+    assert "lacks" in try_out(TRIALS["arm_out"], compile_at(armless, 12.0, USUAL), USUAL).reason
+
+
+@pytest.mark.parametrize("model", ["torque", "position", "muscle"])
+def test_wanted_torques_arrive_at_the_joints_in_every_actuation_model(model):
+    """An elbow keeps its angle while the infant falls freely."""
+    body = compile_at(CHILD.with_(actuation={"model": model}), 12.0, USUAL)
+    data = mujoco.MjData(body.model)
+    body.place(data, 0.0, {"{side}_elbow": -40.0}, above_m=1.0)
+    control = Controller(body, servo(body, data), body.model.opt.timestep)
+    target = data.qpos[body.angles].copy()
+    for _ in range(60):
+        data.ctrl[:] = control(data, target)
+        mujoco.mj_step(body.model, data)
+    elbow = body.joint_names.index("left_elbow")
+    assert abs(data.qpos[body.angles[elbow]] - target[elbow]) < np.radians(5)
+
+
+def test_every_milestone_has_a_window_of_real_infants():
+    assert all(trial.name in WINDOWS for trial in MILESTONES)
+    assert all(one.youngest_months <= one.median_months <= one.oldest_months for one in WINDOWS.values())
+
+
+def slack(age_months, pitch_deg, angles_deg, seconds, above_m=0.0):
+    """Return the state of an infant some time after it was left without commands."""
+    body = infant(age_months)
+    data = mujoco.MjData(body.model)
+    body.place(data, pitch_deg, angles_deg, above_m)
+    for _ in range(round(seconds / body.model.opt.timestep)):
+        mujoco.mj_step(body.model, data)
+    return body, data
+
+
+def test_a_newborn_at_rest_lies_flexed():
+    _, data = slack(0.0, -90.0, {"{side}_hip1": -60.0, "{side}_knee": -90.0, "{side}_elbow": -75.0}, 5.0)
+    hip, knee = (np.degrees(data.joint(f"robot:left_{name}").qpos[0]) for name in ("hip1", "knee"))
+    assert -80 < hip < -40
+    assert -110 < knee < -70
+
+
+@pytest.mark.parametrize("age_months", [0.0, 3.0, 9.0, 18.0, 24.0])
+def test_an_unsupported_head_falls(age_months):
+    """The trunk is held at 45 degrees, leaning back; the head has no muscles working."""
+    body = infant(age_months)
+    held = body.fixed(body.trunk_dofs())
+    data = mujoco.MjData(held.model)
+    held.place(data, -45.0, {}, above_m=0.2)
+    for _ in range(400):
+        mujoco.mj_step(held.model, data)
+    assert np.degrees(data.joint("robot:head_tilt").qpos[0]) < -30
+
+
+def slumped_forward_deg(body, data):
+    """Return the tilt of the chest, forward positive, 3 s after a slack infant was left in a state."""
+    for _ in range(round(3.0 / body.model.opt.timestep)):
+        mujoco.mj_step(body.model, data)
+    forward, _, up = data.xmat[body.pushed].reshape(3, 3)[:, 2]
+    return np.degrees(np.arctan2(forward, up))
+
+
+@pytest.mark.parametrize("age_months", [0.0, 6.0, 18.0, 24.0])
+def test_a_slack_sitter_with_its_weight_a_fifth_of_the_way_to_its_heels_slumps_forward(age_months):
+    body = infant(age_months)
+    assert slumped_forward_deg(body, seat(body, -25.0, 0.2)) > 45
+
+
+@pytest.mark.parametrize("age_months", [0.0, 3.0])
+def test_by_the_published_law_a_young_sitter_falls_back_from_there(age_months):
+    body = infant(age_months, development="published")
+    assert slumped_forward_deg(body, seat(body, -25.0, 0.2)) < -45
+
+
+@pytest.mark.parametrize("age_months", [0.0, 6.0, 18.0, 24.0])
+def test_from_the_pose_sitting_a_slack_infant_slumps_forward(age_months):
+    body = infant(age_months)
+    data = mujoco.MjData(body.model)
+    mujoco.mj_resetDataKeyframe(body.model, data, body.model.key("sitting").id)
+    assert slumped_forward_deg(body, data) > 45
