@@ -303,7 +303,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
 @pytest.mark.parametrize(
     ("module", "source", "reason"),
     [
-        ("mimoc.runtime.env", "from mimoc.body import grow", "runtime may not import body"),
+        ("mimoc.runtime.env", "from mimoc.body import grow_tree", "runtime may not import body"),
         ("mimoc.runtime.env", "import mimoc.fits.tables", "runtime may not import fits"),
         ("mimoc.runtime.env", "from mimoc import compiler", "runtime may not import compiler"),
         ("mimoc.senses.touch.run", "from ...body import tree", "run may not import body"),
@@ -316,13 +316,13 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.render.portrait", "from mimoc.runtime.env import InfantEnv", "drawing may not import runtime"),
         ("mimoc.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
         ("mimoc.scenes.crib.build", "def f():\n    from mimoc import compiler", "build may not import compiler"),
-        ("mimoc.runtime.env", "CODE = 'mimoc.body.growth'", "runtime may not import body"),
+        ("mimoc.runtime.env", "CODE = 'mimoc.body.grow'", "runtime may not import body"),
         ("mimoc.bundle.io", "import_module('mimoc.notebook')", "bundle may not import mimoc"),
         ("mimoc.fits.tables", "import_module('yaml')", "yaml belongs to language"),
         ("mimoc.fits.tables", "import_module(f'yaml.{name}')", "yaml belongs to language"),
         ("mimoc.senses.touch", "KIND = SenseKind(build='mimoc.senses.vision.build')", "spec may not import build"),
         (
-            "mimoc.body.child",
+            "mimoc.body.masses",
             "if TYPE_CHECKING:\n    from mimoc.mjcf.tree import SceneTree",
             "body may not import mjcf",
         ),
@@ -333,9 +333,9 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.fits.tables", "import yaml", "yaml belongs to language"),
         ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, composition, spec, schema, bundle"),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
-        ("mimoc.body.growth", "import numpy, torch", "torch belongs to training"),
+        ("mimoc.body.grow", "import numpy, torch", "torch belongs to training"),
         ("mimoc.stray", "import math", "the module is in no layer"),
-        ("mimoc.body.growth", "from mimoc import stray", "body may not import mimoc"),
+        ("mimoc.body.grow", "from mimoc import stray", "body may not import mimoc"),
     ],
 )
 def test_a_module_that_breaks_the_table_is_found(module, source, reason):

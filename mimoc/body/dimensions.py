@@ -32,3 +32,15 @@ class Dimensions:
             {**self.shapes, **other.shapes},
             {**self.anchors, **other.anchors},
         )
+
+
+def mirror(vector: Vec3, left: bool) -> Vec3:
+    """Return a position, mirrored in y for the left side."""
+    x, y, z = vector
+    return (x, -y, z) if left else vector
+
+
+def mirror_turn(vector: Vec3, left: bool) -> Vec3:
+    """Return an axis or Euler angles, mirrored in y: rotations about x and z change sign, about y they do not."""
+    x, y, z = vector
+    return (-x, y, -z) if left else vector

@@ -6,6 +6,8 @@ from typing import Literal
 from mimoc.geometry.rotations import Vec3
 
 GeomType = Literal["sphere", "capsule", "cylinder", "ellipsoid", "box"]
+Development = Literal["maturing", "published"]
+"""The laws of everything that changes with age besides size."""
 Region = Literal["trunk", "head", "limb"]
 """Bodies that limbs hang on, the head, and all others, which an infant may lack."""
 
@@ -57,6 +59,8 @@ class GeomFigures:
     """The measurements that only its place comes from."""
     material: str = "skin"
     """Name of its material (`mimoc.looks.appearance`)."""
+    mass_at_m: tuple[float, ...] = ()
+    """The size at which it has this mass, where that is not its size in the average child of 18 months."""
 
 
 @dataclass(frozen=True, slots=True)

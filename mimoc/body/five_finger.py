@@ -25,6 +25,31 @@ from mimoc.geometry.rotations import Vec3
 
 Figures = tuple[float, ...]
 
+_SIZES_M: Mapping[str, Figures] = {
+    "{side}_hand1": (0.01712, 0.00584, 0.02532),
+    "{side}_hand2": (0.00588, 0.00584, 0.01292),
+    "{side}_hand3": (0.00584, 0.0171),
+    "{side}_hand4": (0.00584, 0.02298),
+    "{side}_ffknuckle1": (0.00549, 0.00992),
+    "{side}_ffmiddle1": (0.0052, 0.00501),
+    "{side}_ffdistal1": (0.005, 0.00464),
+    "{side}_mfknuckle1": (0.00579, 0.011),
+    "{side}_mfmiddle1": (0.0054, 0.00562),
+    "{side}_mfdistal1": (0.0052, 0.00538),
+    "{side}_rfknuckle1": (0.00549, 0.00978),
+    "{side}_rfmiddle1": (0.0052, 0.00489),
+    "{side}_rfdistal1": (0.005, 0.00479),
+    "{side}_lfmetacarpal1": (0.00508, 0.00584, 0.01292),
+    "{side}_lfmetacarpal2": (0.00584, 0.005),
+    "{side}_lfknuckle1": (0.00529, 0.00816),
+    "{side}_lfmiddle1": (0.005, 0.00455),
+    "{side}_lfdistal1": (0.0049, 0.00391),
+    "{side}_thbase1": (0.00736, 0.01027),
+    "{side}_thhub1": (0.00638, 0.00697),
+    "{side}_thdistal1": (0.00618, 0.00587),
+}
+"""Sizes of MIMo's five-finger hand, at which its parts have their masses."""
+
 _PALM = ("hand_breadth", "hand_length")
 _FINGER = ("hand_length", "middle_finger_diameter")
 _THUMB = ("hand_length", "thumb_diameter")
@@ -37,7 +62,7 @@ _GRIP_CONDIM = 6
 def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigures:
     euler_deg = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0)
     name = f"{{side}}_hand{number}"
-    return GeomFigures(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM)
+    return GeomFigures(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
 
 
 _FLEXORS = (-0.345, 1.0)
@@ -85,6 +110,7 @@ def _phalanx(
         follows,
         f"radius from {follows[1]} / 2, length a share of half of hand_length",
         condim=_GRIP_CONDIM,
+        mass_at_m=_SIZES_M[f"{{side}}_{name}1"],
     )
     place = ("where the palm ends", _PALM) if name.endswith("knuckle") else ("where the one before it ends", _PALM[1:])
     return Part(
@@ -137,6 +163,7 @@ _METACARPAL = Part(
             _PALM,
             "the outer quarter of the palm",
             condim=_GRIP_CONDIM,
+            mass_at_m=_SIZES_M["{side}_lfmetacarpal1"],
         ),
         GeomFigures(
             "{side}_lfmetacarpal2",
@@ -146,6 +173,7 @@ _METACARPAL = Part(
             "rounds the metacarpal off at the knuckle",
             ALONG_X,
             condim=_GRIP_CONDIM,
+            mass_at_m=_SIZES_M["{side}_lfmetacarpal2"],
         ),
     ),
     (replace(_hinge("lf_meta", (0.571, 0, 0.821), (0, 40), 0.01, 0.001), left_axis=(-0.571, 0, 0.821)),),
@@ -167,6 +195,7 @@ _THUMB_BASE = Part(
             _THUMB,
             "radius from thumb_diameter / 2, length a share of half of hand_length",
             condim=_GRIP_CONDIM,
+            mass_at_m=_SIZES_M["{side}_thbase1"],
         ),
     ),
     (

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mimoc.body.assembly import assemble
-from mimoc.body.growth import grow
+from mimoc.body.grow import grow_average
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measurements, measure
 from mimoc.units import m_to_cm
@@ -111,6 +111,6 @@ def legs_table(ages_months: Sequence[float] = (0, 3, 6, 12, 18, 24)) -> str:
 
 def _average(age_months: float) -> tuple[Measurements, dict[str, float], dict[str, float], float]:
     """Return measurements, masses of the segments by both laws, and the mass of the average child of an age."""
-    child, anatomy = measure(age_months), assemble("mitten", False)
-    own, published = grow(child, anatomy), grow(child, anatomy, development="published")
-    return child, segment_masses(own), segment_masses(published), own.mass_kg
+    own = grow_average(age_months, assemble("mitten", False))
+    published = grow_average(age_months, assemble("mitten", False, "published"))
+    return measure(age_months), segment_masses(own), segment_masses(published), own.mass_kg

@@ -1,37 +1,162 @@
-"""Strength that a spec asks for: factors by muscle group, and the strength of another age."""
+"""Strength: the torque of each motor by age and size, and what a spec asks for on top of it.
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+A motor's torque at full command is
+
+    T = T_18 v l r
+
+with MIMo's torque T_18 at 18 months, the volume v of the part that it moves and the standing height l, both relative to
+18 months, and the share r of its muscle group's strength that an infant of that age has. The load of its joint grows by
+v l, so r alone decides whether an infant can hold its own weight. By the published law, T = T_18 v.
+
+No dynamometry of infants exists. The curves were fitted to milestones (D): with them, compiled infants held up their
+heads, reached, sat and stood at the ages at which children do (WHO Multicentre Growth Reference Study Group 2006;
+Denver II, Frankenburg et al. 1992; Gerber, Wilks & Erdie-Lalena 2010). Those of hands are a guess (D).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import prod
 
-from mimoc.actuation.spec import ActuationSpec
+from mimoc.body import origins
+from mimoc.body.anatomy import TENDONS
 from mimoc.body.assembly import Anatomy
-from mimoc.body.growth import grow_average
-from mimoc.body.tree import BodyTree
+from mimoc.body.decay import Decay
+from mimoc.body.figures import MotorFigures
+from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
+from mimoc.body.reference import Reference
+from mimoc.body.shapes import Shapes
+from mimoc.body.tree import BodyTree, Growth, Motor
 from mimoc.schema.names import PAIRED_GROUPS
 
 STRENGTH_KEY = "spec.actuation.strength"
 AGE_KEY = "spec.actuation.strength_age_months"
 
 
-def scale_strength(tree: BodyTree, anatomy: Anatomy, spec: ActuationSpec) -> BodyTree:
-    """Return a body with the gears that a spec asks for.
+@dataclass(frozen=True, slots=True)
+class StrengthCurve:
+    """The relative strength of a group of muscles by age: r = 1 - (1 - newborn) decay(age)."""
+
+    newborn: float
+    """At birth."""
+    decay: Decay
+
+    def __call__(self, age_months: float) -> float:
+        """Return the strength relative to that at 18 months, beyond what size explains."""
+        return 1 - (1 - self.newborn) * self.decay(age_months)
+
+
+STRENGTH: Mapping[str, StrengthCurve] = {
+    "neck": StrengthCurve(0.15, Decay(7.0, 1.5)),
+    "neck_front": StrengthCurve(0.15, Decay(6.0, 1.7)),
+    "trunk": StrengthCurve(0.15, Decay(4.4, 1.8)),
+    "arm": StrengthCurve(0.12, Decay(13.0, 2.0)),
+    "hand": StrengthCurve(0.40, Decay(10.0, 1.5)),
+    "hip": StrengthCurve(0.30, Decay(11.0, 1.4)),
+    "knee": StrengthCurve(0.15, Decay(15.0, 2.0)),
+    "ankle": StrengthCurve(0.10, Decay(16.0, 2.2)),
+    "eyes": StrengthCurve(1.0, Decay(1.0, 1.0)),
+}
+"""By group of muscles that mature together (`Part.matures_with`); `neck` is its back and sides."""
+
+FORWARDS: Mapping[str, str] = {"act:head_tilt": "neck_front"}
+"""Motors whose torque towards positive angles comes from another group: the chin goes to the chest."""
+
+NECK = "neck"
+"""The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
+
+
+RelativeVolumes = Mapping[str, Mapping[str, float]]
+"""Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
+
+
+def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
+    """Return the volume v of each geom by the growth law of the paper, relative to 18 months."""
+    at_18 = reference.volumes_m3
+    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.published_m3[side].items()})
+
+
+def volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, float]:
+    """Return the volume v that each joint's strength follows, by joint.
+
+    A joint without a motor has that of the joint that a tendon couples it to, as the second vertebra's joints, or else
+    of the part that it moves.
+    """
+    by_joint = {figures.joint.format(side=side): volumes[side][figures.mover] for side, figures in anatomy.motors}
+    for _, _, ((first, _), (second, _)) in TENDONS:
+        by_joint.setdefault(second, by_joint[first])
+    for side, part in anatomy.parts:
+        for joint in part.joints:
+            by_joint.setdefault(joint.name.format(side=side), volumes[side][part.geoms[0].name])
+    return by_joint
+
+
+def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth | None) -> tuple[Motor, ...]:
+    """Return the motors of a child, in MIMo's order.
 
     Args:
-        tree: The body, with the strength of its growth.
-        anatomy: Of that body.
-        spec: The factors, and the age that strength is taken from.
+        volumes: The volumes of its geoms.
+        reference: What it is compared with.
+        growth: What strength and joints mature with; None is the published law.
     """
-    if not spec.strength and spec.strength_age_months is None:
+    anatomy = reference.anatomy
+    motors = ((figures, _published(figures, side, volumes[side])) for side, figures in anatomy.motors)
+    if growth is None:
+        return tuple(motor for _, motor in motors)
+    of_age = {group: curve(reference.age_months) for group, curve in STRENGTH.items()}
+    groups = anatomy.groups
+    return tuple(_maturing(motor, figures.name, groups[motor.joint], of_age, growth) for figures, motor in motors)
+
+
+def _published(figures: MotorFigures, side: str, relative_volumes: Mapping[str, float]) -> Motor:
+    """Return a motor with the torque T_18 v."""
+    return Motor(
+        name=figures.name.format(side=side),
+        joint=figures.joint.format(side=side),
+        gear_nm=figures.gear_nm * relative_volumes[figures.mover],
+        force_range=figures.force_range,
+        vmax_lengths_per_s=figures.vmax_lengths_per_s,
+        mover=figures.mover.format(side=side),
+    )
+
+
+def _maturing(motor: Motor, name: str, group: str, of_age: Mapping[str, float], growth: Growth) -> Motor:
+    """Return a motor with the torque T_18 v l r, for the neck also x what its head is heavier."""
+    negative, positive = of_age[group], of_age[FORWARDS.get(name, group)]
+    gain = growth.head_gain if group == NECK else 1.0
+    low, high = motor.force_range
+    return replace(
+        motor,
+        gear_nm=motor.gear_nm * growth.relative_length * negative * gain,
+        force_range=(low, high * (positive / negative)),
+    )
+
+
+def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Motor]) -> BodyTree:
+    """Return a body as strong as it would be at another age, by as much as the average child is then.
+
+    Args:
+        tree: The body.
+        now: The motors of the average child of its age.
+        then: Those of the average child of the other age.
+    """
+    motors = []
+    for motor, usual, other in zip(tree.motors, now, then, strict=True):
+        factor = other.gear_nm / usual.gear_nm
+        factors = ((AGE_KEY, factor),)
+        motors.append(replace(motor, gear_nm=motor.gear_nm * factor, force_range=other.force_range, factors=factors))
+    return replace(tree, motors=tuple(motors))
+
+
+def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
+    """Return a body with the factors on its gears that a spec asks for, by muscle group or pair of groups."""
+    if not strength:
         return tree
     groups = muscle_groups(tree)
-    if spec.strength_age_months is not None:
-        tree = _of_another_age(tree, anatomy, spec.strength_age_months)
     motors = []
     for motor in tree.motors:
-        factors = (*_of_group(groups[motor.joint], spec.strength), *motor.factors)
-        asked = prod(factor for _, factor in _of_group(groups[motor.joint], spec.strength))
-        motors.append(replace(motor, gear_nm=motor.gear_nm * asked, factors=factors))
+        asked = tuple(_of_group(groups[motor.joint], strength))
+        gear_nm = motor.gear_nm * prod(factor for _, factor in asked)
+        motors.append(replace(motor, gear_nm=gear_nm, factors=(*asked, *motor.factors)))
     return replace(tree, motors=tuple(motors))
 
 
@@ -43,10 +168,57 @@ def muscle_groups(tree: BodyTree) -> Mapping[str, str]:
 
 def body_groups(tree: BodyTree) -> Mapping[str, str]:
     """Return the muscle group that moves each body."""
-    found: dict[str, str] = {}
+    groups: dict[str, str] = {}
     for body in tree.bodies:
-        found[body.name] = body.group or found[body.parent or body.name]
-    return found
+        groups[body.name] = body.group or groups[body.parent or body.name]
+    return groups
+
+
+def motor_origins(motor: Motor, figures: MotorFigures, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
+    """Return where the gear of a motor comes from, and its force range.
+
+    Args:
+        motor: The motor.
+        figures: Its reference values.
+        group: The group that its strength matures with.
+        tree: The body.
+    """
+    rule = (
+        f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
+        f"of the geom that moves the joint: {motor.mover}"
+    )
+    gear, limits = Origin(rule, (f"geom.{motor.mover}.size",)), Origin(CONSTANT)
+    if tree.growth:
+        strength = STRENGTH[group](tree.age_months)
+        text = (
+            f" x {tree.growth.relative_length:.6g}, the standing height relative to 18 months, x {strength:.6g}, the "
+            f"share of its strength at 18 months that the {group} has at this age by {LAW} ({_row(group)})"
+        )
+        gear = gear.times(text + heavier(group, tree.growth), LENGTH_KEY, origins.AGE_KEY, LAW_KEY)
+        if front := FORWARDS.get(figures.name):
+            ratio = f"{STRENGTH[front](tree.age_months) / strength:.6g}, the strength of its front by that of its back"
+            text = f"{REFERENCE}, towards positive angles x {ratio} at this age by {LAW} ({_row(front)}; {_row(group)})"
+            limits = Origin(text, (origins.AGE_KEY, LAW_KEY))
+    else:
+        gear = gear.times(", by the law `published`", LAW_KEY)
+    for key, factor in motor.factors:
+        gear = gear.times(f" x {factor:.6g} ({key})", key)
+    return gear, limits
+
+
+def heavier(group: str, growth: Growth) -> str:
+    """Return what is said of the neck's numbers, which grow with its heavier head."""
+    gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
+    return gain if group == NECK else ""
+
+
+def _row(group: str) -> str:
+    """Return the row of a group in the table of strengths, with its source."""
+    curve = STRENGTH[group]
+    decay = f"decay of {curve.decay.tau_months:g} months and power {curve.decay.power:g}"
+    others = {"hand": "a guess; D", "eyes": "the same at every age; D"}
+    source = others.get(group, "fitted to the ages of milestones; D")
+    return f"row `{group}`: {curve.newborn:g} at birth, {decay}; {source}"
 
 
 def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, float]]:
@@ -54,15 +226,3 @@ def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, 
     pairs = [pair for pair, sides in PAIRED_GROUPS.items() if group in sides]
     named = [name for name in (group, *pairs) if name in strength]
     yield from ((f"{STRENGTH_KEY}.{name}", strength[name]) for name in named[:1])
-
-
-def _of_another_age(tree: BodyTree, anatomy: Anatomy, age_months: float) -> BodyTree:
-    """Return a body as strong as it would be at another age, by as much as the average child is then."""
-    ages_months = (tree.age_months, age_months)
-    now, then = (grow_average(age, anatomy, tree.development).motors for age in ages_months)
-    motors = []
-    for motor, here, there in zip(tree.motors, now, then, strict=True):
-        factor = there.gear_nm / here.gear_nm
-        factors = ((AGE_KEY, factor),)
-        motors.append(replace(motor, gear_nm=motor.gear_nm * factor, force_range=there.force_range, factors=factors))
-    return replace(tree, motors=tuple(motors))

@@ -4,9 +4,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.figures import GeomType, Region
+from mimoc.body.figures import Development, GeomType, Region
 from mimoc.geometry.rotations import Vec3
-from mimoc.schema.names import Development
 
 FREE_JOINT = "mimo_location"
 """MIMo's name for the joint between the world and the hip."""
@@ -117,10 +116,6 @@ class Growth:
     """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
     head_gain: float
     """Mass of head and neck, relative to the published law."""
-    foot_height: float
-    """Height of the feet, likewise."""
-    trunk_left: float
-    """Mass of the trunk, likewise."""
 
 
 @dataclass(frozen=True, slots=True)

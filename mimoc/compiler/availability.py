@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from mimoc.body import assemble
-from mimoc.body.maturing.parts import matured
 from mimoc.compiler.plausibility import implausible
 from mimoc.errors import Problem, SpecError
 from mimoc.schema.infant import InfantSpec, as_written
@@ -27,8 +26,7 @@ def refuse_unavailable(spec: InfantSpec) -> None:
 def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each unavailable key, what is unavailable, and advice."""
     leave_out = "leave it out"
-    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
-    anatomy = matured(anatomy) if spec.development == "maturing" else anatomy
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development)
     for key in spec.body.measurements:
         if unsided(key) not in anatomy.follows:
             yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", leave_out

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import body, fits
+from mimoc import body
 from mimoc.actuation.setup import ActuationSetup, build_actuation
-from mimoc.body.provenance import Entry, trace_body
+from mimoc.body.origins import Entry
+from mimoc.body.provenance import trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, seal
 from mimoc.bundle.json_text import render_json
@@ -51,8 +52,7 @@ from mimoc.version import __version__
 class Sources:
     """What an infant was built from, for its provenance."""
 
-    anatomy: body.Anatomy
-    measurements: fits.Measurements
+    grown: body.GrownBody
     actuation: ActuationSetup
     senses: Mapping[str, Placed]
 
@@ -102,11 +102,11 @@ class Builder:
     def origins(self) -> Mapping[str, Any]:
         """Provenance of the infant's numbers, by key in `provenance.json`."""
         spec, tree, manifest = self.spec, self.tree, self.manifest
-        anatomy, actuation = self.sources.anatomy, self.sources.actuation
+        of_body = trace_body(self.sources.grown, tree, _scaled_parts(spec, tree))
+        actuation = self.sources.actuation
         written = replace(actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
         return {
-            **trace_body(self.sources.measurements, anatomy, tree, _scaled_parts(spec, tree)),
-            **trace_actuation(spec.actuation.model, anatomy, tree, written),
+            **trace_actuation(spec.actuation.model, tree, written, of_body),
             **dict(trace_delays(spec, manifest.delays)),
             **dict(trace_noise(spec, manifest.noise)),
             **{key: entry for placed in self.sources.senses.values() for key, entry in placed.origins.items()},
@@ -215,8 +215,8 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     if younger is None:
         spec = validated(spec)
         refuse_unavailable(spec)
-    anatomy, measurements, grown = child_of(spec)
-    tree = compatibility.body(grown)
+    grown = child_of(spec, younger and younger.sources.grown.reference)
+    tree = compatibility.body(grown.tree)
     has_skin = skin and target is None if spec.body.skin is None else spec.body.skin
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility, has_skin)
     return Builder(
@@ -228,7 +228,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         footprint=covered_floor(infant, spec.scene, tree),
         scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
-        sources=Sources(anatomy, measurements, actuation, senses),
+        sources=Sources(grown, actuation, senses),
         has_skin=has_skin,
     )
 

@@ -1,6 +1,6 @@
 """The noise of an infant: what its spec gives, and for a word, the amount at its age."""
 
-from mimoc.body.maturing.maturity import Decay
+from mimoc.body.decay import Decay
 from mimoc.noise.spec import NoiseEntry, noise_keys
 from mimoc.schema.infant import InfantSpec
 

@@ -24,7 +24,7 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     """
     if not body.remove:
         return
-    anatomy = assemble(body.hands, body.chest_joint)
+    anatomy = assemble(body.hands, body.chest_joint, "published")
     gone = removed(anatomy, body.remove)
     for name in body.parts:
         if name in gone:

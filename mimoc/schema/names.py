@@ -1,9 +1,9 @@
 """The names a spec can use for measurements, bodies and groups of muscles."""
 
 from collections.abc import Iterable
-from typing import Literal
 
 from mimoc.body.assembly import assemble
+from mimoc.body.figures import Development as Development
 
 SIDES = ("left", "right")
 
@@ -44,9 +44,6 @@ MEASUREMENTS = tuple(sorted(TRUNK_MEASUREMENTS + LIMB_MEASUREMENTS))
 
 MEASUREMENT_KEYS = tuple(f"{name}_cm" for name in MEASUREMENTS)
 SIDED_MEASUREMENT_KEYS = tuple(f"{side}_{name}_cm" for side in SIDES for name in LIMB_MEASUREMENTS)
-
-Development = Literal["maturing", "published"]
-"""The laws of everything that changes with age besides size."""
 
 KINDS_OF_HANDS = ("mitten", "five_finger")
 

@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from mimoc.body.maturing import feet, head, parts
 
 import mimoc
 from mimoc.body import anatomy, assembly, density, growth, segments
 from mimoc.body import shapes as body_shapes
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
-from mimoc.body.maturing import feet, head, parts
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain

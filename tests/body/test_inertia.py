@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.body.inertia import inertias
 from mimoc.fits import measure
 
@@ -13,7 +13,7 @@ from mimoc.fits import measure
 @pytest.mark.parametrize(("hands", "apart"), [("mitten", 1e-6), ("five_finger", 0.05)])
 def test_both_sides_are_as_heavy(hands, apart):
     """But for the axis of one metacarpal, which is no mirror of the other (MIMo)."""
-    found = inertias(grow(measure(9), assemble(hands, False)))
+    found = inertias(grow_tree(measure(9), assemble(hands, False)))
     for joint, (least, largest) in found.items():
         assert 0 < least <= largest
         assert found[joint.replace("left_", "right_")] == pytest.approx((least, largest), rel=apart)
@@ -24,7 +24,7 @@ def test_mujoco_finds_no_joint_less_than_a_third_as_heavy_in_any_pose():
     spec = mimoc.InfantSpec(mimoc=1, name="x", age_months=9)
     model = mujoco.MjModel.from_xml_string(mimoc.build(spec).files["infant.xml"].decode(), assets=_assets(spec))
     data, generator = mujoco.MjData(model), np.random.default_rng(0)
-    found = inertias(grow(measure(9), assemble("mitten", False)))
+    found = inertias(grow_tree(measure(9), assemble("mitten", False)))
     joints = [model.joint(name) for name in found]
     least = np.array(list(found.values()))[:, 0]
     for _ in range(50):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.delays.spec import DelaysEntry, given_keys, signals
 from mimoc.schema.infant import InfantSpec
 

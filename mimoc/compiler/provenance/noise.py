@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.noise.presets import ADULT_SHARE, NEWBORN_SHARE
 from mimoc.noise.presets import MATURING as LOSS
 from mimoc.noise.spec import NoiseEntry, noise_keys

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 
 NUMBERS, PHRASES, SOURCES = "numbers", "phrases", "sources"
 MOST_UNPACKED = 50_000_000

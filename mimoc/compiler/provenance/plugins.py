@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 
 SOURCES = {
     "actuation": ["spec.actuation.model"],

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.schema.infant import InfantSpec, to_data
 from mimoc.schema.source import Source
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.tasks.base import TaskEntry
 
 SOURCES = ["spec.task.kind", "spec.age_months"]

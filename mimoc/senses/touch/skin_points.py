@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.body import Body, BodyTree, Geom, grow_reference
+from mimoc.body import Body, BodyTree, Geom, assemble, grow_average
+from mimoc.body.reference import REFERENCE_AGE_MONTHS
 from mimoc.body.strength import body_groups
 from mimoc.geometry.primitives import area
 from mimoc.schema.names import Development, single_groups
@@ -71,7 +72,8 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
 @lru_cache(maxsize=8)
 def _patches(hands: str, development: Development, density: float) -> Mapping[str, _Patch]:
     """Return the skin of the midline and of the right side, by body without its side."""
-    bodies = [body for body in grow_reference(hands, development).bodies if not body.name.startswith("left_")]
+    tree = grow_average(REFERENCE_AGE_MONTHS, assemble(hands, False, development))
+    bodies = [body for body in tree.bodies if not body.name.startswith("left_")]
     return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
 
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.body.maturing.maturity import Decay, newborn_share
+from mimoc.body.decay import Decay
 
 decays = st.builds(Decay, st.floats(1, 20), st.floats(0.5, 3))
 ages = st.floats(0, 24)
@@ -23,4 +23,4 @@ def test_it_only_fades(decay, one, other):
 
 
 def test_it_is_a_stretched_exponential_that_ends_at_18_months():
-    assert newborn_share(6, 12, 1) == pytest.approx((0.60653 - 0.22313) / (1 - 0.22313), abs=1e-5)
+    assert Decay(12, 1)(6) == pytest.approx((0.60653 - 0.22313) / (1 - 0.22313), abs=1e-5)

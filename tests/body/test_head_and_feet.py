@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimoc.body import Body, BodyTree, assemble, grow
-from mimoc.body.maturing.head import head_share
+from mimoc.body import Body, BodyTree, assemble, grow_tree
+from mimoc.body.reference import head_share
 from mimoc.body.segment_masses import (
     ARMS,
     DUMMIES,
@@ -36,8 +36,9 @@ SCALED = ("head_circumference", "crown_sole_length", "chest_circumference", "mid
 
 def both(age_months: float, hands: str, **factors: float) -> tuple[BodyTree, BodyTree]:
     """Return a child by both laws, whose measurements differ from the average child's by some factors."""
-    child, anatomy = measure(age_months).scaled(factors, "", ()), assemble(hands, False)
-    return grow(child, anatomy, development="published"), grow(child, anatomy)
+    child = measure(age_months).scaled(factors, "", ())
+    published, maturing = (grow_tree(child, assemble(hands, False, law)) for law in ("published", "maturing"))
+    return published, maturing
 
 
 def part(tree: BodyTree, name: str) -> Body:
@@ -114,7 +115,7 @@ def test_the_chin_is_below_the_joints_of_the_neck_and_the_crown_where_it_was(age
 @settings(max_examples=15)
 def test_eyes_are_in_the_surface_of_the_face_and_look_out_of_it(age_months):
     """An eyeball's middle is inside of the head, and its front is outside."""
-    own = grow(measure(age_months), assemble("mitten", False))
+    own = grow_tree(measure(age_months), assemble("mitten", False))
     head, middle_m, radius_m = own.geoms["head"], part(own, "left_eye").pos_m, own.geoms["left_eye1"].size_m[0]
     looking_m = np.array([middle_m, (middle_m[0] + radius_m, *middle_m[1:])])
     inside_m, outside_m = depths("ellipsoid", head.size_m, looking_m - np.array(head.pos_m))
@@ -172,7 +173,7 @@ def test_masses_are_near_the_regressions(age_months):
 
 
 def test_the_page_on_masses_shows_these_tables():
-    page = Path(__file__).resolve().parents[3] / "docs" / "body_masses.md"
+    page = Path(__file__).resolve().parents[2] / "docs" / "body_masses.md"
     text = page.read_text(encoding="utf-8")
     assert shares_table() in text
     assert legs_table() in text

@@ -1,4 +1,4 @@
-"""Individual children: the scale factors with which a child has a given length, weight and head circumference."""
+"""The measurements of a spec's child: the average child's, scaled to an individual, and replaced where a spec says."""
 
 import math
 from collections.abc import Callable
@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 from mimoc.errors import IndividualError
-from mimoc.fits import Measurements, load_tables
+from mimoc.fits import Measured, Measurements, load_tables, measure
 from mimoc.fits.who import Sex
 from mimoc.geometry.solvers import root
 from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
+from mimoc.schema.infant import InfantSpec
 from mimoc.units import cm_to_m, m_to_cm
 
 Weigh = Callable[[Measurements], float]
@@ -56,6 +57,33 @@ def targets(individual: IndividualSpec, age_months: float) -> Targets:
         weight_kg=wanted("weight_kg", individual.weight_kg, individual.weight_percentile),
         head_m=None if head_cm is None else cm_to_m(head_cm),
     )
+
+
+def measure_individual(spec: InfantSpec, weigh: Weigh) -> Measurements:
+    """Return the measurements of a spec's child.
+
+    Args:
+        spec: The spec.
+        weigh: Function from measurements to the mass of the body, in [kg].
+
+    Raises:
+        IndividualError: If no child matches the requested individual.
+    """
+    measurements = measure(spec.age_months)
+    if spec.body.individual:
+        measurements = individualise(measurements, spec.body.individual, weigh)
+    return replace_given(measurements, spec)
+
+
+def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
+    """Return the measurements, with those that the spec gives replacing the child's own."""
+    given = {
+        key.removesuffix("_cm"): Measured(
+            cm_to_m(value_cm), "given by the spec", given_by=(f"spec.body.measurements.{key}",)
+        )
+        for key, value_cm in spec.body.measurements.items()
+    }
+    return measurements.replaced(given) if given else measurements
 
 
 def individualise(measurements: Measurements, individual: IndividualSpec, weigh: Weigh) -> Measurements:

@@ -4,12 +4,13 @@ from itertools import pairwise
 
 import pytest
 
-from mimoc.body import assemble, grow
-from mimoc.body.maturing.joints import NEWBORN_REST_DEG
+from mimoc.body import assemble, grow_tree
+from mimoc.body.joints import NEWBORN_REST_DEG
 from mimoc.fits import measure
 
 AGES_MONTHS = (0, 0.5, 1, 1.5, 2, 3, 4, 5, 6, 7.5, 9, 10.5, 12, 14, 16, 18)
-BODIES = (("mitten", False), ("five_finger", True))
+CHEST = {"mitten": False, "five_finger": True}
+BODIES = tuple(CHEST.items())
 PASSIVE = ("stiffness_nm_per_rad", "damping_nms_per_rad", "frictionloss_nm", "armature_kgm2")
 LENGTHS = {0: 0.626, 1: 0.666, 2: 0.702, 3: 0.733, 6: 0.811, 9: 0.871, 12: 0.921, 15: 0.963, 18: 1, 24: 1.061}
 
@@ -20,12 +21,15 @@ def anatomy(request):
 
 
 @pytest.fixture(scope="module")
-def bodies(anatomy):
+def published(anatomy):
+    """Return the same parts by the published law."""
+    return assemble(anatomy.hands, CHEST[anatomy.hands], "published")
+
+
+@pytest.fixture(scope="module")
+def bodies(anatomy, published):
     """Return the average child by age, by both laws: maturing, then published."""
-    return {
-        age: (grow(measure(age), anatomy), grow(measure(age), anatomy, development="published"))
-        for age in (*AGES_MONTHS, 24)
-    }
+    return {age: (grow_tree(measure(age), anatomy), grow_tree(measure(age), published)) for age in (*AGES_MONTHS, 24)}
 
 
 def of_neck(name: str) -> bool:
@@ -60,16 +64,13 @@ def test_the_published_law_changes_no_joint_with_age(bodies):
 
 
 @pytest.mark.parametrize("age_months", LENGTHS)
-def test_strength_follows_length_besides_volume(bodies, anatomy, age_months):
+def test_strength_follows_length_besides_volume(bodies, anatomy, published, age_months):
     """Of the eyes, whose strength does not mature otherwise."""
-    maturing, published = (
-        bodies[age_months]
-        if age_months in bodies
-        else (grow(measure(age_months), anatomy), grow(measure(age_months), anatomy, development="published"))
-    )
+    average = measure(age_months)
+    maturing, usual = bodies.get(age_months) or (grow_tree(average, anatomy), grow_tree(average, published))
     eyes = [
         ours.gear_nm / mimos.gear_nm
-        for ours, mimos in zip(maturing.motors, published.motors, strict=True)
+        for ours, mimos in zip(maturing.motors, usual.motors, strict=True)
         if "eye" in ours.name
     ]
     assert eyes == pytest.approx([LENGTHS[age_months]] * 6, abs=0.0006)
@@ -160,5 +161,5 @@ def test_heads_are_heavier_by_a_nearly_constant_factor(bodies):
 def test_a_taller_child_is_stronger_by_its_length_besides_its_volume(anatomy):
     average = measure(9)
     tall = average.scaled(dict.fromkeys(average, 1.1), "", ())
-    for before, after in zip(grow(average, anatomy).motors, grow(tall, anatomy).motors, strict=True):
+    for before, after in zip(grow_tree(average, anatomy).motors, grow_tree(tall, anatomy).motors, strict=True):
         assert after.gear_nm == pytest.approx(before.gear_nm * 1.1**4, rel=0.1), before.name

@@ -3,8 +3,7 @@
 import pytest
 
 from mimoc.body.assembly import assemble
-from mimoc.body.maturing.mature import maturing_groups
-from mimoc.body.maturing.strength import FORWARDS, STRENGTH
+from mimoc.body.strength import FORWARDS, STRENGTH
 
 AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)
 TABLE = {
@@ -33,7 +32,7 @@ def test_the_table_names_every_group():
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_every_joint_matures_with_a_group_that_has_a_curve(hands):
     anatomy = assemble(hands, True)
-    groups = maturing_groups(anatomy)
+    groups = anatomy.groups
     assert set(groups) == {joint.name.format(side=side) for side, part in anatomy.parts for joint in part.joints}
     assert set(groups.values()) == set(STRENGTH) - set(FORWARDS.values())
     assert {groups[f"robot:left_{joint}"] for joint in ("foot1", "foot2", "foot3")} == {"ankle"}
