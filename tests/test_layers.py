@@ -35,8 +35,8 @@ def layer(modules: str, below: str = "", libraries: str = "") -> Layer:
 
 
 BASE = "version errors units streams geometry files"
-LANGUAGE = f"{BASE} language kinds composition spec"
-BUILDING = f"{LANGUAGE} schema bundle fits body mjcf looks build"
+LANGUAGE = f"{BASE} grammar language kinds composition spec"
+BUILDING = f"{LANGUAGE} schema bundle fits parts body mjcf looks build"
 RUNNING = f"{LANGUAGE} bundle drawing run runtime control"
 KIND_FOLDERS = ("senses", "tasks", "actuation", "scenes", "toys", "delays", "noise", "policies")
 
@@ -48,21 +48,26 @@ LAYERS = {
     "streams": layer("random_streams"),
     "geometry": layer("geometry rounding", "errors units", "scipy"),
     "files": layer("bundle.files bundle.leftovers bundle.atomic_swap bundle.json_text", "errors version geometry"),
-    "parts": layer("body.assembly body.anatomy body.mitten body.five_finger body.motors body.figures", "geometry"),
+    "grammar": layer("schema.base schema.key_paths", "errors", "pydantic"),
+    "part": layer("body.part", "geometry"),
+    "parts": layer(
+        "body.anatomy body.parts body.dimensions body.proportions body.published body.sections",
+        "errors units geometry part kinds",
+    ),
     "language": layer(
-        "schema.absent schema.base schema.body schema.control schema.entries schema.groups schema.key_paths "
+        "schema.absent schema.body schema.control schema.entries schema.groups "
         "schema.names schema.plain schema.quantities schema.source schema.yaml_document schema.yaml_scalars",
-        "errors units parts",
+        "errors units grammar part parts",
         "pydantic yaml",
     ),
-    "kinds": layer("kinds", "errors language"),
-    "composition": layer("schema.composition", "errors language kinds", "pydantic"),
-    "spec": layer("", "errors units language kinds composition", "pydantic"),
-    "schema": layer("schema plugins", f"{LANGUAGE} fits", "pydantic"),
+    "kinds": layer("kinds", "errors grammar part"),
+    "composition": layer("schema.composition", "errors grammar language kinds", "pydantic"),
+    "spec": layer("", "errors units grammar language kinds composition", "pydantic"),
+    "schema": layer("schema plugins", f"{LANGUAGE} fits part parts", "pydantic"),
     "bundle": layer("bundle", f"{LANGUAGE} schema", "pydantic mujoco"),
     "fits": layer("fits", "errors units geometry"),
-    "body": layer("body", f"{LANGUAGE} schema fits parts"),
-    "mjcf": layer("mjcf", f"{BASE} language body", "jinja2 lxml"),
+    "body": layer("body", f"{LANGUAGE} schema fits part parts"),
+    "mjcf": layer("mjcf", f"{BASE} grammar language parts body", "jinja2 lxml"),
     "looks": layer("looks", f"{BASE} body mjcf", "PIL"),
     "build": layer(
         "", f"{LANGUAGE} schema bundle body mjcf looks", "trimesh PIL coacd fast_simplification platformdirs scipy"
@@ -328,10 +333,14 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ),
         ("mimoc.bundle.files", "from mimoc.bundle.io import Bundle", "files may not import bundle"),
         ("mimoc.compiler.pipeline", "from mimoc.runtime import make", "compiler may not import runtime"),
-        ("mimoc.schema.base", "from mimoc.schema.infant import InfantSpec", "language may not import schema"),
+        ("mimoc.schema.base", "from mimoc.schema.infant import InfantSpec", "grammar may not import schema"),
         ("mimoc.schema.infant", "import mimoc", "schema may not import mimoc"),
         ("mimoc.fits.tables", "import yaml", "yaml belongs to language"),
-        ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, composition, spec, schema, bundle"),
+        (
+            "mimoc.errors",
+            "import pydantic_core",
+            "pydantic belongs to grammar, language, composition, spec, schema, bundle",
+        ),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
         ("mimoc.body.grow", "import numpy, torch", "torch belongs to training"),
         ("mimoc.stray", "import math", "the module is in no layer"),

@@ -4,12 +4,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mimoc.body.assembly import assemble
+    from mimoc.body.anatomy import assemble
     from mimoc.body.grow import GrownBody, grow_average, grow_body, grow_tree
     from mimoc.body.tree import FREE_JOINT, Body, BodyTree, Geom, Joint, Motor, Tendon
 
 _HOMES = {
-    **dict.fromkeys(("assemble",), "mimoc.body.assembly"),
+    **dict.fromkeys(("assemble",), "mimoc.body.anatomy"),
     **dict.fromkeys(("GrownBody", "grow_average", "grow_body", "grow_tree"), "mimoc.body.grow"),
     **dict.fromkeys(("FREE_JOINT", "Body", "BodyTree", "Geom", "Joint", "Motor", "Tendon"), "mimoc.body.tree"),
 }

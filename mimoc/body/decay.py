@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
+from mimoc.body.part import REFERENCE_AGE_MONTHS
 
 
 @dataclass(frozen=True, slots=True)

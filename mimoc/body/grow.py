@@ -7,13 +7,13 @@ development differ, `published` and `maturing`, they are two functions in the fi
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.anatomy import TENDONS
-from mimoc.body.assembly import Anatomy, assemble
+from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.body.dimensions import Dimensions, mirror, mirror_turn
-from mimoc.body.figures import GeomFigures, Part
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
 from mimoc.body.measurements import measure_individual
+from mimoc.body.part import ReferenceGeom, ReferencePart
+from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.prune import prune
 from mimoc.body.reference import HEIGHT, Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
@@ -59,7 +59,7 @@ def reference_of(spec: InfantSpec, known: Reference | None = None) -> Reference:
     """Return what a spec's child is compared with; *known* is the same at another age."""
     if known:
         return known.at(spec.age_months)
-    anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development)
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
     return reference_body(anatomy, spec.age_months)
 
 
@@ -124,6 +124,7 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
         motors=motors,
         tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
         excluded=anatomy.excluded,
+        extra=anatomy.extra,
         development=anatomy.development,
         growth=growth,
     )
@@ -149,7 +150,7 @@ def _weigh(child: Measurements, reference: Reference) -> float:
     return weigh_parts(shape_parts(child, reference), reference).body_kg(reference.anatomy)
 
 
-def _body(part: Part, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:
+def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:
     left, dimensions = side == "left", shapes.own[side]
     return Body(
         name=part.name.format(side=side),
@@ -165,7 +166,7 @@ def _body(part: Part, side: str, shapes: Shapes, masses: Masses, joints: Mapping
     )
 
 
-def _geom(figures: GeomFigures, side: str, dimensions: Dimensions, masses: Masses) -> Geom:
+def _geom(figures: ReferenceGeom, side: str, dimensions: Dimensions, masses: Masses) -> Geom:
     left = side == "left"
     solid = dimensions.shapes[figures.name]
     return Geom(

@@ -14,15 +14,16 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from mimoc.body.assembly import Anatomy
+from mimoc.body.anatomy import Anatomy
 from mimoc.body.decay import Decay
 from mimoc.body.dimensions import mirror, mirror_turn
-from mimoc.body.figures import JointFigures
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
+from mimoc.body.part import ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.strength import NECK, heavier
 from mimoc.body.tree import BodyTree, Growth, Joint
+from mimoc.geometry.rotations import Vec3
 
 POWERS: Mapping[str, float] = {
     "stiffness": 1.0,
@@ -87,6 +88,8 @@ LOWER_LIMITS: Mapping[str, Limit] = {
 }
 """Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down."""
 
+_Place = tuple[str, Vec3, Vec3]
+"""Name, axis and anchor of a joint."""
 NOISE = 1e-9
 """Relative difference below which two strengths count as equal."""
 
@@ -104,20 +107,22 @@ def passive_joints(shapes: Shapes, reference: Reference, growth: Growth | None) 
     joints: dict[str, Joint] = {}
     for side, part in anatomy.parts:
         for figures in part.joints:
-            joint = _published(figures, side, shapes)
-            if growth:
-                joint = _maturing(joint, figures.name, groups[joint.name], age_months, tone, growth)
-            joints[joint.name] = joint
+            left, name = side == "left", figures.name.format(side=side)
+            axis = figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left)
+            anchor_m = mirror(shapes.own[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left)
+            place = name, axis, anchor_m
+            if growth is None:
+                joints[name] = _published(place, figures)
+            else:
+                scales = _scales(name, groups[name], growth)
+                joints[name] = _maturing(place, figures, scales, age_months, tone)
     return joints
 
 
-def _published(figures: JointFigures, side: str, shapes: Shapes) -> Joint:
+def _published(place: _Place, figures: ReferenceJoint) -> Joint:
     """Return a joint with MIMo's constants and angles."""
-    left = side == "left"
     return Joint(
-        name=figures.name.format(side=side),
-        axis=figures.left_axis if left and figures.left_axis else mirror_turn(figures.axis, left),
-        anchor_m=mirror(shapes.own[side].anchors.get(figures.name, (0.0, 0.0, 0.0)), left),
+        *place,
         range_deg=figures.range_deg,
         stiffness_nm_per_rad=figures.stiffness_nm_per_rad,
         damping_nms_per_rad=figures.damping_nms_per_rad,
@@ -127,20 +132,22 @@ def _published(figures: JointFigures, side: str, shapes: Shapes) -> Joint:
     )
 
 
-def _maturing(joint: Joint, name: str, group: str, age_months: float, tone: float, growth: Growth) -> Joint:
-    """Return a joint with constants of the child's size and the angles of its age; *name* has `{side}`."""
-    rest_deg = joint.springref_deg + (NEWBORN_REST_DEG.get(name, joint.springref_deg) - joint.springref_deg) * tone
-    low, high = joint.range_deg
+def _maturing(
+    place: _Place, figures: ReferenceJoint, scales: Mapping[str, float], age_months: float, tone: float
+) -> Joint:
+    """Return a joint with constants c v l^p, stiffer by its flexor tone, and the angles of its age."""
+    name, rest_deg = figures.name, figures.springref_deg
+    rest_deg += (NEWBORN_REST_DEG.get(name, rest_deg) - rest_deg) * tone
+    low, high = figures.range_deg
     low, high = _limit(LOWER_LIMITS.get(name), low, age_months), _limit(UPPER_LIMITS.get(name), high, age_months)
-    scales = _scales(joint.name, group, growth)
-    return replace(
-        joint,
+    return Joint(
+        *place,
         range_deg=(low, high),
+        stiffness_nm_per_rad=figures.stiffness_nm_per_rad * scales["stiffness"] * _stiffening(name, tone),
+        damping_nms_per_rad=figures.damping_nms_per_rad * scales["damping"],
+        frictionloss_nm=figures.frictionloss_nm * scales["frictionloss"],
+        armature_kgm2=figures.armature_kgm2 * scales["armature"],
         springref_deg=min(max(rest_deg, low), high),
-        stiffness_nm_per_rad=joint.stiffness_nm_per_rad * scales["stiffness"] * _stiffening(name, tone),
-        frictionloss_nm=joint.frictionloss_nm * scales["frictionloss"],
-        damping_nms_per_rad=joint.damping_nms_per_rad * scales["damping"],
-        armature_kgm2=joint.armature_kgm2 * scales["armature"],
     )
 
 
@@ -205,7 +212,7 @@ EXTRAORDINARY = "its motor is stronger than the average child's"
 
 
 def joint_origins(
-    joint: Joint, figures: JointFigures, group: str, motor: str | None, tree: BodyTree
+    joint: Joint, figures: ReferenceJoint, group: str, motor: str | None, tree: BodyTree
 ) -> dict[str, Origin]:
     """Return where a joint's attributes in MJCF come from, by attribute.
 
@@ -234,7 +241,7 @@ def joint_origins(
 
 
 def _maturing_origins(
-    figures: JointFigures, joint: str, group: str, age_months: float, growth: Growth
+    figures: ReferenceJoint, joint: str, group: str, age_months: float, growth: Growth
 ) -> dict[str, Origin]:
     at_18 = {
         "stiffness": figures.stiffness_nm_per_rad,
@@ -259,7 +266,7 @@ def _passive_origin(attribute: str, value: float, joint: str, group: str, growth
     return Origin(text + heavier(group, growth), (LENGTH_KEY, AGE_KEY, LAW_KEY))
 
 
-def _angle_origins(figures: JointFigures) -> Iterator[tuple[str, Origin]]:
+def _angle_origins(figures: ReferenceJoint) -> Iterator[tuple[str, Origin]]:
     """Yield the origins of the angles that change with age."""
     newborn_deg = NEWBORN_REST_DEG.get(figures.name)
     if newborn_deg is not None:

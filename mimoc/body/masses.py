@@ -6,13 +6,13 @@ parts, and the whole body, weigh what they do by the published law.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from mimoc.body.assembly import Anatomy
+from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import Dimensions
-from mimoc.body.figures import GeomFigures, Part
 from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, REFERENCE, Origin
+from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.reference import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS, Reference
 from mimoc.body.shapes import Shapes
 from mimoc.geometry.primitives import volume
@@ -39,6 +39,8 @@ class Masses:
     densities_kg_m3: Mapping[str, float]
     head_gain: float = 1.0
     """Mass of head and neck by the law `maturing`, relative to the published law."""
+    feet: Collection[str] = ()
+    """Names of the parts of feet, which are higher by the law `maturing`."""
     trunk_left: float | None = None
     """Mass of the trunk, likewise; None by the published law."""
 
@@ -46,7 +48,7 @@ class Masses:
         """Return the mass of the whole body."""
         return math.fsum(self.kg[side][geom.name] for side, part in anatomy.parts for geom in part.geoms)
 
-    def origin(self, figures: GeomFigures, part: Part, name: str, sources: Sequence[str]) -> Origin:
+    def origin(self, figures: ReferenceGeom, part: ReferencePart, name: str, sources: Sequence[str]) -> Origin:
         """Return where the mass of a geom comes from.
 
         Args:
@@ -64,7 +66,7 @@ class Masses:
             share = NECK_SHARE if figures.name == "neck" else 1 - NECK_SHARE
             text = f"{share:g} x {self.head_gain:.6g} x the head's mass by the published law, {HEAD_SHARES}"
             return Origin(f"by {LAW}, {text}; the neck has {NECK_SHARE:g} of that (D)", (HEAD_KEY, AGE_KEY, LAW_KEY))
-        if maturing and part.lies:
+        if maturing and part.name in self.feet:
             text = f"{density}, the density of {REFERENCE}, x volume, which by {LAW} is larger than there (D)"
             return Origin(text, (f"geom.{name}.size", LAW_KEY))
         weighing = f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as "
@@ -108,7 +110,13 @@ def _maturing(shapes: Shapes, reference: Reference) -> Masses:
             "neck": NECK_SHARE * head_kg,
         }
 
-    return Masses(shapes.of_sides(of_side), reference.densities_kg_m3, gain, left)
+    return Masses(
+        shapes.of_sides(of_side),
+        reference.densities_kg_m3,
+        gain,
+        {part.name for part in reference.anatomy.feet.parts},
+        left,
+    )
 
 
 _LAWS = {"published": _published, "maturing": _maturing}
@@ -122,7 +130,5 @@ def _feet_kg(reference: Reference, dimensions: Dimensions) -> dict[str, float]:
     """Return the masses of the geoms of a foot with its toes."""
     return {
         geom.name: reference.densities_kg_m3[geom.name] * volume(geom.type, dimensions.shapes[geom.name].size_m)
-        for side, part in reference.anatomy.parts
-        if side == "right" and part.lies
-        for geom in part.geoms
+        for geom in reference.anatomy.of_foot()
     }

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Mapping
 
-from mimoc.body.figures import Part
 from mimoc.body.grow import GrownBody
 from mimoc.body.joints import joint_origins
 from mimoc.body.origins import Entry, Origin
+from mimoc.body.part import ReferencePart
 from mimoc.body.strength import motor_origins
 from mimoc.body.tree import Body, BodyTree, Geom, Joint
 from mimoc.fits import Measured, Measurements
@@ -51,7 +51,7 @@ def trace_body(grown: GrownBody, tree: BodyTree, scaled: Mapping[str, tuple[str,
     return entries
 
 
-def _moving(body: Body, part: Part, scaled: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+def _moving(body: Body, part: ReferencePart, scaled: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     """Return the keys of the spec that move a body: those that scale its parent, or what it has to keep clear of."""
     movers = (body.parent or "", *((body.name, part.keeps_clear_of) if part.keeps_clear_of else ()))
     return tuple(dict.fromkeys(key for mover in movers for key in scaled.get(mover, ())))
@@ -77,7 +77,7 @@ def _points(measured: Measured) -> list[Entry]:
     return [{"age_months": p.age_months, "value_cm": p.value_cm, "origin": p.origin} for p in measured.points]
 
 
-def _trace_body(body: Body, part: Part, sources: tuple[str, ...]) -> dict[str, Entry]:
+def _trace_body(body: Body, part: ReferencePart, sources: tuple[str, ...]) -> dict[str, Entry]:
     at, key = _xml("body", body.name), f"body.{body.name}"
     mass = Origin("sum of its geoms", tuple(f"geom.{geom.name}.mass" for geom in body.geoms), "kg")
     entries = {f"{key}.mass": mass.entry(body.mass_kg, f"{at}/geom/@mass")}

@@ -11,16 +11,19 @@ Masses and sizes are MIMo's (Mattern et al. 2024; López et al. 2025).
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import or_
 
-from mimoc.body.anatomy import REFERENCE_AGE_MONTHS
-from mimoc.body.assembly import Anatomy
+from mimoc.body.anatomy import Anatomy
 from mimoc.body.dimensions import Dimensions
-from mimoc.body.proportions import proportions
-from mimoc.body.segments import FEET, body_dimensions
+from mimoc.body.part import REFERENCE_AGE_MONTHS
+from mimoc.body.parts.checking import check_dimensions
+from mimoc.body.proportions import Proportions, proportions
 from mimoc.fits import Measurements, measure
 from mimoc.geometry.primitives import volume
+from mimoc.kinds import PartKind, function_of
 
 HEIGHT = "crown_sole_length"
 
@@ -64,9 +67,16 @@ class Reference:
 
 
 def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
-    """Return what children of an anatomy and an age are compared with."""
+    """Return what children of an anatomy and an age are compared with.
+
+    Raises:
+        KindError: If the shape of somebody else's parts says too little.
+    """
     average = measure(REFERENCE_AGE_MONTHS).published
-    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.hands), anatomy)
+    dimensions = mimos_dimensions(average, "", anatomy)
+    for kind in anatomy.kinds:
+        check_dimensions(kind, dimensions)
+    volumes_m3 = mimos_volumes(dimensions, anatomy)
     densities_kg_m3 = {
         name: figures.mass_kg / (volume(figures.type, figures.mass_at_m) if figures.mass_at_m else volumes_m3[name])
         for name, figures in anatomy.geoms.items()
@@ -74,9 +84,18 @@ def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
     return Reference(anatomy, volumes_m3, densities_kg_m3, average[HEIGHT], REFERENCE_AGE_MONTHS).at(age_months)
 
 
-def mimos_dimensions(child: Measurements, side: str, hands: str) -> Dimensions:
+def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> Dimensions:
+    """Return the dimensions of some kinds of parts.
+
+    Raises:
+        GeometryError: If a segment is wider than it is long.
+    """
+    return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds))
+
+
+def mimos_dimensions(child: Measurements, side: str, anatomy: Anatomy) -> Dimensions:
     """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty."""
-    return body_dimensions(proportions(child.of_side(side), child.base_m, published=True), hands)
+    return dimensions_of(proportions(child.of_side(side), child.base_m, published=True), anatomy.kinds)
 
 
 def mimos_volumes(dimensions: Dimensions, anatomy: Anatomy) -> dict[str, float]:
@@ -97,9 +116,9 @@ def foot_mass_kg(age_months: float) -> float:
 def _head_gain(reference: Reference) -> float:
     """Return by how much head and neck are heavier than in the published body of the same age."""
     average, anatomy = measure(reference.age_months).published, reference.anatomy
-    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy.hands), anatomy)
+    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy), anatomy)
     published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in reference.densities_kg_m3.items()}
-    body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.mimos_parts for geom in part.geoms)
+    body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
     return head_share(reference.age_months) * body_kg / published_kg["head"]
 
 
@@ -111,11 +130,11 @@ def _foot_height(reference: Reference) -> float:
     """
     average, wanted_kg = dict(measure(reference.age_months)), foot_mass_kg(reference.age_months)
     p, anatomy = proportions(average, average), reference.anatomy
-    geoms = [geom for side, part in anatomy.mimos_parts if side == "right" and part.lies for geom in part.geoms]
+    geoms = anatomy.of_foot()
 
     def excess_kg(height: float) -> float:
         foot = replace(p.foot, half_height_m=height * p.foot.half_height_m)
-        shapes = FEET[anatomy.hands](replace(p, foot=foot)).shapes
+        shapes = dimensions_of(replace(p, foot=foot), (anatomy.feet,)).shapes
         parts = ((geom, reference.densities_kg_m3[geom.name], shapes[geom.name].size_m) for geom in geoms)
         return math.fsum(kg_per_m3 * volume(geom.type, size_m) for geom, kg_per_m3, size_m in parts) - wanted_kg
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from mimoc.body.assembly import assemble
+from mimoc.body.anatomy import assemble
 from mimoc.body.grow import grow_average
 from mimoc.body.tree import BodyTree
 from mimoc.fits import Measurements, measure

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
 
-from mimoc.body.assembly import Sided
+from mimoc.body.anatomy import Sided
 from mimoc.body.dimensions import Dimensions
-from mimoc.body.head_shape import head_dimensions
+from mimoc.body.parts.head import maturing_head_dimensions
 from mimoc.body.proportions import proportions
-from mimoc.body.reference import Reference, mimos_dimensions, mimos_volumes
+from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
 from mimoc.body.scaling import check_limbs, check_trunk, clear_arms, scale_part
-from mimoc.body.segments import body_dimensions
 from mimoc.fits import Measurements
 
 SIDES = ("", "right", "left")
@@ -59,7 +58,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     shape = _LAWS[anatomy.development]
 
     def published_m3(child: Measurements, scales: Scales, side: str) -> Volumes:
-        dimensions = mimos_dimensions(child.published, side, anatomy.hands)
+        dimensions = mimos_dimensions(child.published, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
     def own(child: Measurements, scales: Scales, side: str) -> Dimensions:
@@ -80,13 +79,13 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
 
 def _published(child: Measurements, side: str, reference: Reference) -> Dimensions:
     """Return shapes with the child's measurements, MIMo's head and MIMo's feet."""
-    return body_dimensions(proportions(child.of_side(side), child.base_m), reference.anatomy.hands)
+    return dimensions_of(proportions(child.of_side(side), child.base_m), reference.anatomy.kinds)
 
 
 def _maturing(child: Measurements, side: str, reference: Reference) -> Dimensions:
     """Return shapes with the child's measurements, an ellipsoid as head, and the feet of its age."""
     p = proportions(child.of_side(side), child.base_m, foot_height=reference.foot_height)
-    return body_dimensions(p, reference.anatomy.hands) | head_dimensions(p)
+    return dimensions_of(p, reference.anatomy.kinds) | maturing_head_dimensions(p)
 
 
 _LAWS = {"published": _published, "maturing": _maturing}

@@ -18,11 +18,11 @@ from dataclasses import dataclass, replace
 from math import prod
 
 from mimoc.body import origins
-from mimoc.body.anatomy import TENDONS
-from mimoc.body.assembly import Anatomy
+from mimoc.body.anatomy import Anatomy
 from mimoc.body.decay import Decay
-from mimoc.body.figures import MotorFigures
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
+from mimoc.body.part import ReferenceMotor
+from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
 from mimoc.body.tree import BodyTree, Growth, Motor
@@ -98,37 +98,34 @@ def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth
         reference: What it is compared with.
         growth: What strength and joints mature with; None is the published law.
     """
-    anatomy = reference.anatomy
-    motors = ((figures, _published(figures, side, volumes[side])) for side, figures in anatomy.motors)
-    if growth is None:
-        return tuple(motor for _, motor in motors)
     of_age = {group: curve(reference.age_months) for group, curve in STRENGTH.items()}
-    groups = anatomy.groups
-    return tuple(_maturing(motor, figures.name, groups[motor.joint], of_age, growth) for figures, motor in motors)
+    groups, motors = reference.anatomy.groups, []
+    for side, figures in reference.anatomy.motors:
+        joint, torque_nm, force_range = figures.joint.format(side=side), figures.gear_nm, figures.force_range
+        torque_nm *= volumes[side][figures.mover]
+        if growth:
+            torque_nm, force_range = _maturing(torque_nm, figures, groups[joint], of_age, growth)
+        name, mover = figures.name.format(side=side), figures.mover.format(side=side)
+        motors.append(Motor(name, joint, torque_nm, force_range, figures.vmax_lengths_per_s, mover))
+    return tuple(motors)
 
 
-def _published(figures: MotorFigures, side: str, relative_volumes: Mapping[str, float]) -> Motor:
-    """Return a motor with the torque T_18 v."""
-    return Motor(
-        name=figures.name.format(side=side),
-        joint=figures.joint.format(side=side),
-        gear_nm=figures.gear_nm * relative_volumes[figures.mover],
-        force_range=figures.force_range,
-        vmax_lengths_per_s=figures.vmax_lengths_per_s,
-        mover=figures.mover.format(side=side),
-    )
+def _maturing(
+    torque_nm: float, figures: ReferenceMotor, group: str, of_age: Mapping[str, float], growth: Growth
+) -> tuple[float, tuple[float, float]]:
+    """Return the torque T_18 v l r, for the neck also x what its head is heavier, and the force range.
 
-
-def _maturing(motor: Motor, name: str, group: str, of_age: Mapping[str, float], growth: Growth) -> Motor:
-    """Return a motor with the torque T_18 v l r, for the neck also x what its head is heavier."""
-    negative, positive = of_age[group], of_age[FORWARDS.get(name, group)]
+    Args:
+        torque_nm: By the published law, T_18 v.
+        figures: The motor at 18 months.
+        group: The group that its strength matures with.
+        of_age: The share r of each group at this age.
+        growth: What strength matures with.
+    """
+    negative, positive = of_age[group], of_age[FORWARDS.get(figures.name, group)]
     gain = growth.head_gain if group == NECK else 1.0
-    low, high = motor.force_range
-    return replace(
-        motor,
-        gear_nm=motor.gear_nm * growth.relative_length * negative * gain,
-        force_range=(low, high * (positive / negative)),
-    )
+    low, high = figures.force_range
+    return torque_nm * growth.relative_length * negative * gain, (low, high * (positive / negative))
 
 
 def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Motor]) -> BodyTree:
@@ -174,7 +171,7 @@ def body_groups(tree: BodyTree) -> Mapping[str, str]:
     return groups
 
 
-def motor_origins(motor: Motor, figures: MotorFigures, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
+def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
     """Return where the gear of a motor comes from, and its force range.
 
     Args:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.figures import Development, GeomType, Region
+from mimoc.body.part import Development, GeomType, Region
 from mimoc.geometry.rotations import Vec3
 
 FREE_JOINT = "mimo_location"
@@ -124,13 +124,15 @@ class BodyTree:
 
     age_months: float
     hands: str
-    """`mitten` or `five_finger`, even if hands are removed, because feet differ too."""
+    """Kind of its hands, even if they are removed, because feet differ too."""
     bodies: tuple[Body, ...]
     """Parents before children, in MIMo's order."""
     motors: tuple[Motor, ...]
     tendons: tuple[Tendon, ...]
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
+    extra: tuple[str, ...] = ()
+    """Kinds of parts that it has besides MIMo's."""
     development: Development = "maturing"
     """The law that strength, joints and proportions follow."""
     growth: Growth | None = None

@@ -11,7 +11,7 @@ from mimoc.tasks import TASKS
 
 RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
 """The kinds of things that a bundle runs, by the section that a manifest names them in."""
-BUILDING = ("scenes", "toys")
+BUILDING = ("scenes", "toys", "parts")
 """Those that it is only built from."""
 
 

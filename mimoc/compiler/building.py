@@ -12,6 +12,7 @@ import numpy.typing as npt
 from mimoc import body
 from mimoc.actuation.setup import ActuationSetup, build_actuation
 from mimoc.body.origins import Entry
+from mimoc.body.parts import PARTS
 from mimoc.body.provenance import trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, seal
@@ -217,7 +218,8 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         refuse_unavailable(spec)
     grown = child_of(spec, younger and younger.sources.grown.reference)
     tree = compatibility.body(grown.tree)
-    has_skin = skin and target is None if spec.body.skin is None else spec.body.skin
+    usual = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
+    has_skin = usual if spec.body.skin is None else spec.body.skin
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility, has_skin)
     return Builder(
         spec=spec,

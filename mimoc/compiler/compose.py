@@ -19,6 +19,7 @@ from mimoc.mjcf.scene import SceneTree, Solver
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import bodies_of
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
 
@@ -71,20 +72,22 @@ def compose(
 
 
 def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
-    """Return all parts by name, each with its child parts."""
+    """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
     sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
     for placed in senses.values():
         cameras |= placed.cameras
+    uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
     nodes: dict[str, Node] = {}
     for body in reversed(tree.bodies):
         is_root = body.parent is None
+        group = SOLIDS_GROUP if has_skin and body.name not in uncovered else BODY_GROUP
         nodes[body.name] = Node(
             name=body.name,
             pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
             joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
-            geoms=(*(_geom(geom, _group(body, has_skin)) for geom in body.geoms), *_features(body, has_skin)),
+            geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
             sites=sites.get(body.name, ()),
             cameras=cameras.get(body.name, ()),
             children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
@@ -118,11 +121,6 @@ def _joint(joint: Joint) -> PrintedJoint:
         armature_kgm2=joint.armature_kgm2,
         springref_rad=deg_to_rad(joint.springref_deg),
     )
-
-
-def _group(body: Body, has_skin: bool) -> int:
-    """Return the group of a body's solids: under a skin, only eyeballs are drawn."""
-    return SOLIDS_GROUP if has_skin and body.name not in EYEBALLS else BODY_GROUP
 
 
 def _geom(geom: Geom, group: int) -> PrintedGeom:

@@ -6,6 +6,7 @@ from typing import Any
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
+from mimoc.body.parts import PARTS
 from mimoc.body.stature import stature
 from mimoc.bundle.manifest import (
     ChildEntry,
@@ -101,6 +102,8 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
         if getattr(spec.senses, name) is not None:
             yield "senses", SENSES, name
     yield "actuation", ACTUATIONS, spec.actuation.model
+    for name in (spec.body.hands, *(spec.body.extra or ())):
+        yield "parts", PARTS, name
     if spec.task:
         yield "tasks", TASKS, spec.task.kind
     yield "scenes", SCENES, spec.scene.kind

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from mimoc.body.assembly import Anatomy, assemble
+from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.schema.base import KeyedError
 from mimoc.schema.body import BodySpec
 from mimoc.schema.key_paths import KeyPath
@@ -24,7 +24,7 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     """
     if not body.remove:
         return
-    anatomy = assemble(body.hands, body.chest_joint, "published")
+    anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
     gone = removed(anatomy, body.remove)
     for name in body.parts:
         if name in gone:

@@ -111,4 +111,4 @@ def one_armed(
 
 def middle_finger(tree: BodyTree, side: Side) -> str:
     """Return the body in the middle of the fingers, which represents all of them."""
-    return f"{side}_fingers" if tree.hands == "mitten" else f"{side}_mfmiddle"
+    return f"{side}_mfmiddle" if tree.hands == "five_finger" else f"{side}_fingers"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.body.assembly import assemble
+from mimoc.body.anatomy import assemble
 from mimoc.body.strength import FORWARDS, STRENGTH
 
 AGES_MONTHS = (0, 1, 2, 3, 4, 6, 9, 12, 15, 18, 24)

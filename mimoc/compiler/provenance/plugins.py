@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from mimoc.body.origins import Entry
+from mimoc.body.parts import PARTS
 
 SOURCES = {
     "actuation": ["spec.actuation.model"],
@@ -24,4 +25,8 @@ def trace_plugins(plugins: Mapping[str, str]) -> dict[str, Entry]:
 
 def _entry(kind: str, distribution: str) -> Entry:
     rule = "the installed distribution that declares this kind" if distribution else "registered by a script"
-    return {"value": distribution, "rule": rule, "from": SOURCES.get(kind.split(".")[0], [])}
+    section, _, name = kind.partition(".")
+    sources = SOURCES.get(section, [])
+    if section == "parts":
+        sources = ["spec.body.hands" if PARTS[name].replaces else "spec.body.extra"]
+    return {"value": distribution, "rule": rule, "from": sources}

@@ -13,6 +13,7 @@ from mimoc.body import Body, BodyTree, Geom, assemble, grow_average
 from mimoc.body.reference import REFERENCE_AGE_MONTHS
 from mimoc.body.strength import body_groups
 from mimoc.geometry.primitives import area
+from mimoc.schema.composition import on_recompose
 from mimoc.schema.names import Development, single_groups
 from mimoc.senses.touch.exposed import Layout, lay_out, move_with_geoms
 from mimoc.senses.touch.surface import FloatArray
@@ -56,7 +57,7 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
         density: Number of points, relative to what two-point discrimination asks for.
         regions: The groups of muscles whose parts have skin; None is all.
     """
-    patches = _patches(tree.hands, tree.development, density)
+    patches = _patches(tree.hands, tree.extra, tree.development, density)
     groups, covered = body_groups(tree), None if regions is None else single_groups(regions)
     points_m, spacing_m, moved_m = {}, {}, dict[Any, FloatArray]()
     for body in tree.bodies:
@@ -70,11 +71,14 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
 
 
 @lru_cache(maxsize=8)
-def _patches(hands: str, development: Development, density: float) -> Mapping[str, _Patch]:
+def _patches(hands: str, extra: tuple[str, ...], development: Development, density: float) -> Mapping[str, _Patch]:
     """Return the skin of the midline and of the right side, by body without its side."""
-    tree = grow_average(REFERENCE_AGE_MONTHS, assemble(hands, False, development))
+    tree = grow_average(REFERENCE_AGE_MONTHS, assemble(hands, False, development, extra))
     bodies = [body for body in tree.bodies if not body.name.startswith("left_")]
     return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
+
+
+on_recompose(_patches.cache_clear)  # Others' parts may be replaced.
 
 
 def _patch(body: Body, density: float) -> _Patch:

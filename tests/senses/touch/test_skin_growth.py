@@ -22,7 +22,7 @@ MITTEN = assemble("mitten", False)
 @settings(max_examples=10)
 def test_points_of_the_head_grow_with_its_half_axes(development, age_months):
     """By the law `maturing`, a neck comes out of the head, whose own points these are not."""
-    reference, tree = (grow_tree(measure(age), MITTEN, development=development) for age in (18, age_months))
+    reference, tree = (grow_tree(measure(age), assemble("mitten", False, development)) for age in (18, age_months))
     before, after = (
         in_half_axes(each.geoms["head"], skin_points(each, 1).points_m["head"]) for each in (reference, tree)
     )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.figures import REST_ABDUCTION_DEG
+from mimoc.body.part import REST_ABDUCTION_DEG
 from mimoc.errors import GeometryError
 from mimoc.units import deg_to_rad
 

@@ -11,10 +11,15 @@ Development = Literal["maturing", "published"]
 Region = Literal["trunk", "head", "limb"]
 """Bodies that limbs hang on, the head, and all others, which an infant may lack."""
 
+MATURING_GROUPS = ("neck", "trunk", "arm", "hand", "hip", "knee", "ankle", "eyes")
+"""Groups whose strength matures together (`strength.STRENGTH`)."""
+
 ALONG_Y: Vec3 = (90.0, 0.0, 0.0)
 ALONG_X: Vec3 = (0.0, 90.0, 0.0)
 UPRIGHT: Vec3 = (0.0, 0.0, 0.0)
 
+REFERENCE_AGE_MONTHS = 18.0
+"""Age at which children have MIMo's masses and the gears of its motors."""
 REST_ABDUCTION_DEG = 13.0
 """Angle between hanging upper arms and the vertical when all joints are at zero, such that they clear the chest (D;
 MIMo 10, with thinner chests)."""
@@ -24,6 +29,8 @@ WRIST = ("elbow_hand_length", "hand_length", "hand_breadth", "upper_arm_circumfe
 
 TRUNK_HEIGHT = ("crown_rump_length", "head_circumference", "hip_circumference", "hip_breadth")
 """What the spacing of the trunk's parts follows: what head and pelvis leave of the crown-rump length."""
+SHOULDERS = ("shoulder_breadth", "upper_arm_circumference", "chest_circumference", "chest_breadth", *TRUNK_HEIGHT)
+"""What places the shoulders: arms may be nearer to the midline the higher above the chest they are."""
 THIGH_LENGTH = (
     *("crown_sole_length", "crown_rump_length", "hip_circumference", "hip_breadth", "rump_knee_length"),
     *("knee_sole_length", "mid_thigh_circumference", "calf_circumference"),
@@ -31,6 +38,8 @@ THIGH_LENGTH = (
 """What the length of the thigh follows."""
 LEG_LENGTH = (*THIGH_LENGTH, "foot_length", "foot_breadth")
 """What the length of the shank follows; a foot's length and breadth make its height."""
+AXIAL_RULE = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
+"""The rule that places the parts of the trunk, and the head."""
 LEG_SHARE = (
     "leg length (crown_sole_length less trunk and foot), shared such that rump_knee_length and knee_sole_length, with "
     "the flesh behind the hip, before the knee and above it, are in proportion"
@@ -39,7 +48,7 @@ LEG_SHARE = (
 
 
 @dataclass(frozen=True, slots=True)
-class GeomFigures:
+class ReferenceGeom:
     """What does not grow about a geom, and what its size follows."""
 
     name: str
@@ -64,7 +73,7 @@ class GeomFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class JointFigures:
+class ReferenceJoint:
     """A hinge of the right side; none of its figures grow."""
 
     name: str
@@ -80,7 +89,7 @@ class JointFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class MotorFigures:
+class ReferenceMotor:
     """What moves a joint, at 18 months."""
 
     name: str
@@ -94,13 +103,13 @@ class MotorFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ReferencePart:
     """A body of the reference model: all that there is to say of it but its shape."""
 
     name: str
     parent: str | None
-    geoms: tuple[GeomFigures, ...]
-    joints: tuple[JointFigures, ...] = ()
+    geoms: tuple[ReferenceGeom, ...]
+    joints: tuple[ReferenceJoint, ...] = ()
     euler_deg: Vec3 = UPRIGHT
     follows: tuple[str, ...] = ()
     """The measurements its place in its parent comes from."""
@@ -108,7 +117,7 @@ class Part:
     """How its place comes from them, for people."""
     keeps_clear_of: str = ""
     """Another part than its parent that moves it when a spec scales either of them."""
-    motors: tuple[MotorFigures, ...] = ()
+    motors: tuple[ReferenceMotor, ...] = ()
     """What moves its joints, in MIMo's order."""
     region: Region = "limb"
     """No infant is without trunk and head; a limb can be removed."""

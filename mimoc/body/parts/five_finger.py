@@ -1,4 +1,4 @@
-"""Five-finger hands and two-toed feet: their parts, joints and motors, from MIMo's second body.
+"""Five-finger hands: their parts, joints and motors, from MIMo's second body, and their shapes.
 
 Names with `{side}` stand for a right and a left part; values are those of the right side. Fingers are
 ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Mattern et al. 2024).
@@ -7,21 +7,15 @@ ff, mf, rf and lf (first, middle, ring, little) and th (thumb), as in MIMo (Matt
 from collections.abc import Mapping
 from dataclasses import replace
 
-from mimoc.body.anatomy import ANKLE_JOINTS, WRIST_JOINTS
-from mimoc.body.figures import (
-    ALONG_X,
-    ALONG_Y,
-    LEG_LENGTH,
-    LEG_SHARE,
-    WRIST,
-    GeomFigures,
-    GeomType,
-    JointFigures,
-    MotorFigures,
-    Part,
-)
-from mimoc.body.motors import ANKLE_MOTORS, WRIST_MOTORS
+from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.body.part import ALONG_X, WRIST, GeomType, ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
+from mimoc.body.parts.arm import WRIST_JOINTS, WRIST_MOTORS
+from mimoc.body.parts.mitten import check_hand
+from mimoc.body.proportions import FINGER_ROOM, REFERENCE_M, THUMB_ROOM, Hand, Limb, Proportions
+from mimoc.body.sections import CLEARANCE_M
+from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
+from mimoc.kinds import PartKind
 
 Figures = tuple[float, ...]
 
@@ -59,10 +53,10 @@ _GRIP_CONDIM = 6
 """Contacts of a hand also have torsional and rolling friction (MIMo)."""
 
 
-def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> GeomFigures:
+def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
     euler_deg = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0)
     name = f"{{side}}_hand{number}"
-    return GeomFigures(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
+    return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
 
 
 _FLEXORS = (-0.345, 1.0)
@@ -73,12 +67,12 @@ _TOE_FORCE = (-1.0, 0.3)
 
 def _motor(
     name: str, joint: str, gear_nm: float, force_range: tuple[float, float], vmax_lengths_per_s: float, mover: str
-) -> MotorFigures:
+) -> ReferenceMotor:
     names = (f"act:{{side}}_{name}", f"robot:{{side}}_{joint}")
-    return MotorFigures(*names, gear_nm, force_range, vmax_lengths_per_s, f"{{side}}_{mover}1")
+    return ReferenceMotor(*names, gear_nm, force_range, vmax_lengths_per_s, f"{{side}}_{mover}1")
 
 
-def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) -> tuple[MotorFigures, ...]:
+def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) -> tuple[ReferenceMotor, ...]:
     """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
     return tuple(
         _motor(f"{name}_{joint}", f"{name}_{joint}", gear_nm, force_range, vmax, f"{name}{mover}")
@@ -99,11 +93,11 @@ def _phalanx(
     name: str,
     parent: str,
     mass_kg: float,
-    joints: tuple[JointFigures, ...],
+    joints: tuple[ReferenceJoint, ...],
     follows: tuple[str, ...],
-    motors: tuple[MotorFigures, ...],
-) -> Part:
-    geom = GeomFigures(
+    motors: tuple[ReferenceMotor, ...],
+) -> ReferencePart:
+    geom = ReferenceGeom(
         f"{{side}}_{name}1",
         "capsule",
         mass_kg,
@@ -113,7 +107,7 @@ def _phalanx(
         mass_at_m=_SIZES_M[f"{{side}}_{name}1"],
     )
     place = ("where the palm ends", _PALM) if name.endswith("knuckle") else ("where the one before it ends", _PALM[1:])
-    return Part(
+    return ReferencePart(
         f"{{side}}_{name}",
         f"{{side}}_{parent}",
         (geom,),
@@ -128,13 +122,13 @@ def _phalanx(
 
 def _hinge(
     name: str, axis: Vec3, range_deg: tuple[float, float], stiffness: float, damping: float, springref_deg: float = 0
-) -> JointFigures:
-    return JointFigures(f"robot:{{side}}_{name}", axis, range_deg, stiffness, damping, 0.0, 0.0001, springref_deg)
+) -> ReferenceJoint:
+    return ReferenceJoint(f"robot:{{side}}_{name}", axis, range_deg, stiffness, damping, 0.0, 0.0001, springref_deg)
 
 
 def _finger(
-    name: str, parent: str, masses_kg: Figures, stiffness: Figures, motors: tuple[MotorFigures, ...]
-) -> tuple[Part, Part, Part]:
+    name: str, parent: str, masses_kg: Figures, stiffness: Figures, motors: tuple[ReferenceMotor, ...]
+) -> tuple[ReferencePart, ReferencePart, ReferencePart]:
     """Return the three phalanges of a finger, the first of which also moves sideways."""
     side = _hinge(f"{name}_side", (0, 1, 0), (-25, 25), 0.003, 0.001)
     knuckle = _hinge(f"{name}_knuckle", (1, 0, 0), (-20, 90), stiffness[0], 0.0005, 45)
@@ -152,11 +146,11 @@ _MIDDLE = _finger_motors("mf", (0.05, 0.117, 0.039, 0.02925), (5.375, 4.325, 3.3
 _RING = _finger_motors("rf", (0.05, 0.078, 0.026, 0.0195), (4.984, 2.817, 3.007, 2.313))
 _LITTLE = _finger_motors("lf", (0.05, 0.0196, 0.00653, 0.00490), (5.282, 2.337, 2.566, 2.001))
 
-_METACARPAL = Part(
+_METACARPAL = ReferencePart(
     "{side}_lfmetacarpal",
     "{side}_hand",
     (
-        GeomFigures(
+        ReferenceGeom(
             "{side}_lfmetacarpal1",
             "box",
             0.002879,
@@ -165,7 +159,7 @@ _METACARPAL = Part(
             condim=_GRIP_CONDIM,
             mass_at_m=_SIZES_M["{side}_lfmetacarpal1"],
         ),
-        GeomFigures(
+        ReferenceGeom(
             "{side}_lfmetacarpal2",
             "cylinder",
             0.0009879,
@@ -184,11 +178,11 @@ _METACARPAL = Part(
     torque_site="torque_{side}_lf_meta",
 )
 
-_THUMB_BASE = Part(
+_THUMB_BASE = ReferencePart(
     "{side}_thbase",
     "{side}_hand",
     (
-        GeomFigures(
+        ReferenceGeom(
             "{side}_thbase1",
             "capsule",
             0.005463,
@@ -214,7 +208,7 @@ _THUMB_BASE = Part(
 )
 
 HAND = (
-    Part(
+    ReferencePart(
         "{side}_hand",
         "{side}_lower_arm",
         (
@@ -262,68 +256,6 @@ HAND = (
 )
 """Palm and fingers, in MIMo's order."""
 
-FOOT = (
-    Part(
-        "{side}_foot",
-        "{side}_lower_leg",
-        (
-            GeomFigures("{side}_foot1", "cylinder", 0.03225, _FOOT, "heel, as wide as foot_breadth"),
-            GeomFigures("{side}_foot2", "box", 0.04923, _FOOT, "sole, as wide as foot_breadth", friction=_SOLE_GRIP),
-            GeomFigures(
-                "{side}_foot3",
-                "cylinder",
-                0.01312,
-                _FOOT,
-                "ball of the foot, as wide as foot_breadth",
-                ALONG_Y,
-                _SOLE_GRIP,
-            ),
-        ),
-        ANKLE_JOINTS,
-        follows=LEG_LENGTH,
-        rule=LEG_SHARE,
-        motors=ANKLE_MOTORS,
-        matures_with="ankle",
-        skin_spacing_m=0.015,
-        torque_site="torque_{side}_ankle",
-        lies=True,
-    ),
-)
-"""The foot without its toes."""
-
-
-def _toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) -> Part:
-    box, tip = masses_kg
-    return Part(
-        f"{{side}}_{name}",
-        "{side}_foot",
-        (
-            GeomFigures(f"{{side}}_{name}1", "box", box, _FOOT, "a share of foot_breadth wide", friction=_SOLE_GRIP),
-            GeomFigures(
-                f"{{side}}_{name}2",
-                "cylinder",
-                tip,
-                _FOOT,
-                "rounds the toes off at foot_length from the heel",
-                ALONG_Y,
-                _SOLE_GRIP,
-            ),
-        ),
-        (JointFigures(f"robot:{{side}}_{name}", (0, -1, 0), (-60, 80), 0.053, 0.02, 0.002, 0.0001),),
-        follows=_FOOT,
-        rule="at the ball of the foot",
-        motors=(_motor(name, name, 0.165, _TOE_FORCE, vmax_lengths_per_s, name),),
-        skin_spacing_m=0.010,
-        torque_site=f"torque_{{side}}_{name}",
-        lies=True,
-    )
-
-
-_BIG_TOE = _toes("big_toe", (0.004425, 0.003934), 1.774)
-_OTHER_TOES = _toes("toes", (0.01006, 0.008612), 1.805)
-TOES: Mapping[str, tuple[Part, ...]] = {"right": (_BIG_TOE, _OTHER_TOES), "left": (_OTHER_TOES, _BIG_TOE)}
-"""The big toe and the other toes, which MIMo lists in reverse order on the left."""
-
 MASSES_KG: Mapping[str, float] = {
     "lb": 1.1684,
     "cb": 1.3359,
@@ -346,3 +278,106 @@ EXCLUDED = (
     ("{side}_thbase", "{side}_lfmetacarpal"),
 )
 """Pairs of bodies without contacts: roots of thumb and little finger, and the forearm (by bit masks in MIMo)."""
+
+
+FINGERS = {"ff": (0.95, 0.9), "mf": (1.0, 1.0), "rf": (0.95, 0.9), "lf": (0.91, 0.88)}
+"""Radius and length of each finger relative to the middle finger (MIMo v2)."""
+
+
+def fingers_dimensions(p: Proportions) -> Dimensions:
+    """Return a five-finger hand, whose palm and middle finger are each half as long as the hand."""
+    h = p.hand
+    thick_m = 0.584 * h.half_thickness_m
+    palm_m = h.length_m / 4 - thick_m
+    wide = h.half_breadth_m / (REFERENCE_M["hand_breadth"] / 2)
+    check_hand(h, h.half_breadth_m)
+    if h.finger_radius_m > FINGER_ROOM * h.length_m or h.thumb_radius_m > THUMB_ROOM * h.length_m:
+        thickest_m = 2 * max(h.finger_radius_m, h.thumb_radius_m)
+        raise GeometryError(f"a hand {h.length_m:.3f} m long cannot have fingers {thickest_m:.4f} m thick")
+    if palm_m <= 0:
+        raise GeometryError(f"a hand {h.length_m:.3f} m long cannot be {2 * thick_m:.3f} m thick")
+    dimensions = _palm_dimensions(h, p.forearm, palm_m, thick_m, wide)
+    knuckles_m = palm_m + thick_m
+    roots = {
+        "ff": (0.01177 * wide, 0.0, palm_m + 0.7 * thick_m),
+        "mf": (0.0, 0.0, knuckles_m),
+        "rf": (-0.01177 * wide, 0.0, palm_m + 0.7 * thick_m),
+        "lf": (-0.00849 * wide, 0.0, 0.204 * palm_m + palm_m / 2 + 0.8 * thick_m),
+    }
+    for name, root in roots.items():
+        girth, length = FINGERS[name]
+        dimensions |= _finger_dimensions(name, root, girth * h.finger_radius_m, length * h.length_m / 8)
+    return dimensions | _thumb_dimensions(h, palm_m, wide)
+
+
+def _palm_dimensions(h: Hand, forearm: Limb, palm_m: float, thick_m: float, wide: float) -> Dimensions:
+    middle_m = (0.0, 0.0, 0.0)
+    side_x_m = 0.007 * wide
+    meta_m = 0.204 * palm_m
+    return Dimensions(
+        origins={
+            "{side}_hand": (side_x_m, -0.9 * h.half_thickness_m, forearm.length_m + palm_m + thick_m),
+            "{side}_lfmetacarpal": (-0.01498 * wide, 0.0, 0.122 * palm_m),
+        },
+        shapes={
+            "{side}_hand1": Shape((0.01712 * wide, thick_m, palm_m), middle_m),
+            "{side}_hand2": Shape((0.00588 * wide, thick_m, palm_m / 2), (-h.half_breadth_m, 0.0, -palm_m / 2)),
+            "{side}_hand3": Shape((thick_m, 0.01712 * wide - CLEARANCE_M), (0.0, 0.0, palm_m)),
+            "{side}_hand4": Shape((thick_m, h.half_breadth_m), (-0.00588 * wide, 0.0, -palm_m)),
+            "{side}_lfmetacarpal1": Shape((0.00508 * wide, thick_m, palm_m / 2), (-0.00883 * wide, 0.0, meta_m)),
+            "{side}_lfmetacarpal2": Shape(
+                (thick_m, 0.00508 * wide - CLEARANCE_M), (-0.00883 * wide, 0.0, meta_m + palm_m / 2)
+            ),
+        },
+        anchors={
+            "robot:{side}_hand1": (-side_x_m, 0.9 * thick_m, -0.68 * palm_m - thick_m),
+            "robot:{side}_hand2": (-side_x_m, -0.6 * thick_m, -0.84 * palm_m - thick_m),
+            "robot:{side}_hand3": (-side_x_m, 0.0, -palm_m - thick_m),
+        },
+    )
+
+
+def _finger_dimensions(name: str, root: Vec3, radius_m: float, half_m: float) -> Dimensions:
+    """Return three phalanges, the first twice as long, from joint to joint, as each of the others."""
+    tip_m = half_m / 2 - 0.45 * radius_m
+    return Dimensions(
+        origins={
+            f"{{side}}_{name}knuckle": root,
+            f"{{side}}_{name}middle": (0.0, 0.0, 2 * half_m),
+            f"{{side}}_{name}distal": (0.0, 0.0, half_m),
+        },
+        shapes={
+            f"{{side}}_{name}knuckle1": Shape((radius_m, half_m), (0.0, 0.0, half_m)),
+            f"{{side}}_{name}middle1": Shape((0.95 * radius_m, half_m / 2), (0.0, 0.0, half_m / 2)),
+            f"{{side}}_{name}distal1": Shape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
+        },
+    )
+
+
+def _thumb_dimensions(h: Hand, palm_m: float, wide: float) -> Dimensions:
+    half_m, radius_m = 0.75 * h.length_m / 8, h.thumb_radius_m
+    lengths_m = (half_m, 0.75 * half_m, 0.6 * half_m)
+    base_m, hub_m, tip_m = lengths_m
+    return Dimensions(
+        origins={
+            "{side}_thbase": (0.0123 * wide, -0.423 * h.half_thickness_m, -0.633 * palm_m),
+            "{side}_thhub": (0.0, 0.0, 2 * base_m),
+            "{side}_thdistal": (0.0, 0.0, 2 * hub_m),
+        },
+        shapes={
+            "{side}_thbase1": Shape((radius_m, base_m), (0.0, 0.0, base_m)),
+            "{side}_thhub1": Shape((0.95 * radius_m, hub_m), (0.0, 0.0, hub_m)),
+            "{side}_thdistal1": Shape((0.9025 * radius_m, tip_m), (0.0, 0.0, tip_m)),
+        },
+    )
+
+
+KIND = PartKind(
+    "five_finger",
+    "Hands whose fingers move independently.",
+    HAND,
+    fingers_dimensions,
+    replaces="hands",
+    excluded=EXCLUDED,
+    masses_kg=MASSES_KG,
+)
