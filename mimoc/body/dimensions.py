@@ -29,9 +29,7 @@ class Dimensions:
     def __or__(self, other: "Dimensions") -> "Dimensions":
         """Return the union of both."""
         return Dimensions(
-            {**self.origins, **other.origins},
-            {**self.shapes, **other.shapes},
-            {**self.anchors, **other.anchors},
+            {**self.origins, **other.origins}, {**self.shapes, **other.shapes}, {**self.anchors, **other.anchors}
         )
 
 

@@ -11,21 +11,15 @@ from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.body.dimensions import Dimensions, mirror, mirror_turn
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
+from mimoc.body.maturation import maturation, relative_volumes
 from mimoc.body.measurements import measure_individual
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.prune import prune
-from mimoc.body.reference import HEIGHT, Reference, reference_body
+from mimoc.body.reference import Reference, reference_body
 from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
-from mimoc.body.strength import (
-    RelativeVolumes,
-    at_strength_of_age,
-    motor_torques,
-    relative_volumes,
-    scale_strength,
-    volumes_of_joints,
-)
-from mimoc.body.tree import Body, BodyTree, Geom, Growth, Joint, Tendon
+from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon
 from mimoc.fits import Measurements, measure
 from mimoc.schema.infant import InfantSpec
 
@@ -114,7 +108,7 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
     shapes = shape_parts(child, reference, scales)
     masses = weigh_parts(shapes, reference)
     volumes = relative_volumes(shapes, reference)
-    growth = _maturation(child, volumes, masses, reference) if anatomy.development == "maturing" else None
+    growth = maturation(child, volumes, masses.head_gain, reference)
     joints = passive_joints(shapes, reference, growth)
     motors = motor_torques(volumes, reference, growth)
     tree = BodyTree(
@@ -129,15 +123,6 @@ def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES)
         growth=growth,
     )
     return tree, masses
-
-
-def _maturation(child: Measurements, volumes: RelativeVolumes, masses: Masses, reference: Reference) -> Growth:
-    """Return what strength and joints mature with by the law `maturing`, besides age."""
-    return Growth(
-        relative_length=child.published[HEIGHT] / reference.length_m,
-        relative_volumes=volumes_of_joints(volumes, reference.anatomy),
-        head_gain=masses.head_gain,
-    )
 
 
 def _average(reference: Reference) -> BodyTree:

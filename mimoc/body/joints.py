@@ -17,20 +17,15 @@ from dataclasses import dataclass, replace
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.decay import Decay
 from mimoc.body.dimensions import mirror, mirror_turn
+from mimoc.body.maturation import NECK, heavier
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceJoint
 from mimoc.body.reference import Reference
 from mimoc.body.shapes import Shapes
-from mimoc.body.strength import NECK, heavier
 from mimoc.body.tree import BodyTree, Growth, Joint
 from mimoc.geometry.rotations import Vec3
 
-POWERS: Mapping[str, float] = {
-    "stiffness": 1.0,
-    "frictionloss": 1.0,
-    "damping": 1.5,
-    "armature": 2.0,
-}
+POWERS: Mapping[str, float] = {"stiffness": 1.0, "frictionloss": 1.0, "damping": 1.5, "armature": 2.0}
 """Powers of the standing height that a joint's constants grow by, besides the volume of the part (D)."""
 
 TONE = Decay(2.5, 1.5)
@@ -83,9 +78,7 @@ UPPER_LIMITS: Mapping[str, Limit] = {
     "robot:{side}_foot1": Limit(59.0, Decay(6.0, 1.0), "Waugh 1983 (M)"),
     "robot:{side}_elbow": Limit(-19.0, Decay(3.0, 1.0), "Shah (S)"),
 }
-LOWER_LIMITS: Mapping[str, Limit] = {
-    "robot:{side}_foot1": Limit(-26.0, Decay(6.0, 1.0), "Waugh 1983 (M)"),
-}
+LOWER_LIMITS: Mapping[str, Limit] = {"robot:{side}_foot1": Limit(-26.0, Decay(6.0, 1.0), "Waugh 1983 (M)")}
 """Newborns cannot straighten hips, knees and elbows; they bend their ankles further up, and less far down."""
 
 _Place = tuple[str, Vec3, Vec3]

@@ -18,13 +18,11 @@ from dataclasses import dataclass, replace
 from math import prod
 
 from mimoc.body import origins
-from mimoc.body.anatomy import Anatomy
 from mimoc.body.decay import Decay
+from mimoc.body.maturation import NECK, RelativeVolumes, heavier
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
-from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import Reference
-from mimoc.body.shapes import Shapes
 from mimoc.body.tree import BodyTree, Growth, Motor
 from mimoc.schema.names import PAIRED_GROUPS
 
@@ -60,34 +58,6 @@ STRENGTH: Mapping[str, StrengthCurve] = {
 
 FORWARDS: Mapping[str, str] = {"act:head_tilt": "neck_front"}
 """Motors whose torque towards positive angles comes from another group: the chin goes to the chest."""
-
-NECK = "neck"
-"""The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
-
-
-RelativeVolumes = Mapping[str, Mapping[str, float]]
-"""Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
-
-
-def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
-    """Return the volume v of each geom by the growth law of the paper, relative to 18 months."""
-    at_18 = reference.volumes_m3
-    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.published_m3[side].items()})
-
-
-def volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, float]:
-    """Return the volume v that each joint's strength follows, by joint.
-
-    A joint without a motor has that of the joint that a tendon couples it to, as the second vertebra's joints, or else
-    of the part that it moves.
-    """
-    by_joint = {figures.joint.format(side=side): volumes[side][figures.mover] for side, figures in anatomy.motors}
-    for _, _, ((first, _), (second, _)) in TENDONS:
-        by_joint.setdefault(second, by_joint[first])
-    for side, part in anatomy.parts:
-        for joint in part.joints:
-            by_joint.setdefault(joint.name.format(side=side), volumes[side][part.geoms[0].name])
-    return by_joint
 
 
 def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth | None) -> tuple[Motor, ...]:
@@ -148,27 +118,13 @@ def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
     """Return a body with the factors on its gears that a spec asks for, by muscle group or pair of groups."""
     if not strength:
         return tree
-    groups = muscle_groups(tree)
+    groups = tree.muscle_groups
     motors = []
     for motor in tree.motors:
         asked = tuple(_of_group(groups[motor.joint], strength))
         gear_nm = motor.gear_nm * prod(factor for _, factor in asked)
         motors.append(replace(motor, gear_nm=gear_nm, factors=(*asked, *motor.factors)))
     return replace(tree, motors=tuple(motors))
-
-
-def muscle_groups(tree: BodyTree) -> Mapping[str, str]:
-    """Return the muscle group that moves each joint."""
-    of_body = body_groups(tree)
-    return {joint.name: of_body[body.name] for body in tree.bodies for joint in body.joints}
-
-
-def body_groups(tree: BodyTree) -> Mapping[str, str]:
-    """Return the muscle group that moves each body."""
-    groups: dict[str, str] = {}
-    for body in tree.bodies:
-        groups[body.name] = body.group or groups[body.parent or body.name]
-    return groups
 
 
 def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
@@ -201,12 +157,6 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
     for key, factor in motor.factors:
         gear = gear.times(f" x {factor:.6g} ({key})", key)
     return gear, limits
-
-
-def heavier(group: str, growth: Growth) -> str:
-    """Return what is said of the neck's numbers, which grow with its heavier head."""
-    gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
-    return gain if group == NECK else ""
 
 
 def _row(group: str) -> str:

@@ -155,6 +155,20 @@ class BodyTree:
         return {joint.name: joint for body in self.bodies for joint in body.joints}
 
     @property
+    def body_groups(self) -> Mapping[str, str]:
+        """The muscle group that moves each body."""
+        groups: dict[str, str] = {}
+        for body in self.bodies:
+            groups[body.name] = body.group or groups[body.parent or body.name]
+        return groups
+
+    @property
+    def muscle_groups(self) -> Mapping[str, str]:
+        """The muscle group that moves each joint."""
+        of_body = self.body_groups
+        return {joint.name: of_body[body.name] for body in self.bodies for joint in body.joints}
+
+    @property
     def mass_kg(self) -> float:
         """Mass of the whole infant."""
         return math.fsum(body.mass_kg for body in self.bodies)

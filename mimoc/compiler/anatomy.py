@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from mimoc.body import BodyTree
 from mimoc.body.regions import ARM, EYE, EYE_SIDES, HEAD, LEG, LIMB_SIDES, Ends
-from mimoc.body.strength import muscle_groups
 from mimoc.bundle.manifest import AnatomyEntry, EyeEntry, LimbEntry
 
 
@@ -12,7 +11,7 @@ def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
     """Return the anatomy of a body for the manifest."""
     here = {body.name for body in tree.bodies}
     groups: dict[str, list[str]] = {}
-    for joint, group in muscle_groups(tree).items():
+    for joint, group in tree.muscle_groups.items():
         groups.setdefault(group, []).append(joint)
     return AnatomyEntry(
         head=HEAD if HEAD in here else None,

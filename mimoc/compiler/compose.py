@@ -1,6 +1,6 @@
 """Composition of an infant from body, senses, actuators and appearance, before it is placed in its world."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
@@ -73,7 +73,8 @@ def compose(
 
 def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
     """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
-    sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
+    keypoints, hip_m = keypoint_sites(tree), (0.0, 0.0, standing_height(tree))
+    sites, cameras = _sites(tree, senses, keypoints), dict(sensor_sites.cameras(tree))
     for placed in senses.values():
         cameras |= placed.cameras
     uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
@@ -83,7 +84,7 @@ def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Place
         group = SOLIDS_GROUP if has_skin and body.name not in uncovered else BODY_GROUP
         nodes[body.name] = Node(
             name=body.name,
-            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
+            pos_m=hip_m if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
             joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
@@ -95,9 +96,11 @@ def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Place
     return nodes
 
 
-def _sites(tree: BodyTree, senses: Mapping[str, Placed]) -> dict[str, tuple[Site, ...]]:
+def _sites(
+    tree: BodyTree, senses: Mapping[str, Placed], keypoints: Mapping[str, Sequence[Site]]
+) -> dict[str, tuple[Site, ...]]:
     """Return the sites of each body: those of sensors, of senses, then keypoints."""
-    of_sensors, keypoints = sensor_sites.sites(tree), keypoint_sites(tree)
+    of_sensors = sensor_sites.sites(tree)
     return {
         body.name: (
             *of_sensors.get(body.name, ()),

@@ -1,6 +1,6 @@
 """The manifest of a scene."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from mimoc.actuation import ACTUATIONS
@@ -24,6 +24,7 @@ from mimoc.delays.presets import delays
 from mimoc.kinds import Kinds
 from mimoc.looks.appearance import face_material
 from mimoc.looks.expressions import FACES
+from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.objects import FreeObject
@@ -43,21 +44,27 @@ def describe(
     spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
 ) -> Manifest:
     """Return the manifest of a scene."""
+    child = _child(spec, tree)
+    locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
+    commanded = commanded_joints(spec, tree, setup)
     return Manifest(
         name=spec.name,
-        child=_child(spec, tree),
+        child=child,
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,
         pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=_actuation(spec, tree, scene, setup),
+        actuation=_actuation(spec.actuation.model, scene.actuators, commanded),
         anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
         noise=noise(spec),
-        constraints=_constraints(spec, tree, setup),
+        constraints=ConstraintsEntry(
+            locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked),
+            welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in held),
+        ),
         task=setup.entry,
         face=FaceEntry(
             geom="head",
@@ -123,16 +130,8 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _constraints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> ConstraintsEntry:
-    return ConstraintsEntry(
-        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, setup)),
-        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, setup)),
-    )
-
-
-def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, setup: TaskSetup) -> ActuationEntry:
-    commanded = commanded_joints(spec, tree, setup)
-    actuators = tuple(
+def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
+    entries = tuple(
         ActuatorEntry(
             name=actuator.name,
             mimo_actuator=actuator.mimo_actuator,
@@ -141,6 +140,6 @@ def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, setup: TaskSe
             action_high=actuator.control_range[1],
             commanded=actuator.joint in commanded,
         )
-        for actuator in scene.actuators
+        for actuator in actuators
     )
-    return ActuationEntry(model=spec.actuation.model, actuators=actuators)
+    return ActuationEntry(model=model, actuators=entries)

@@ -3,7 +3,7 @@
 import pytest
 
 from mimoc.body import assemble, grow_body, grow_tree
-from mimoc.body.strength import AGE_KEY, STRENGTH_KEY, muscle_groups
+from mimoc.body.strength import AGE_KEY, STRENGTH_KEY
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
@@ -35,7 +35,7 @@ def body(request):
 
 def test_the_groups_are_those_of_the_language_and_share_out_all_muscles(body):
     tree = child({}, **body)
-    groups = muscle_groups(tree)
+    groups = tree.muscle_groups
     assert {groups[motor.joint] for motor in tree.motors} == set(GROUPS)
 
 
@@ -68,7 +68,7 @@ def test_fingers_belong_to_the_hand():
 @pytest.mark.parametrize("group", GROUPS)
 def test_a_factor_strengthens_its_group_and_nothing_else(group, body):
     tree = child({}, **body)
-    groups = {motor.name: muscle_groups(tree)[motor.joint] for motor in tree.motors}
+    groups = {motor.name: tree.muscle_groups[motor.joint] for motor in tree.motors}
     for name, factor in factors({"strength": {group: 0.5}}, **body).items():
         assert factor == pytest.approx(0.5 if groups[name] == group else 1), name
 

@@ -16,11 +16,7 @@ FOOT = (
         "{side}_lower_leg",
         (
             ReferenceGeom(
-                "{side}_foot1",
-                "cylinder",
-                0.03219,
-                ("foot_breadth", "foot_length"),
-                "heel, as wide as foot_breadth",
+                "{side}_foot1", "cylinder", 0.03219, ("foot_breadth", "foot_length"), "heel, as wide as foot_breadth"
             ),
             ReferenceGeom(
                 "{side}_foot2",

@@ -11,7 +11,6 @@ import numpy as np
 
 from mimoc.body import Body, BodyTree, Geom, assemble, grow_average
 from mimoc.body.reference import REFERENCE_AGE_MONTHS
-from mimoc.body.strength import body_groups
 from mimoc.geometry.primitives import area
 from mimoc.schema.composition import on_recompose
 from mimoc.schema.names import Development, single_groups
@@ -58,7 +57,7 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
         regions: The groups of muscles whose parts have skin; None is all.
     """
     patches = _patches(tree.hands, tree.extra, tree.development, density)
-    groups, covered = body_groups(tree), None if regions is None else single_groups(regions)
+    groups, covered = tree.body_groups, None if regions is None else single_groups(regions)
     points_m, spacing_m, moved_m = {}, {}, dict[Any, FloatArray]()
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
