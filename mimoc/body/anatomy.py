@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from mimoc.body.part import Development, ReferenceGeom, ReferenceMotor, ReferencePart
 from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.body.parts.trunk import CHEST_JOINTS, CHEST_MOTORS
+from mimoc.errors import KindError
 from mimoc.kinds import PartKind
 
 Sided = tuple[tuple[str, ReferencePart], ...]
@@ -72,8 +73,8 @@ class Anatomy:
     @property
     def follows(self) -> frozenset[str]:
         """Names of the measurements that this body depends on."""
-        of_geoms = ((*geom.follows, *geom.placed_by) for _, part in self.parts for geom in part.geoms)
-        return frozenset({name for _, part in self.parts for name in part.follows}.union(*of_geoms))
+        of_geoms = ((*geom.size_from, *geom.position_from) for _, part in self.parts for geom in part.geoms)
+        return frozenset({name for _, part in self.parts for name in part.position_from}.union(*of_geoms))
 
     @property
     def groups(self) -> Mapping[str, str]:
@@ -96,6 +97,9 @@ def assemble(
         chest_joint: Whether it has MIMo's two joints of the chest.
         development: Its law of development.
         extra: Kinds of parts that it has besides MIMo's.
+
+    Raises:
+        KindError: If somebody else's parts are on a part that it lacks.
     """
     hand, others, (right_foot, left_foot) = PARTS[hands], tuple(PARTS[name] for name in extra), feet_of(hands)
     sections = {
@@ -110,7 +114,11 @@ def assemble(
         "extra": tuple(item for kind in others for item in on_named_sides(kind.parts)),
     }
     kinds = (TRUNK, ARM, hand, HEAD, EYES, LEG, right_foot, *others)
-    parts = mimos_parts = _parents_first(sum(sections.values(), ()), _masses_kg(kinds))
+    all_parts = sum(sections.values(), ())
+    parts = mimos_parts = _parents_first(all_parts, _masses_kg(kinds))
+    if len(parts) < len(all_parts):
+        lost = next(part for _, part in all_parts if part.name not in {part.name for _, part in parts})
+        raise KindError(f"'{lost.name}' is on '{lost.parent}', which a body with {hands} hands does not have")
     excluded = [pair for kind in kinds for pair in _excluded(kind)]
     if development == "maturing":
         feet = {part.name for part in right_foot.parts}
@@ -136,10 +144,10 @@ def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[st
         return replace(part, geoms=tuple(replace(geom, rule=geom.rule + FOOT_RULE) for geom in part.geoms))
     if part.name == "head":
         (head,) = part.geoms
-        ellipsoid = replace(head, type="ellipsoid", follows=HEAD_MEASURES, rule=HEAD_RULE)
+        ellipsoid = replace(head, type="ellipsoid", size_from=HEAD_MEASURES, rule=HEAD_RULE)
         return replace(part, geoms=(ellipsoid, replace(neck, rule=NECK_RULE)))
     if part.name == "{side}_eye":
-        return replace(part, follows=HEAD_MEASURES, rule=EYE_RULE)
+        return replace(part, position_from=HEAD_MEASURES, rule=EYE_RULE)
     if neck in part.geoms:
         return replace(part, geoms=tuple(geom for geom in part.geoms if geom is not neck))
     return part

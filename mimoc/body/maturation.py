@@ -27,7 +27,7 @@ def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, 
     A joint without a motor has that of the joint that a tendon couples it to, as the second vertebra's joints, or else
     of the part that it moves.
     """
-    by_joint = {figures.joint.format(side=side): volumes[side][figures.mover] for side, figures in anatomy.motors}
+    by_joint = {figures.joint.format(side=side): volumes[side][figures.driven_geom] for side, figures in anatomy.motors}
     for _, _, ((first, _), (second, _)) in TENDONS:
         by_joint.setdefault(second, by_joint[first])
     for side, part in anatomy.parts:

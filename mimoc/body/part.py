@@ -55,7 +55,7 @@ class ReferenceGeom:
     type: GeomType
     mass_kg: float
     """In MIMo, at the size that it has there."""
-    follows: tuple[str, ...]
+    size_from: tuple[str, ...]
     """The measurements its size comes from."""
     rule: str
     """How its size comes from them, for people."""
@@ -64,7 +64,7 @@ class ReferenceGeom:
     contype: int = 1
     conaffinity: int = 1
     condim: int = 3
-    placed_by: tuple[str, ...] = ()
+    position_from: tuple[str, ...] = ()
     """The measurements that only its place comes from."""
     material: str = "skin"
     """Name of its material (`mimoc.looks.appearance`)."""
@@ -98,7 +98,7 @@ class ReferenceMotor:
     force_range: tuple[float, float]
     vmax_lengths_per_s: float
     """The fastest that its muscles shorten, in optimal lengths a second; it does not grow."""
-    mover: str
+    driven_geom: str
     """The geom whose volume its gear grows with."""
 
 
@@ -111,7 +111,7 @@ class ReferencePart:
     geoms: tuple[ReferenceGeom, ...]
     joints: tuple[ReferenceJoint, ...] = ()
     euler_deg: Vec3 = UPRIGHT
-    follows: tuple[str, ...] = ()
+    position_from: tuple[str, ...] = ()
     """The measurements its place in its parent comes from."""
     rule: str = "at the origin of its parent"
     """How its place comes from them, for people."""
@@ -124,11 +124,11 @@ class ReferencePart:
     group: str = ""
     """Muscle group of its joints, and of the parts below it that have none of their own; empty is its parent's."""
     matures_with: str = ""
-    """Group whose strength matures together (`maturing.strength`); empty is its muscle group's, or its parent's."""
+    """Group whose strength matures together (`strength.STRENGTH`); empty is its muscle group's, or its parent's."""
     skin_spacing_m: float | None = field(kw_only=True)
     """Distance of neighbouring skin points of the average child of 18 months: its two-point discrimination (MIMo).
     None is a single point, at its front."""
     torque_site: str = ""
     """MIMo's name of the site that measures the torque between it and its parent; empty is none."""
-    lies: bool = False
+    runs_along_x: bool = False
     """Whether its length runs along x; that of other parts runs along z."""

@@ -31,12 +31,12 @@ def trace_body(grown: GrownBody, tree: BodyTree, scaled: Mapping[str, tuple[str,
     for body in tree.bodies:
         side, part = parts[body.name]
         movers = _moving(body, part, scaled)
-        entries |= _trace_body(body, part, _keys(part.follows, side, child, movers))
+        entries |= _trace_body(body, part, _keys(part.position_from, side, child, movers))
         for geom in body.geoms:
             solid = figures[geom.name]
             sized, placed = (
                 _keys(names, side, child, scaled.get(body.name, ()))
-                for names in (solid.follows, (*solid.follows, *solid.placed_by))
+                for names in (solid.size_from, (*solid.size_from, *solid.position_from))
             )
             mass = grown.masses.origin(solid, part, geom.name, sized)
             entries |= _trace_geom(geom, Origin(solid.rule, sized), Origin(solid.rule, placed), mass)

@@ -89,7 +89,7 @@ def scale_part(
     """
     children = [part.name for part in parts if part.parent == name]
     (part,) = (part for part in parts if part.name == name)
-    scale = (length, girth, girth) if part.lies else (girth, girth, length)
+    scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
     joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
     return dimensions | Dimensions(
         origins={child: _scaled(dimensions.origins[child], scale) for child in children},

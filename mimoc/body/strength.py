@@ -72,11 +72,11 @@ def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth
     groups, motors = reference.anatomy.groups, []
     for side, figures in reference.anatomy.motors:
         joint, torque_nm, force_range = figures.joint.format(side=side), figures.gear_nm, figures.force_range
-        torque_nm *= volumes[side][figures.mover]
+        torque_nm *= volumes[side][figures.driven_geom]
         if growth:
             torque_nm, force_range = _maturing(torque_nm, figures, groups[joint], of_age, growth)
-        name, mover = figures.name.format(side=side), figures.mover.format(side=side)
-        motors.append(Motor(name, joint, torque_nm, force_range, figures.vmax_lengths_per_s, mover))
+        name, driven_geom = figures.name.format(side=side), figures.driven_geom.format(side=side)
+        motors.append(Motor(name, joint, torque_nm, force_range, figures.vmax_lengths_per_s, driven_geom))
     return tuple(motors)
 
 
@@ -138,9 +138,9 @@ def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyT
     """
     rule = (
         f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
-        f"of the geom that moves the joint: {motor.mover}"
+        f"of the geom that moves the joint: {motor.driven_geom}"
     )
-    gear, limits = Origin(rule, (f"geom.{motor.mover}.size",)), Origin(CONSTANT)
+    gear, limits = Origin(rule, (f"geom.{motor.driven_geom}.size",)), Origin(CONSTANT)
     if tree.growth:
         strength = STRENGTH[group](tree.age_months)
         text = (

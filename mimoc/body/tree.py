@@ -90,7 +90,7 @@ class Motor:
     """Fraction of the gear that is available towards negative and positive angles."""
     vmax_lengths_per_s: float
     """Maximum shortening velocity of its muscles, in optimal lengths per second."""
-    mover: str
+    driven_geom: str
     """The geom whose volume determines the gear."""
     factors: tuple[tuple[str, float], ...] = ()
     """Factors of the spec on the gear: the key of the spec, and its value."""

@@ -72,8 +72,8 @@ def _side(key: str) -> str:
 def _followed(anatomy: Anatomy, gone: set[str], only: str) -> set[str]:
     """Return the measurements that the remaining parts follow: those of one side, or all."""
     here = [part for side, part in anatomy.parts if part.name.format(side=side) not in gone and only in ("", side)]
-    of_geoms = (names for part in here for geom in part.geoms for names in (geom.follows, geom.placed_by))
-    return {name for part in here for name in part.follows}.union(*of_geoms)
+    of_geoms = (names for part in here for geom in part.geoms for names in (geom.size_from, geom.position_from))
+    return {name for part in here for name in part.position_from}.union(*of_geoms)
 
 
 def _groups(anatomy: Anatomy, gone: set[str]) -> set[str]:

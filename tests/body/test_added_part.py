@@ -38,7 +38,7 @@ TAIL = ReferencePart(
         ),
     ),
     (ReferenceJoint("robot:tail", (0, 1, 0), (-30, 30), 0.2, 0.05, 0.001, 0.001),),
-    follows=("hip_circumference",),
+    position_from=("hip_circumference",),
     rule="on the back of the pelvis",
     motors=(ReferenceMotor("act:tail", "robot:tail", 0.8, (-1, 1), 1.5, "tail1"),),
     skin_spacing_m=0.01,
@@ -49,7 +49,7 @@ WING = ReferencePart(
     "chest",
     (ReferenceGeom("{side}_wing1", "box", 0.03, ("chest_circumference",), "in proportion to chest_circumference"),),
     (ReferenceJoint("robot:{side}_wing", (1, 0, 0), (-20, 40), 0.2, 0.05, 0.001, 0.001),),
-    follows=("chest_circumference",),
+    position_from=("chest_circumference",),
     rule="on the back of the chest",
     motors=(ReferenceMotor("act:{side}_wing", "robot:{side}_wing", 0.5, (-0.5, 1), 1.5, "{side}_wing1"),),
     group="{side}_arm",
@@ -92,7 +92,7 @@ PAW = ReferencePart(
     "{side}_lower_arm",
     (ReferenceGeom("{side}_hand1", "capsule", 0.09, ("hand_length", "forearm_circumference"), "half of hand_length"),),
     (ReferenceJoint("robot:{side}_hand1", (0, 1, 0), (-40, 40), 0.2, 0.05, 0.001, 0.001),),
-    follows=("elbow_hand_length",),
+    position_from=("elbow_hand_length",),
     rule="at the wrist",
     motors=(ReferenceMotor("act:{side}_paw", "robot:{side}_hand1", 0.8, (-1, 1), 1.5, "{side}_hand1"),),
     group="{side}_hand",
@@ -332,6 +332,7 @@ def test_editors_and_errors_know_what_can_be_chosen():
         (replace(TAIL, parent="{side}_foot"), "'tail' is on a part of both sides; write '{side}' into its name"),
         (replace(TAIL, geoms=()), "'tail' has no geom"),
         (replace(TAIL, name="hip"), "the name 'hip' is taken"),
+        (replace(WING, name="{side}_fin"), "the name '{side}_wing1' is taken"),
         (replace(TAIL, group="{side}_leg"), "matures with 'leg'; choose from ankle, arm, eyes, hand, hip, knee"),
         (replace(TAIL, joints=()), "the motor 'act:tail' moves 'robot:tail'"),
         (replace(TAIL, name="{side}_tail"), "write '{side}' into both names, or neither"),
@@ -339,9 +340,9 @@ def test_editors_and_errors_know_what_can_be_chosen():
 )
 def test_parts_that_do_not_fit_are_refused(wrong, message):
     with pytest.raises(KindError) as error:
-        mimoc.register(PartKind("other_tail", "Another tail.", (wrong,), tail))
+        mimoc.register(PartKind("tail", "Another tail.", (wrong,), tail))
     assert message in str(error.value)
-    assert "other_tail" not in PARTS
+    assert PARTS["tail"] is TAIL_KIND
 
 
 def test_other_hands_that_are_not_on_the_forearm_are_refused():
@@ -355,3 +356,15 @@ def test_a_shape_that_says_too_little_is_an_error_of_one_line():
     stump = PartKind("stump", "A stump.", (part,), lambda _: Dimensions())
     with registered(stump), pytest.raises(KindError, match=message):
         mimoc.build(spec(body={"extra": ["stump"]}))
+
+
+def test_a_part_on_other_hands_than_the_infant_has_is_an_error():
+    geom = ReferenceGeom("{side}_claw1", "sphere", 0.01, ("hand_length",), "as large as a claw")
+    part = ReferencePart("{side}_claw", "{side}_fingers", (geom,), skin_spacing_m=0.01)
+    shape = Dimensions({"{side}_claw": (0.0, 0.0, 0.01)}, {"{side}_claw1": Shape((0.003,), (0.0, 0.0, 0.0))})
+    with registered(PartKind("claws", "Claws.", (part,), lambda _: shape)):
+        assert "left_claw" in mimoc.build(spec(body={"extra": ["claws"]})).files["infant.xml"].decode()
+        with pytest.raises(
+            KindError, match=r"is on '{side}_fingers', which a body with five_finger hands does not have"
+        ):
+            mimoc.build(spec(body={"extra": ["claws"], "hands": "five_finger"}))

@@ -17,7 +17,7 @@ def test_motors_move_hinges_and_grow_with_geoms_that_exist(anatomy):
     hinges = {joint.name for _, part in anatomy.parts for joint in part.joints}
     for _, figures in anatomy.motors:
         assert figures.joint in hinges, figures.name
-        assert figures.mover in anatomy.geoms, figures.name
+        assert figures.driven_geom in anatomy.geoms, figures.name
 
 
 def test_no_joint_has_two_motors(hands_and_chest):
@@ -32,7 +32,7 @@ def test_a_gear_grows_with_its_mover_and_with_nothing_else(anatomy):
         after = grow_tree(measure(18), anatomy, {body.name: (1.0, 1.1)})
         for motor, thicker in zip(before.motors, after.motors, strict=True):
             growth = thicker.gear_nm / motor.gear_nm
-            if motor.mover in {geom.name for geom in body.geoms}:
+            if motor.driven_geom in {geom.name for geom in body.geoms}:
                 assert 1.1**1.5 < growth < 1.1**3, (body.name, motor.name)
             else:
                 assert growth == 1, (body.name, motor.name)

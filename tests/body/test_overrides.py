@@ -84,8 +84,8 @@ def followers(infant: InfantSpec, name: str, side: str = "") -> tuple[set[str], 
     geoms, bodies = set(), set()
     for here, part in assemble(infant.body.hands, infant.body.chest_joint).parts:
         if side in ("", here):
-            bodies |= {part.name.format(side=here)} if name in part.follows else set()
-            follow = [geom.name for geom in part.geoms if name in (*geom.follows, *geom.placed_by)]
+            bodies |= {part.name.format(side=here)} if name in part.position_from else set()
+            follow = [geom.name for geom in part.geoms if name in (*geom.size_from, *geom.position_from)]
             geoms |= {geom.format(side=here) for geom in follow}
     return geoms, bodies
 
@@ -170,7 +170,7 @@ def test_a_part_is_scaled_along_and_across_with_all_that_is_attached(hands):
                 assert sized.mass_kg == pytest.approx(geom.mass_kg * growth, rel=about)
                 assert (growth != 1) == mine, geom.name
                 for motor, stronger in zip(before.motors, after.motors, strict=True):
-                    if motor.mover == geom.name:
+                    if motor.driven_geom == geom.name:
                         assert (stronger.gear_nm > motor.gear_nm) == mine
 
 

@@ -19,7 +19,7 @@ ARM = (
                 ("upper_arm_circumference", "shoulder_elbow_length"),
                 "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; "
                 "nearer to the midline than its joint, so shoulder_breadth is over the arms unless ribs stop it",
-                placed_by=SHOULDERS,
+                position_from=SHOULDERS,
                 material="top_sleeve",
             ),
         ),
@@ -29,7 +29,7 @@ ARM = (
             ReferenceJoint("robot:{side}_shoulder_rotation", (0, 0, -1), (-99, 67), 0.12, 0.07, 0.0008, 0.004),
         ),
         euler_deg=(180.0 - REST_ABDUCTION_DEG, 0.0, 0.0),
-        follows=SHOULDERS,
+        position_from=SHOULDERS,
         rule=".433 of shoulder_breadth to the side (MIMo's spacing), half of the chest's radius behind its middle; "
         "further out where scaled parts would overlap by more than half of the arm's radius",
         keeps_clear_of="upper_body",
@@ -72,7 +72,7 @@ ARM = (
             ),
         ),
         (ReferenceJoint("robot:{side}_elbow", (0, -1, 0), (-146, 5), 0.13, 0.11, 0.030, 0.002, -20),),
-        follows=("shoulder_elbow_length", "upper_arm_circumference", "forearm_circumference"),
+        position_from=("shoulder_elbow_length", "upper_arm_circumference", "forearm_circumference"),
         rule="shoulder_elbow_length less the radii of upper arm and forearm, which are above and below the joints",
         motors=(ReferenceMotor("act:{side}_elbow", "robot:{side}_elbow", 3.6, (-1, 0.83), 1.566, "{side}_larm"),),
         skin_spacing_m=0.024,

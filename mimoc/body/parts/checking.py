@@ -9,6 +9,7 @@ from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
 from mimoc.errors import KindError, suggestion
 from mimoc.kinds import PartKind
 
+Named = tuple[type, str]
 HAND, FOREARM = "{side}_hand", "{side}_lower_arm"
 
 
@@ -38,9 +39,9 @@ def check_dimensions(kind: PartKind, dimensions: Dimensions) -> None:
 def _problems(kind: PartKind) -> Iterator[str]:
     if not kind.parts:
         yield "it has no parts"
-    usual = (TRUNK, ARM, HEAD, EYES, LEG, *feet_of(kind.name)[:1], *([] if kind.replaces else [PARTS["mitten"]]))
+    hands = [] if kind.replaces else [other for other in PARTS.values() if other.replaces == "hands"]
+    usual = (TRUNK, ARM, HEAD, EYES, LEG, *feet_of(kind.name)[:1], *hands)
     parents = {part.name for other in usual for part in other.parts}
-    yield from _taken(kind, {name for other in usual for part in other.parts for name in _names(part)})
     for part in kind.parts:
         if part.parent not in parents:
             yield f"'{part.name}' is on '{part.parent}'; {suggestion(str(part.parent), sorted(parents))}"
@@ -50,21 +51,22 @@ def _problems(kind: PartKind) -> Iterator[str]:
         yield from _problems_of_part(part)
     if kind.replaces == "hands" and (kind.parts[0].name, kind.parts[0].parent) != (HAND, FOREARM):
         yield f"hands begin with '{HAND}', which is on '{FOREARM}'"
+    others = (other for other in PARTS.values() if not other.replaces and other.name != kind.name)
+    yield from _taken(kind, {name for other in (*usual, *others) for part in other.parts for name in _names(part)})
 
 
-def _taken(kind: PartKind, taken: set[str]) -> Iterator[str]:
+def _taken(kind: PartKind, taken: set[Named]) -> Iterator[str]:
     """Yield names that other parts have, or that two things have here."""
     counts = Counter(name for part in kind.parts for name in _names(part))
-    for name, count in counts.items():
-        if name in taken or count > 1:
-            yield f"the name '{name}' is taken; choose another one"
+    for named, count in counts.items():
+        if named in taken or count > 1:
+            yield f"the name '{named[1]}' is taken; choose another one"
 
 
-def _names(part: ReferencePart) -> Iterator[str]:
-    """Yield the names of a part and of all that it has, which are names in the model."""
-    yield part.name
-    for item in (*part.geoms, *part.joints, *part.motors):
-        yield f"{type(item).__name__} {item.name}"
+def _names(part: ReferencePart) -> Iterator[Named]:
+    """Yield the names of a part and of all that it has, with what they are of."""
+    for item in (part, *part.geoms, *part.joints, *part.motors):
+        yield type(item), item.name
 
 
 def _problems_of_part(part: ReferencePart) -> Iterator[str]:
@@ -77,8 +79,8 @@ def _problems_of_part(part: ReferencePart) -> Iterator[str]:
     for motor in part.motors:
         if motor.joint not in joints:
             yield f"the motor '{motor.name}' moves '{motor.joint}'; {suggestion(motor.joint, joints)}"
-        if motor.mover not in geoms:
-            yield f"the motor '{motor.name}' follows '{motor.mover}'; {suggestion(motor.mover, geoms)}"
+        if motor.driven_geom not in geoms:
+            yield f"the motor '{motor.name}' follows '{motor.driven_geom}'; {suggestion(motor.driven_geom, geoms)}"
     group = part.matures_with or part.group.removeprefix("{side}_")
     if group and group not in MATURING_GROUPS:
         yield f"the strength of '{part.name}' matures with '{group}'; {suggestion(group, MATURING_GROUPS)}"

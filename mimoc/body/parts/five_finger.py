@@ -66,17 +66,17 @@ _TOE_FORCE = (-1.0, 0.3)
 
 
 def _motor(
-    name: str, joint: str, gear_nm: float, force_range: tuple[float, float], vmax_lengths_per_s: float, mover: str
+    name: str, joint: str, gear_nm: float, force_range: tuple[float, float], vmax_lengths_per_s: float, driven: str
 ) -> ReferenceMotor:
     names = (f"act:{{side}}_{name}", f"robot:{{side}}_{joint}")
-    return ReferenceMotor(*names, gear_nm, force_range, vmax_lengths_per_s, f"{{side}}_{mover}1")
+    return ReferenceMotor(*names, gear_nm, force_range, vmax_lengths_per_s, f"{{side}}_{driven}1")
 
 
 def _finger_motors(name: str, gears_nm: Figures, vmax_lengths_per_s: Figures) -> tuple[ReferenceMotor, ...]:
     """Return what moves a finger sideways, at its knuckle, and at its middle and distal joints."""
     return tuple(
-        _motor(f"{name}_{joint}", f"{name}_{joint}", gear_nm, force_range, vmax, f"{name}{mover}")
-        for (joint, force_range, mover), gear_nm, vmax in zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
+        _motor(f"{name}_{joint}", f"{name}_{joint}", gear_nm, force_range, vmax, f"{name}{bone}")
+        for (joint, force_range, bone), gear_nm, vmax in zip(_FINGER_JOINTS, gears_nm, vmax_lengths_per_s, strict=True)
     )
 
 
@@ -94,15 +94,15 @@ def _phalanx(
     parent: str,
     mass_kg: float,
     joints: tuple[ReferenceJoint, ...],
-    follows: tuple[str, ...],
+    size_from: tuple[str, ...],
     motors: tuple[ReferenceMotor, ...],
 ) -> ReferencePart:
     geom = ReferenceGeom(
         f"{{side}}_{name}1",
         "capsule",
         mass_kg,
-        follows,
-        f"radius from {follows[1]} / 2, length a share of half of hand_length",
+        size_from,
+        f"radius from {size_from[1]} / 2, length a share of half of hand_length",
         condim=_GRIP_CONDIM,
         mass_at_m=_SIZES_M[f"{{side}}_{name}1"],
     )
@@ -112,7 +112,7 @@ def _phalanx(
         f"{{side}}_{parent}",
         (geom,),
         joints,
-        follows=place[1],
+        position_from=place[1],
         rule=place[0],
         motors=motors,
         skin_spacing_m=0.002 if name.endswith("distal") else 0.004,
@@ -171,7 +171,7 @@ _METACARPAL = ReferencePart(
         ),
     ),
     (replace(_hinge("lf_meta", (0.571, 0, 0.821), (0, 40), 0.01, 0.001), left_axis=(-0.571, 0, 0.821)),),
-    follows=_PALM,
+    position_from=_PALM,
     rule="on the little finger's side of the palm",
     motors=(_LITTLE[0], _motor("lf_meta", "lf_meta", 0.064, _FLEXORS, 6.855, "lfmetacarpal")),
     skin_spacing_m=0.007,
@@ -197,7 +197,7 @@ _THUMB_BASE = ReferencePart(
         _hinge("th_adduction", (1, 2, 0), (-60, 0), 0.004, 0.001, -35),
     ),
     euler_deg=(0.0, 80.0, 30.0),
-    follows=_PALM,
+    position_from=_PALM,
     rule="on the first finger's side of the palm, near the wrist",
     motors=(
         _motor("thumb_side", "th_swivel", 0.373, _FLEXORS, 3.491, "thbase"),
@@ -218,7 +218,7 @@ HAND = (
             _palm(4, "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
         ),
         WRIST_JOINTS,
-        follows=WRIST,
+        position_from=WRIST,
         rule="palm's middle, a quarter of hand_length past the wrist",
         motors=WRIST_MOTORS,
         group="{side}_hand",

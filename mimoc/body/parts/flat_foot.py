@@ -37,13 +37,13 @@ FOOT = (
             ),
         ),
         ANKLE_JOINTS,
-        follows=LEG_LENGTH,
+        position_from=LEG_LENGTH,
         rule=LEG_SHARE,
         motors=ANKLE_MOTORS,
         matures_with="ankle",
         skin_spacing_m=0.015,
         torque_site="torque_{side}_ankle",
-        lies=True,
+        runs_along_x=True,
     ),
 )
 
@@ -71,12 +71,12 @@ TOES = (
             ),
         ),
         (ReferenceJoint("robot:{side}_toes", (0, -1, 0), (-60, 80), 0.106, 0.04, 0.005, 0.0005),),
-        follows=("foot_length", "foot_breadth"),
+        position_from=("foot_length", "foot_breadth"),
         rule="in proportion to the foot",
         motors=(ReferenceMotor("act:{side}_toes", "robot:{side}_toes", 0.33, (-1, 0.3), 1.29, "{side}_foot2"),),
         skin_spacing_m=0.010,
         torque_site="torque_{side}_toes",
-        lies=True,
+        runs_along_x=True,
     ),
 )
 

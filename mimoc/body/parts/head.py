@@ -24,7 +24,7 @@ HEAD = (
             ReferenceJoint("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
             ReferenceJoint("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
         ),
-        follows=TRUNK_HEIGHT,
+        position_from=TRUNK_HEIGHT,
         rule=AXIAL_RULE,
         motors=(
             ReferenceMotor("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), 0.6665, "head"),
@@ -57,7 +57,7 @@ EYE = (
             ReferenceJoint("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
             ReferenceJoint("robot:{side}_eye_torsional", (1, 0, 0), (-8, 8), 0.00267, 0.00042, 0.000037, 0.0002),
         ),
-        follows=("head_circumference",),
+        position_from=("head_circumference",),
         rule="in proportion to the head",
         motors=(
             ReferenceMotor(

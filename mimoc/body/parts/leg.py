@@ -39,7 +39,7 @@ LEG = (
             ReferenceJoint("robot:{side}_hip2", (1, 0, 0), (-51, 17), 3.51, 1.99, 0.062, 0.005),
             ReferenceJoint("robot:{side}_hip3", (0, 0, -1), (-32, 41), 2.16, 0.75, 0.027, 0.005),
         ),
-        follows=TRUNK_HEIGHT,
+        position_from=TRUNK_HEIGHT,
         rule=".26 of hip_breadth to the side; behind and below the pelvis's middle, in proportion to its radius",
         motors=(
             ReferenceMotor("act:{side}_hip_flex", "robot:{side}_hip1", 8, (-1, 1), 1.083, "{side}_upper_leg1"),
@@ -71,7 +71,7 @@ LEG = (
             ),
         ),
         (ReferenceJoint("robot:{side}_knee", (0, -1, 0), (-145, 4), 1.63, 0.53, 0.065, 0.003, -30),),
-        follows=THIGH_LENGTH,
+        position_from=THIGH_LENGTH,
         rule=LEG_SHARE,
         motors=(ReferenceMotor("act:{side}_knee", "robot:{side}_knee", 10, (-0.65, 1), 1.45, "{side}_lower_leg1"),),
         matures_with="knee",

@@ -31,13 +31,13 @@ FOOT = (
             ),
         ),
         ANKLE_JOINTS,
-        follows=LEG_LENGTH,
+        position_from=LEG_LENGTH,
         rule=LEG_SHARE,
         motors=ANKLE_MOTORS,
         matures_with="ankle",
         skin_spacing_m=0.015,
         torque_site="torque_{side}_ankle",
-        lies=True,
+        runs_along_x=True,
     ),
 )
 """The foot without its toes."""
@@ -63,12 +63,12 @@ def _toes(name: str, masses_kg: tuple[float, float], vmax_lengths_per_s: float) 
             ),
         ),
         (ReferenceJoint(f"robot:{{side}}_{name}", (0, -1, 0), (-60, 80), 0.053, 0.02, 0.002, 0.0001),),
-        follows=_FOOT,
+        position_from=_FOOT,
         rule="at the ball of the foot",
         motors=(motor,),
         skin_spacing_m=0.010,
         torque_site=f"torque_{{side}}_{name}",
-        lies=True,
+        runs_along_x=True,
     )
 
 
