@@ -18,6 +18,7 @@ from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, seal
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry
+from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose, place_senses
@@ -27,20 +28,17 @@ from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
 from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
-from mimoc.compiler.provenance.delays import trace_delays
-from mimoc.compiler.provenance.noise import trace_noise
-from mimoc.compiler.provenance.packing import packed
-from mimoc.compiler.provenance.plugins import trace_plugins
-from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
-from mimoc.compiler.provenance.task import trace_task
+from mimoc.compiler.provenance.spec import SPEC_FILE, trace_plugins, trace_spec, trace_task
 from mimoc.compiler.provenance.world import trace_world
 from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
+from mimoc.delays.presets import trace_delays
 from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.compatibility import CompatibilityTarget, find_target
 from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.scene import SceneTree
+from mimoc.noise.presets import trace_noise
 from mimoc.rounding import rounded, rounded_array
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
 from mimoc.schema.yaml_scalars import dump
@@ -188,7 +186,7 @@ class Builder:
             **printing.render_world(furnished.scene, self._inhabitant),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
-            "provenance.json": render_json(packed({**world_origins, **self.origins}), 2),
+            PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),
             "manifest.json": render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }

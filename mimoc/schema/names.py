@@ -83,4 +83,5 @@ def bodies_of(kind: str) -> tuple[str, ...]:
 
 def all_limb_bodies() -> tuple[str, ...]:
     """Return the bodies of all kinds of infants but for trunk and head, sorted."""
-    return tuple(sorted({name for hands in kinds_of_hands() for name in limb_bodies(hands, extra_kinds())}))
+    usual = {name for hands in kinds_of_hands() for name in limb_bodies(hands)}
+    return tuple(sorted(usual.union(*(bodies_of(kind) for kind in extra_kinds()))))

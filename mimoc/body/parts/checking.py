@@ -71,6 +71,8 @@ def _names(part: ReferencePart) -> Iterator[Named]:
 
 def _problems_of_part(part: ReferencePart) -> Iterator[str]:
     geoms, joints = [geom.name for geom in part.geoms], [joint.name for joint in part.joints]
+    if part.region != "limb":
+        yield f"'{part.name}' is of the {part.region}; only limbs can be added"
     if not geoms:
         yield f"'{part.name}' has no geom"
     for item in (*part.geoms, *part.joints, *part.motors):

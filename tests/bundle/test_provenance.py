@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mimoc.bundle.json_text import render_json
-from mimoc.compiler.provenance.packing import packed, unpacked
+from mimoc.bundle.provenance import packed, unpacked
 
 words = st.text("ab '*:;,.x1 ", max_size=12)
 names = st.text("ab:_", min_size=1, max_size=5)

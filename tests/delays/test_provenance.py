@@ -2,8 +2,8 @@
 
 import mimoc
 from mimoc.compiler.explain import entries_of
-from mimoc.compiler.provenance.delays import PRESETS
 from mimoc.delays import presets
+from mimoc.delays.presets import RULES
 
 
 def provenance(**keys) -> dict:
@@ -12,7 +12,7 @@ def provenance(**keys) -> dict:
 
 
 def test_every_preset_has_a_rule():
-    assert PRESETS.keys() == presets.PRESETS.keys()
+    assert RULES.keys() == presets.PRESETS.keys()
 
 
 def test_a_delay_is_led_back_to_the_key_that_says_so():
