@@ -6,7 +6,7 @@ from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import standing_height
-from mimoc.body.regions import EYE, EYE_SIDES
+from mimoc.compiler.anatomy import EYE, EYE_SIDES
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress, dress_skin
 from mimoc.looks.skin.carrying import skin_of

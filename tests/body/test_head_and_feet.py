@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from mimoc.body import Body, BodyTree, assemble, grow_tree
 from mimoc.body.reference import head_share
-from mimoc.body.segment_masses import (
+from mimoc.body.stature import stature
+from mimoc.compiler.validation.segment_masses import (
     ARMS,
     DUMMIES,
     FOOT,
@@ -24,7 +25,6 @@ from mimoc.body.segment_masses import (
     segment_masses,
     shares_table,
 )
-from mimoc.body.stature import stature
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 

@@ -1,13 +1,13 @@
 """The parts that bodies are assembled from: MIMo's, and others' by the entry points `mimoc.parts`."""
 
-from mimoc.body.parts import arm, five_finger, flat_foot, head, leg, mitten, toes, trunk
+from mimoc.body.parts import arm, feet, five_finger, head, leg, mitten, trunk
 from mimoc.kinds import Kinds, PartKind
 
 PARTS: Kinds[PartKind] = Kinds("body part", {kind.name: kind for kind in (mitten.KIND, five_finger.KIND)})
 """What a spec can choose or add."""
 
 TRUNK, ARM, HEAD, EYES, LEG = trunk.KIND, arm.KIND, head.KIND, head.EYES, leg.KIND
-FLAT_FEET, TWO_TOED_FEET = (flat_foot.KIND, flat_foot.KIND), (toes.KIND, toes.LEFT)
+FLAT_FEET, TWO_TOED_FEET = (feet.FLAT, feet.FLAT), (feet.RIGHT_TWO_TOED, feet.LEFT_TWO_TOED)
 """The right and the left foot."""
 
 

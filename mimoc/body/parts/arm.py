@@ -7,6 +7,18 @@ from mimoc.body.proportions import Proportions
 from mimoc.body.sections import SHOULDER_BACK
 from mimoc.kinds import PartKind
 
+UPPER_ARM_MOTORS = (
+    ReferenceMotor(
+        "act:{side}_shoulder_horizontal", "robot:{side}_shoulder_horizontal", 1.8, (-1, 1), 1.811, "{side}_uarm1"
+    ),
+    ReferenceMotor(
+        "act:{side}_shoulder_abduction", "robot:{side}_shoulder_ad_ab", 4, (-0.6875, 1), 0.8793, "{side}_uarm1"
+    ),
+    ReferenceMotor(
+        "act:{side}_shoulder_internal", "robot:{side}_shoulder_rotation", 2.5, (-1, 0.64), 1.498, "{side}_uarm1"
+    ),
+)
+
 ARM = (
     ReferencePart(
         "{side}_upper_arm",
@@ -33,22 +45,7 @@ ARM = (
         rule=".433 of shoulder_breadth to the side (MIMo's spacing), half of the chest's radius behind its middle; "
         "further out where scaled parts would overlap by more than half of the arm's radius",
         keeps_clear_of="upper_body",
-        motors=(
-            ReferenceMotor(
-                "act:{side}_shoulder_horizontal",
-                "robot:{side}_shoulder_horizontal",
-                1.8,
-                (-1, 1),
-                1.811,
-                "{side}_uarm1",
-            ),
-            ReferenceMotor(
-                "act:{side}_shoulder_abduction", "robot:{side}_shoulder_ad_ab", 4, (-0.6875, 1), 0.8793, "{side}_uarm1"
-            ),
-            ReferenceMotor(
-                "act:{side}_shoulder_internal", "robot:{side}_shoulder_rotation", 2.5, (-1, 0.64), 1.498, "{side}_uarm1"
-            ),
-        ),
+        motors=UPPER_ARM_MOTORS,
         group="{side}_arm",
         skin_spacing_m=0.024,
         torque_site="torque_{side}_shoulder",

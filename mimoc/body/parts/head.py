@@ -10,6 +10,12 @@ from mimoc.kinds import PartKind
 
 REFERENCE_HEAD_RADIUS_M = 0.0735
 
+HEAD_MOTORS = (
+    ReferenceMotor("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), 0.6665, "head"),
+    ReferenceMotor("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), 0.9338, "head"),
+    ReferenceMotor("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), 1.068, "head"),
+)
+
 HEAD = (
     ReferencePart(
         "head",
@@ -26,16 +32,18 @@ HEAD = (
         ),
         position_from=TRUNK_HEIGHT,
         rule=AXIAL_RULE,
-        motors=(
-            ReferenceMotor("act:head_swivel", "robot:head_swivel", 1.8, (-1, 1), 0.6665, "head"),
-            ReferenceMotor("act:head_tilt", "robot:head_tilt", 3.3, (-1, 0.55), 0.9338, "head"),
-            ReferenceMotor("act:head_tilt_side", "robot:head_tilt_side", 1.8, (-1, 1), 1.068, "head"),
-        ),
+        motors=HEAD_MOTORS,
         region="head",
         group="neck",
         skin_spacing_m=0.013,
         torque_site="torque_neck",
     ),
+)
+
+EYE_MOTORS = (
+    ReferenceMotor("act:{side}_eye_horizontal", "robot:{side}_eye_horizontal", 0.0054, (-1, 1), 5.11, "{side}_eye1"),
+    ReferenceMotor("act:{side}_eye_vertical", "robot:{side}_eye_vertical", 0.0054, (-1, 1), 6.179, "{side}_eye1"),
+    ReferenceMotor("act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), 25.03, "{side}_eye1"),
 )
 
 EYE = (
@@ -59,17 +67,7 @@ EYE = (
         ),
         position_from=("head_circumference",),
         rule="in proportion to the head",
-        motors=(
-            ReferenceMotor(
-                "act:{side}_eye_horizontal", "robot:{side}_eye_horizontal", 0.0054, (-1, 1), 5.11, "{side}_eye1"
-            ),
-            ReferenceMotor(
-                "act:{side}_eye_vertical", "robot:{side}_eye_vertical", 0.0054, (-1, 1), 6.179, "{side}_eye1"
-            ),
-            ReferenceMotor(
-                "act:{side}_eye_torsional", "robot:{side}_eye_torsional", 0.0037, (-1, 1), 25.03, "{side}_eye1"
-            ),
-        ),
+        motors=EYE_MOTORS,
         group="eyes",
         skin_spacing_m=None,
         torque_site="torque_{side}_eye",
