@@ -47,22 +47,19 @@ _SIZES_M: Mapping[str, Figures] = {
 _PALM = ("hand_breadth", "hand_length")
 _FINGER = ("hand_length", "middle_finger_diameter")
 _THUMB = ("hand_length", "thumb_diameter")
-_FOOT = ("foot_length", "foot_breadth")
-_SOLE_GRIP = (2.0, 0.02, 0.01)
 _GRIP_CONDIM = 6
 """Contacts of a hand also have torsional and rolling friction (MIMo)."""
 
 
-def _palm(number: int, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
-    euler_deg = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0)
-    name = f"{{side}}_hand{number}"
+def _palm(name: str, shape: GeomType, mass_kg: float, rule: str) -> ReferenceGeom:
+    """Return a geom of the palm; *name* is without its side."""
+    euler_deg, name = ALONG_X if shape == "cylinder" else (0.0, 0.0, 0.0), f"{{side}}_{name}"
     return ReferenceGeom(name, shape, mass_kg, _PALM, rule, euler_deg, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
 
 
 _FLEXORS = (-0.345, 1.0)
 """Fingers close with more force than they open (MIMo)."""
 _EVEN = (-1.0, 1.0)
-_TOE_FORCE = (-1.0, 0.3)
 
 
 def _motor(
@@ -89,28 +86,25 @@ _FINGER_JOINTS = (
 """Joint, force range, and the phalanx whose size its strength follows."""
 
 
+def _bone(name: str, mass_kg: float, size_from: tuple[str, str]) -> ReferenceGeom:
+    """Return the only geom of a phalanx; *name* is without its side."""
+    rule, name = f"radius from {size_from[1]} / 2, length a share of half of hand_length", f"{{side}}_{name}1"
+    return ReferenceGeom(name, "capsule", mass_kg, size_from, rule, condim=_GRIP_CONDIM, mass_at_m=_SIZES_M[name])
+
+
 def _phalanx(
     name: str,
     parent: str,
     mass_kg: float,
     joints: tuple[ReferenceJoint, ...],
-    size_from: tuple[str, ...],
+    size_from: tuple[str, str],
     motors: tuple[ReferenceMotor, ...],
 ) -> ReferencePart:
-    geom = ReferenceGeom(
-        f"{{side}}_{name}1",
-        "capsule",
-        mass_kg,
-        size_from,
-        f"radius from {size_from[1]} / 2, length a share of half of hand_length",
-        condim=_GRIP_CONDIM,
-        mass_at_m=_SIZES_M[f"{{side}}_{name}1"],
-    )
     place = ("where the palm ends", _PALM) if name.endswith("knuckle") else ("where the one before it ends", _PALM[1:])
     return ReferencePart(
         f"{{side}}_{name}",
         f"{{side}}_{parent}",
-        (geom,),
+        (_bone(name, mass_kg, size_from),),
         joints,
         position_from=place[1],
         rule=place[0],
@@ -150,25 +144,8 @@ _METACARPAL = ReferencePart(
     "{side}_lfmetacarpal",
     "{side}_hand",
     (
-        ReferenceGeom(
-            "{side}_lfmetacarpal1",
-            "box",
-            0.002879,
-            _PALM,
-            "the outer quarter of the palm",
-            condim=_GRIP_CONDIM,
-            mass_at_m=_SIZES_M["{side}_lfmetacarpal1"],
-        ),
-        ReferenceGeom(
-            "{side}_lfmetacarpal2",
-            "cylinder",
-            0.0009879,
-            _PALM,
-            "rounds the metacarpal off at the knuckle",
-            ALONG_X,
-            condim=_GRIP_CONDIM,
-            mass_at_m=_SIZES_M["{side}_lfmetacarpal2"],
-        ),
+        _palm("lfmetacarpal1", "box", 0.002879, "the outer quarter of the palm"),
+        _palm("lfmetacarpal2", "cylinder", 0.0009879, "rounds the metacarpal off at the knuckle"),
     ),
     (replace(_hinge("lf_meta", (0.571, 0, 0.821), (0, 40), 0.01, 0.001), left_axis=(-0.571, 0, 0.821)),),
     position_from=_PALM,
@@ -181,17 +158,7 @@ _METACARPAL = ReferencePart(
 _THUMB_BASE = ReferencePart(
     "{side}_thbase",
     "{side}_hand",
-    (
-        ReferenceGeom(
-            "{side}_thbase1",
-            "capsule",
-            0.005463,
-            _THUMB,
-            "radius from thumb_diameter / 2, length a share of half of hand_length",
-            condim=_GRIP_CONDIM,
-            mass_at_m=_SIZES_M["{side}_thbase1"],
-        ),
-    ),
+    (_bone("thbase", 0.005463, _THUMB),),
     (
         _hinge("th_swivel", (3, -5, -1), (-10, 110), 0.003, 0.001, 40),
         _hinge("th_adduction", (1, 2, 0), (-60, 0), 0.004, 0.001, -35),
@@ -212,10 +179,10 @@ HAND = (
         "{side}_hand",
         "{side}_lower_arm",
         (
-            _palm(1, "box", 0.01895, "three quarters of the palm, half of hand_length long"),
-            _palm(2, "box", 0.003321, "widens the palm to hand_breadth near the wrist"),
-            _palm(3, "cylinder", 0.003367, "rounds the palm off at the knuckles"),
-            _palm(4, "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
+            _palm("hand1", "box", 0.01895, "three quarters of the palm, half of hand_length long"),
+            _palm("hand2", "box", 0.003321, "widens the palm to hand_breadth near the wrist"),
+            _palm("hand3", "cylinder", 0.003367, "rounds the palm off at the knuckles"),
+            _palm("hand4", "cylinder", 0.004524, "rounds the palm off at the wrist, hand_breadth wide"),
         ),
         WRIST_JOINTS,
         position_from=WRIST,

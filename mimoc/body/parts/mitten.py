@@ -8,6 +8,8 @@ from mimoc.body.sections import CLEARANCE_M
 from mimoc.errors import GeometryError
 from mimoc.kinds import PartKind
 
+_PALM = ("maximum_fist_breadth", "hand_length", "hand_breadth")
+_FINGERS = ("hand_breadth", "hand_length")
 _HAND_GRIP = (5.0, 0.02, 0.01)
 
 FINGER_MOTORS = (ReferenceMotor("act:{side}_fingers", "robot:{side}_fingers", 0.69, (-1, 0.33), 3.019, "{side}_hand1"),)
@@ -21,17 +23,10 @@ HAND = (
                 "{side}_hand1",
                 "box",
                 0.04315,
-                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
+                _PALM,
                 "as wide as maximum_fist_breadth, half of hand_length less the fingertip's radius",
             ),
-            ReferenceGeom(
-                "{side}_hand2",
-                "cylinder",
-                0.01602,
-                ("maximum_fist_breadth", "hand_length", "hand_breadth"),
-                "rounds the palm off at the knuckles",
-                ALONG_X,
-            ),
+            ReferenceGeom("{side}_hand2", "cylinder", 0.01602, _PALM, "rounds the palm off at the knuckles", ALONG_X),
         ),
         WRIST_JOINTS,
         position_from=WRIST,
@@ -49,7 +44,7 @@ HAND = (
                 "{side}_fingers1",
                 "box",
                 0.03494,
-                ("hand_breadth", "hand_length"),
+                _FINGERS,
                 "as wide as hand_breadth, half of hand_length less the fingertip's radius",
                 friction=_HAND_GRIP,
             ),
@@ -57,7 +52,7 @@ HAND = (
                 "{side}_fingers2",
                 "cylinder",
                 0.01323,
-                ("hand_breadth", "hand_length"),
+                _FINGERS,
                 "rounds the fingertips off at hand_length from the wrist",
                 ALONG_X,
                 _HAND_GRIP,

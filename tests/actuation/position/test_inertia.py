@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import mimoc
+from mimoc.actuation.position.inertia import inertias
 from mimoc.body import assemble, grow_tree
-from mimoc.body.inertia import inertias
 from mimoc.fits import measure
 
 
