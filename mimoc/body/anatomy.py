@@ -32,7 +32,7 @@ FOOT_RULE = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Anatomy:
     """A reference body: everything that does not depend on age."""
 
@@ -53,6 +53,10 @@ class Anatomy:
     """Side and motor, in MIMo's order."""
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
+
+    def __repr__(self) -> str:
+        """Return what it was assembled from."""
+        return f"Anatomy({self.hands!r}, {self.development!r}, extra={self.extra!r})"
 
     @property
     def childs_parts(self) -> Sided:
