@@ -59,7 +59,8 @@ def among(names: Callable[[], Sequence[str]]) -> FieldInfo:
     """Return what tells editors which names there are, of kinds that may be registered later."""
 
     def add(schema: dict[str, Any]) -> None:
-        schema["enum"] = [*names()]
+        if known := names():
+            schema["enum"] = [*known]
 
     return Field(json_schema_extra=add)
 
