@@ -58,6 +58,8 @@ def _choice(names: Callable[[], Sequence[str]]) -> tuple[BeforeValidator, FieldI
     def known(name: Any) -> Any:
         if name in (known := names()):
             return name
+        if not known:
+            raise ValueError("no script or plug-in has added any; register or install it first (docs/own_part.md)")
         raise PydanticKnownError("literal_error", {"expected": " or ".join(map(repr, known))})
 
     return BeforeValidator(known), among(names)

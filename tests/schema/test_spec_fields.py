@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from mimoc import schema
 from mimoc.body.parts import kinds_of_hands
@@ -120,3 +121,8 @@ def test_hands_are_the_kinds_that_bodies_are_known_for():
 def test_the_least_spec_needs_three_keys():
     assert language_of(InfantSpec).outline(()).schema["required"] == ["mimoc", "name", "age_months"]
     assert set(InfantSpec.model_fields) > {"mimoc", "name", "age_months"}
+
+
+def test_an_added_part_of_nobody_is_refused_with_advice():
+    with pytest.raises(ValidationError, match="no script or plug-in has added any; register or install it first"):
+        InfantSpec(mimoc=1, name="x", age_months=9, body={"extra": ["tail"]})

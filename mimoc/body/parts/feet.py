@@ -19,7 +19,7 @@ _WIDE = "as wide as foot_breadth"
 _TIP_RULE = "rounds the toes off at foot_length from the heel"
 
 
-def _foot(masses_kg: tuple[float, float, float], size_from: tuple[str, str]) -> ReferencePart:
+def _foot(masses_kg: tuple[float, float, float], size_from: tuple[str, ...]) -> ReferencePart:
     """Return a foot without its toes: heel, sole and ball."""
     heel, sole, ball = (f"{{side}}_foot{number}" for number in (1, 2, 3))
     heel_kg, sole_kg, ball_kg = masses_kg
