@@ -15,12 +15,16 @@ from typing import get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from mimoc.actuation import ACTUATIONS
+from mimoc.body.part import ReferencePart
+from mimoc.body.parts import PARTS
+from mimoc.body.parts.checking import check_parts
 from mimoc.errors import KindError
 from mimoc.kinds import (
     PLUGINS_VARIABLE,
     ActuationKind,
     Code,
     Kinds,
+    PartKind,
     PolicyKind,
     SceneKind,
     SenseKind,
@@ -37,7 +41,7 @@ from mimoc.senses import SENSES
 from mimoc.tasks import TASKS
 from mimoc.toys import TOY_SOURCES
 
-Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PolicyKind | Quantity
+Record = SenseKind | ActuationKind | TaskKind | SceneKind | ToySource | PartKind | PolicyKind | Quantity
 
 KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.senses": (SenseKind, SENSES),
@@ -45,6 +49,7 @@ KINDS: dict[str, tuple[type, Kinds]] = {
     "mimoc.tasks": (TaskKind, TASKS),
     "mimoc.scenes": (SceneKind, SCENES),
     "mimoc.toys": (ToySource, TOY_SOURCES),
+    "mimoc.parts": (PartKind, PARTS),
     "mimoc.policies": (PolicyKind, POLICIES),
     "mimoc.quantities": (Quantity, QUANTITIES),
 }
@@ -97,6 +102,8 @@ def _entry_points() -> Iterator[EntryPoint]:
 def _add(record: Record, table: Kinds, distribution: str = "") -> None:
     """Add a record to its table and to the sections that depend on it, or to none of them."""
     _check_fields(record)
+    if isinstance(record, PartKind):
+        check_parts(record)
     table.add(record, distribution)
     try:
         recompose()
@@ -108,7 +115,7 @@ def _add(record: Record, table: Kinds, distribution: str = "") -> None:
 
 def _check_fields(record: Record) -> None:
     """Check that each field of a record has its type, and that the modules it names exist."""
-    types = get_type_hints(type(record), localns={"Model": Model})
+    types = get_type_hints(type(record), localns={"Model": Model, "ReferencePart": ReferencePart})
     for field in fields(record):
         value, key = getattr(record, field.name), f"{type(record).__name__}.{field.name}"
         try:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.body import assemble, grow
-from mimoc.body.maturing.strength import STRENGTH
+from mimoc.body import assemble, grow_tree
+from mimoc.body.strength import STRENGTH
 from mimoc.fits import measure
 
 PAGE = (Path(__file__).resolve().parents[1] / "docs" / "development.md").read_text(encoding="utf-8")
@@ -44,7 +44,7 @@ def test_the_table_of_strength_is_that_of_the_law(group):
 )
 def test_the_table_of_joints_is_that_of_grown_infants(start, joint, angle):
     anatomy = assemble("mitten", chest_joint=False)
-    grown = [angle(grow(measure(age), anatomy).joints[f"robot:left_{joint}"]) for age in MONTHS]
+    grown = [angle(grow_tree(measure(age), anatomy).joints[f"robot:left_{joint}"]) for age in MONTHS]
     assert list(map(float, row(start)[1:])) == [pytest.approx(degrees, abs=0.51) for degrees in grown]
 
 

@@ -78,7 +78,7 @@ def test_running_a_bundle_loads_nothing_that_compiles(folder):
         f"print(json.dumps([m for m in sys.modules if m in {HEAVY} or m.startswith('mimoc.')]))",
     )
     assert not {"scipy", "jinja2", "lxml", "trimesh", "PIL", "typer", "rich", "matplotlib"} & set(loaded)
-    assert not {"mimoc.body.tree", "mimoc.body.growth", "mimoc.mjcf", "mimoc.fits", "mimoc.compiler"} & set(loaded)
+    assert not {"mimoc.body.tree", "mimoc.body.grow", "mimoc.mjcf", "mimoc.fits", "mimoc.compiler"} & set(loaded)
 
 
 # Gymnasium.

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationSpec
 from mimoc.body import BodyTree, Joint
+from mimoc.body.origins import Origin as Origin
 from mimoc.kinds import function_of
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
@@ -14,18 +15,6 @@ from mimoc.mjcf.scene import Keyframe
 def unchanged(keyframe: Keyframe) -> Keyframe:
     """Return a keyframe unchanged, for actuators that need no values in it."""
     return keyframe
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Origin of a number, for provenance."""
-
-    rule: str
-    """How it is computed, and the publication."""
-    sources: tuple[str, ...] = ()
-    """Keys (of `mimoc explain`) of the numbers that it is computed from."""
-    unit: str = ""
-    """Its unit; empty if it has none, or consists of numbers with different units."""
 
 
 @dataclass(frozen=True, slots=True)

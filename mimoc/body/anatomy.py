@@ -1,354 +1,217 @@
-"""The reference body without hands and feet: its parts, joints and motors, and MIMo's values for them at 18 months.
+"""Assembly of a complete anatomy from kinds of parts, by law of development."""
 
-Names with `{side}` stand for a right and a left part; values are those of the right side (the left is its mirror
-image in y). Sizes and positions follow from measurements (`segments`, `extremities`).
-Source: MIMo v2's published models (Mattern et al. 2024; López et al. 2025).
-"""
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from mimoc.body import motors
-from mimoc.body.figures import (
-    ALONG_Y,
-    LEG_LENGTH,
-    LEG_SHARE,
-    REST_ABDUCTION_DEG,
-    THIGH_LENGTH,
-    TRUNK_HEIGHT,
-    GeomFigures,
-    JointFigures,
-    Part,
+from mimoc.body.part import Development, ReferenceGeom, ReferenceMotor, ReferencePart
+from mimoc.body.parts import ARM, EYES, HEAD, LEG, PARTS, TRUNK, feet_of
+from mimoc.body.parts.trunk import CHEST_JOINTS, CHEST_MOTORS
+from mimoc.errors import KindError
+from mimoc.kinds import PartKind
+
+Sided = tuple[tuple[str, ReferencePart], ...]
+"""Side (empty for the middle) and part."""
+
+RIGHT_THEN_LEFT = ("right", "left")
+LEFT_THEN_RIGHT = ("left", "right")
+IN_ORDER_OF_MOTORS = ("trunk", "head", "eyes", "arms", "legs", "extra")
+"""MIMo lists the motors of the head and the eyes before those of the arms."""
+
+HEAD_MEASURES = ("head_circumference", "head_length", "head_breadth")
+"""What the head's shape follows by the law `maturing`."""
+HEAD_RULE = (
+    "ellipsoid, half as long as head_length and half as broad as head_breadth, both x one factor, such that its level "
+    "section has head_circumference; half as high as 1.15 x head_circumference / 2 pi, the crown as high as a round "
+    "head's (D)"
+)
+EYE_RULE = "in the surface of the head"
+NECK_RULE = "capsule from the shoulders up into the head, as thick in proportion to the head as MIMo's"
+FOOT_RULE = (
+    "; higher than MIMo's by the factor at which the average child's foot of that age weighs .062 + .0075 kg x age in "
+    "months (mean of Sun & Jensen 1994 and Schneider & Zernicke 1992; M)"
 )
 
-REFERENCE_AGE_MONTHS = 18.0
-"""Age at which actuator gears are those of MIMo."""
 
-SHOULDERS = ("shoulder_breadth", "upper_arm_circumference", "chest_circumference", "chest_breadth", *TRUNK_HEIGHT)
-"""What places the shoulders: arms may be nearer to the midline the higher above the chest they are."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Anatomy:
+    """A reference body: everything that does not depend on age."""
 
-_AXIAL = "trunk height (crown_rump_length less head and pelvis) in the reference body's proportions"
+    hands: str
+    """Kind of its hands."""
+    extra: tuple[str, ...]
+    """Kinds of parts that it has besides MIMo's."""
+    development: Development
+    """The law of strength, joints and proportions."""
+    kinds: tuple[PartKind, ...]
+    """All that it is assembled from."""
+    feet: PartKind
+    parts: Sided
+    """Side (empty for the midline) and part, parents first, in MIMo's order, by that law."""
+    mimos_parts: Sided
+    """The same of MIMo's body, whose volumes masses and strength follow by either law."""
+    motors: tuple[tuple[str, ReferenceMotor], ...]
+    """Side and motor, in MIMo's order."""
+    excluded: tuple[tuple[str, str], ...]
+    """Pairs of bodies without contacts."""
 
-TRUNK = (
-    Part(
-        "hip",
-        None,
-        (
-            GeomFigures(
-                "lb",
-                "capsule",
-                1.1584,
-                ("hip_breadth", "hip_circumference"),
-                "level section with girth hip_circumference and breadth hip_breadth, both evened by up to 2 %",
-                ALONG_Y,
-                placed_by=TRUNK_HEIGHT,
-                material="pants_down",
-            ),
-        ),
-        region="trunk",
-        group="trunk",
-        skin_spacing_m=0.025,
-    ),
-    Part(
-        "lower_body",
-        "hip",
-        (
-            GeomFigures(
-                "cb",
-                "capsule",
-                1.3245,
-                ("hip_breadth", "waist_circumference"),
-                "level section with the girth waist_circumference and .93 of hip_breadth, both evened by up to 3 %",
-                ALONG_Y,
-                placed_by=TRUNK_HEIGHT,
-                contype=0,
-                conaffinity=1,
-                material="pants_up",
-            ),
-        ),
-        (
-            JointFigures("robot:hip_lean1", (1, 0, 0), (-14, 14), 3.38, 0.77, 0.049, 0.01),
-            JointFigures("robot:hip_rot1", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
-            JointFigures("robot:hip_bend1", (0, 1, 0), (-17, 30.5), 2.20, 0.84, 0.040, 0.01),
-        ),
-        follows=TRUNK_HEIGHT,
-        rule=_AXIAL,
-        motors=motors.LOWER_BODY_MOTORS,
-        region="trunk",
-        skin_spacing_m=0.025,
-        torque_site="torque_lb",
-    ),
-    Part(
-        "upper_body",
-        "lower_body",
-        (
-            GeomFigures(
-                "ub1",
-                "capsule",
-                1.0882,
-                ("chest_breadth", "chest_circumference", *TRUNK_HEIGHT),
-                "level section like the chest's, no deeper than there is room above the pelvis",
-                ALONG_Y,
-                material="top_down",
-            ),
-            GeomFigures(
-                "ub2",
-                "capsule",
-                0.9499,
-                ("chest_breadth", "chest_circumference"),
-                "level section with girth chest_circumference and breadth chest_breadth, both evened by up to 2 %",
-                ALONG_Y,
-                placed_by=TRUNK_HEIGHT,
-                material="top_middle",
-            ),
-            GeomFigures(
-                "neck",
-                "capsule",
-                0.0,
-                TRUNK_HEIGHT,
-                "massless filler between chest and head, in proportion to the head",
-                contype=0,
-                conaffinity=0,
-            ),
-        ),
-        (
-            JointFigures("robot:hip_lean2", (1, 0, 0), (-27, 27), 1.69, 0.38, 0.024, 0.01),
-            JointFigures("robot:hip_rot2", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
-            JointFigures("robot:hip_bend2", (0, 1, 0), (-17, 30.5), 2.20, 0.84, 0.040, 0.01),
-        ),
-        follows=TRUNK_HEIGHT,
-        rule=_AXIAL,
-        region="trunk",
-        skin_spacing_m=0.030,
-        torque_site="torque_ub",
-    ),
-    Part(
-        "chest",
-        "upper_body",
-        (
-            GeomFigures(
-                "ub3",
-                "capsule",
-                0.7217,
-                SHOULDERS,
-                "between the upper arms, .62 of the chest's radius",
-                ALONG_Y,
-                material="top_up",
-            ),
-        ),
-        follows=TRUNK_HEIGHT,
-        rule=_AXIAL,
-        region="trunk",
-        skin_spacing_m=0.030,
-        torque_site="torque_chest",
-    ),
-)
+    def __repr__(self) -> str:
+        """Return what it was assembled from."""
+        return f"Anatomy({self.hands!r}, {self.development!r}, extra={self.extra!r})"
 
-ARM = (
-    Part(
-        "{side}_upper_arm",
-        "chest",
-        (
-            GeomFigures(
-                "{side}_uarm1",
-                "capsule",
-                0.2684,
-                ("upper_arm_circumference", "shoulder_elbow_length"),
-                "radius = upper_arm_circumference / 2 pi, from the shoulder to one forearm radius past the elbow; "
-                "nearer to the midline than its joint, so shoulder_breadth is over the arms unless ribs stop it",
-                placed_by=SHOULDERS,
-                material="top_sleeve",
-            ),
-        ),
-        (
-            JointFigures("robot:{side}_shoulder_horizontal", (0, 1, -4), (-28, 118), 0.09, 0.05, 0.0009, 0.004),
-            JointFigures("robot:{side}_shoulder_ad_ab", (-1, 0, 0), (-84, 183), 0.11, 0.10, 0.0014, 0.004),
-            JointFigures("robot:{side}_shoulder_rotation", (0, 0, -1), (-99, 67), 0.12, 0.07, 0.0008, 0.004),
-        ),
-        euler_deg=(180.0 - REST_ABDUCTION_DEG, 0.0, 0.0),
-        follows=SHOULDERS,
-        rule=".433 of shoulder_breadth to the side (MIMo's spacing), half of the chest's radius behind its middle; "
-        "further out where scaled parts would overlap by more than half of the arm's radius",
-        keeps_clear_of="upper_body",
-        motors=motors.UPPER_ARM_MOTORS,
-        group="{side}_arm",
-        skin_spacing_m=0.024,
-        torque_site="torque_{side}_shoulder",
-    ),
-    Part(
-        "{side}_lower_arm",
-        "{side}_upper_arm",
-        (
-            GeomFigures(
-                "{side}_larm",
-                "capsule",
-                0.1853,
-                (
-                    "forearm_circumference",
-                    "elbow_hand_length",
-                    "hand_length",
-                    "hand_breadth",
-                    "upper_arm_circumference",
-                ),
-                "radius = forearm_circumference / 2 pi, from the elbow to half a hand's thickness past the wrist",
-            ),
-        ),
-        (JointFigures("robot:{side}_elbow", (0, -1, 0), (-146, 5), 0.13, 0.11, 0.030, 0.002, -20),),
-        follows=("shoulder_elbow_length", "upper_arm_circumference", "forearm_circumference"),
-        rule="shoulder_elbow_length less the radii of upper arm and forearm, which are above and below the joints",
-        motors=motors.LOWER_ARM_MOTORS,
-        skin_spacing_m=0.024,
-        torque_site="torque_{side}_elbow",
-    ),
-)
+    @property
+    def childs_parts(self) -> Sided:
+        """MIMo's parts without those that no child has."""
+        extra = {part.name for name in self.extra for part in PARTS[name].parts}
+        return tuple((side, part) for side, part in self.mimos_parts if part.name not in extra)
 
-HEAD = (
-    Part(
-        "head",
-        "upper_body",
-        (
-            GeomFigures(
-                "head", "sphere", 1.7748, ("head_circumference",), "radius = head_circumference / 2 pi", material="head"
-            ),
-        ),
-        (
-            JointFigures("robot:head_swivel", (0, 0, 1), (-111, 111), 0.23, 0.29, 0.018, 0.005),
-            JointFigures("robot:head_tilt", (0, 1, 0), (-70, 81), 0.45, 0.53, 0.018, 0.005),
-            JointFigures("robot:head_tilt_side", (1, 0, 0), (-70, 70), 0.37, 0.29, 0.018, 0.005),
-        ),
-        follows=TRUNK_HEIGHT,
-        rule=_AXIAL,
-        motors=motors.HEAD_MOTORS,
-        region="head",
-        group="neck",
-        skin_spacing_m=0.013,
-        torque_site="torque_neck",
-    ),
-)
+    @property
+    def geoms(self) -> Mapping[str, ReferenceGeom]:
+        """MIMo's geoms by name with `{side}`."""
+        return {geom.name: geom for _, part in self.mimos_parts for geom in part.geoms}
 
-EYE = (
-    Part(
-        "{side}_eye",
-        "head",
-        (
-            GeomFigures(
-                "{side}_eye1",
-                "sphere",
-                0.006275,
-                ("head_circumference",),
-                "in proportion to the head",
-                material="eye_{side}",
-            ),
+    def of_foot(self, side: str = "right") -> list[ReferenceGeom]:
+        """Return the geoms of a foot with its toes."""
+        names = {part.name for part in self.feet.parts}
+        return [geom for of_side, part in self.parts if of_side == side and part.name in names for geom in part.geoms]
+
+    @property
+    def follows(self) -> frozenset[str]:
+        """Names of the measurements that this body depends on."""
+        of_geoms = ((*geom.size_from, *geom.position_from) for _, part in self.parts for geom in part.geoms)
+        return frozenset({name for _, part in self.parts for name in part.position_from}.union(*of_geoms))
+
+    @property
+    def groups(self) -> Mapping[str, str]:
+        """The group that the strength of each joint matures with, by name of the joint."""
+        of_part, of_joint = dict[str, str](), dict[str, str]()
+        for side, part in self.parts:
+            group = part.matures_with or part.group.removeprefix("{side}_")
+            group = of_part[part.name.format(side=side)] = group or of_part[(part.parent or "").format(side=side)]
+            of_joint |= {joint.name.format(side=side): group for joint in part.joints}
+        return of_joint
+
+
+def assemble(
+    hands: str, chest_joint: bool, development: Development = "maturing", extra: Sequence[str] = ()
+) -> Anatomy:
+    """Return the anatomy of an infant.
+
+    Args:
+        hands: Kind of its hands.
+        chest_joint: Whether it has MIMo's two joints of the chest.
+        development: Its law of development.
+        extra: Kinds of parts that it has besides MIMo's.
+
+    Raises:
+        KindError: If somebody else's parts are on a part that it lacks.
+    """
+    hand, others, (right_foot, left_foot) = PARTS[hands], tuple(PARTS[name] for name in extra), feet_of(hands)
+    sections = {
+        "trunk": _on_sides(("",), (_with_chest_joint(TRUNK) if chest_joint else TRUNK).parts),
+        "arms": _on_sides(RIGHT_THEN_LEFT, (*ARM.parts, *hand.parts)),
+        "head": _on_sides(("",), HEAD.parts),
+        "eyes": _on_sides(LEFT_THEN_RIGHT, EYES.parts),
+        "legs": (
+            *_on_sides(("right",), (*LEG.parts, *right_foot.parts)),
+            *_on_sides(("left",), (*LEG.parts, *left_foot.parts)),
         ),
-        (
-            JointFigures("robot:{side}_eye_horizontal", (0, 0, -1), (-45, 45), 0.00065, 0.00042, 0.000054, 0.0002),
-            JointFigures("robot:{side}_eye_vertical", (0, -1, 0), (-47, 33), 0.00065, 0.00042, 0.000054, 0.0002),
-            JointFigures("robot:{side}_eye_torsional", (1, 0, 0), (-8, 8), 0.00267, 0.00042, 0.000037, 0.0002),
-        ),
-        follows=("head_circumference",),
-        rule="in proportion to the head",
-        motors=motors.EYE_MOTORS,
-        group="eyes",
-        skin_spacing_m=None,
-        torque_site="torque_{side}_eye",
-    ),
-)
+        "extra": tuple(item for kind in others for item in on_named_sides(kind.parts)),
+    }
+    kinds = (TRUNK, ARM, hand, HEAD, EYES, LEG, right_foot, *others)
+    all_parts = sum(sections.values(), ())
+    parts = mimos_parts = _parents_first(all_parts, _masses_kg(kinds))
+    if len(parts) < len(all_parts):
+        lost = next(part for _, part in all_parts if part.name not in {part.name for _, part in parts})
+        raise KindError(f"'{lost.name}' is on '{lost.parent}', which a body with {hands} hands does not have")
+    excluded = [pair for kind in kinds for pair in _excluded(kind)]
+    if development == "maturing":
+        feet = {part.name for part in right_foot.parts}
+        parts, excluded = _maturing(mimos_parts, feet), [*excluded, *_ankles(right_foot)]
+    motors = tuple(
+        (side, motor) for section in IN_ORDER_OF_MOTORS for side, part in sections[section] for motor in part.motors
+    )
+    return Anatomy(hands, tuple(extra), development, kinds, right_foot, parts, mimos_parts, motors, tuple(excluded))
 
-LEG = (
-    Part(
-        "{side}_upper_leg",
-        "hip",
-        (
-            GeomFigures(
-                "{side}_upper_leg1",
-                "capsule",
-                0.7998,
-                THIGH_LENGTH,
-                "radius = mid_thigh_circumference / 2 pi, from the hip to one calf radius past the knee",
-                contype=2,
-                conaffinity=3,
-                material="pants_leg",
-            ),
-        ),
-        (
-            JointFigures("robot:{side}_hip1", (0, 1, 0), (-133, 20), 1.72, 1.27, 0.08, 0.005, -10),
-            JointFigures("robot:{side}_hip2", (1, 0, 0), (-51, 17), 3.51, 1.99, 0.062, 0.005),
-            JointFigures("robot:{side}_hip3", (0, 0, -1), (-32, 41), 2.16, 0.75, 0.027, 0.005),
-        ),
-        follows=TRUNK_HEIGHT,
-        rule=".26 of hip_breadth to the side; behind and below the pelvis's middle, in proportion to its radius",
-        motors=motors.UPPER_LEG_MOTORS,
-        group="{side}_leg",
-        matures_with="hip",
-        skin_spacing_m=0.027,
-        torque_site="torque_{side}_hip",
-    ),
-    Part(
-        "{side}_lower_leg",
-        "{side}_upper_leg",
-        (
-            GeomFigures(
-                "{side}_lower_leg1",
-                "capsule",
-                0.3341,
-                LEG_LENGTH,
-                "radius = calf_circumference / 2 pi, upper half of the shank",
-            ),
-            GeomFigures(
-                "{side}_lower_leg2",
-                "capsule",
-                0.1160,
-                ("ankle_circumference", *LEG_LENGTH),
-                "radius = ankle_circumference / 2 pi, lower half of the shank, into the foot",
-            ),
-        ),
-        (JointFigures("robot:{side}_knee", (0, -1, 0), (-145, 4), 1.63, 0.53, 0.065, 0.003, -30),),
-        follows=THIGH_LENGTH,
-        rule=LEG_SHARE,
-        motors=motors.LOWER_LEG_MOTORS,
-        matures_with="knee",
-        skin_spacing_m=0.038,
-        torque_site="torque_{side}_knee",
-    ),
-)
 
-WRIST_JOINTS = (
-    JointFigures("robot:{side}_hand1", (0, 0, -1), (-90, 90), 0.22, 0.03, 0.007, 0.001, -20),
-    JointFigures("robot:{side}_hand2", (-1, 0, 0), (-92, 86), 0.33, 0.11, 0.007, 0.001),
-    JointFigures("robot:{side}_hand3", (0, 1, 0), (-53, 48), 0.38, 0.11, 0.007, 0.001),
-)
-"""Parts that both kinds of hands have."""
+def _maturing(parts: Sided, feet: Collection[str]) -> Sided:
+    """Return MIMo's parts as they are by the law `maturing`.
 
-ANKLE_JOINTS = (
-    JointFigures("robot:{side}_foot1", (0, -1, 0), (-63, 32), 1.29, 0.6, 0.019, 0.003, -10),
-    JointFigures("robot:{side}_foot2", (1, 0, 0), (-33, 31), 0.96, 0.37, 0.011, 0.0025),
-    JointFigures("robot:{side}_foot3", (0, 0, 1), (-20, 30), 1.15, 0.38, 0.012, 0.002),
-)
-"""Parts that both kinds of feet have."""
+    The head is an ellipsoid. The neck is a part of the head: published masses of segments count it with the head, and
+    the joint between trunk and head, at its lower end, carries both. Feet are higher.
+    """
+    neck = next(geom for _, part in parts for geom in part.geoms if geom.name == "neck")
+    return tuple((side, _maturing_part(part, neck, feet)) for side, part in parts)
 
-CHEST_JOINTS = (
-    JointFigures("robot:chest_lean", (1, 0, 0), (-9, 9), 1.69, 0.38, 0.024, 0.01),
-    JointFigures("robot:chest_rot", (0, 0, 1), (-18, 18), 1.45, 0.29, 0.018, 0.01),
-)
-"""Joints of the chest, where it is not rigidly attached."""
 
-TENDONS: tuple[tuple[str, float, tuple[tuple[str, float], ...]], ...] = (
-    ("hip_bend", 0.01, (("robot:hip_bend1", 1), ("robot:hip_bend2", -1))),
-    ("hip_rotation", 0.01, (("robot:hip_rot1", 1), ("robot:hip_rot2", -1))),
-    ("hip_lean", 0.01, (("robot:hip_lean1", 1), ("robot:hip_lean2", -0.5))),
-    ("head_limits1", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt_side", 1))),
-    ("head_limits2", 2.1, (("robot:head_tilt", 1), ("robot:head_tilt_side", 1))),
-    ("head_limits3", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt", 1))),
-    ("head_limits1_sym", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt_side", -1))),
-    ("head_limits2_sym", 2.1, (("robot:head_tilt", 1), ("robot:head_tilt_side", -1))),
-    ("head_limits3_sym", 2.1, (("robot:head_swivel", 1), ("robot:head_tilt", -1))),
-)
-"""Couplings of the lumbar joints and combined limits of the head: name, half range in [rad], factors."""
+def _maturing_part(part: ReferencePart, neck: ReferenceGeom, feet: Collection[str]) -> ReferencePart:
+    if part.name in feet:
+        return replace(part, geoms=tuple(replace(geom, rule=geom.rule + FOOT_RULE) for geom in part.geoms))
+    if part.name == "head":
+        (head,) = part.geoms
+        ellipsoid = replace(head, type="ellipsoid", size_from=HEAD_MEASURES, rule=HEAD_RULE)
+        return replace(part, geoms=(ellipsoid, replace(neck, rule=NECK_RULE)))
+    if part.name == "{side}_eye":
+        return replace(part, position_from=HEAD_MEASURES, rule=EYE_RULE)
+    if neck in part.geoms:
+        return replace(part, geoms=tuple(geom for geom in part.geoms if geom is not neck))
+    return part
 
-EXCLUDED = (
-    ("left_eye", "upper_body"),
-    ("right_eye", "upper_body"),
-    ("left_eye", "chest"),
-    ("right_eye", "chest"),
-    ("chest", "head"),
-    ("hip", "upper_body"),
-)
-"""Pairs of bodies without contacts. MIMo's eyes would collide with the chest now that it is a separate body. Pelvis and
-upper body, as deep as they were measured, would stop a bending trunk, in which a real belly folds."""
+
+def _ankles(foot: PartKind) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of bodies that higher feet bring together: the toes of stout newborns are below their shanks."""
+    toes = [part.name for part in foot.parts[1:]]
+    for side in RIGHT_THEN_LEFT:
+        for name in toes if side == "right" or len(toes) == 1 else reversed(toes):
+            yield f"{side}_lower_leg", name.format(side=side)
+
+
+def _excluded(kind: PartKind) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of bodies without contacts, of both sides where their names have `{side}`."""
+    for side in RIGHT_THEN_LEFT if any("{side}" in name for pair in kind.excluded for name in pair) else ("",):
+        for first, second in kind.excluded:
+            yield first.format(side=side), second.format(side=side)
+
+
+def _masses_kg(kinds: Iterable[PartKind]) -> dict[str, float]:
+    """Return the masses of geoms that some kinds give to those of others."""
+    return {name: mass_kg for kind in kinds for name, mass_kg in kind.masses_kg.items()}
+
+
+def _on_sides(sides: Iterable[str], parts: Sequence[ReferencePart]) -> Sided:
+    return tuple((side, part) for side in sides for part in parts)
+
+
+def on_named_sides(parts: Iterable[ReferencePart]) -> Iterator[tuple[str, ReferencePart]]:
+    """Yield parts on both sides if their names have `{side}`, and in the middle otherwise."""
+    for part in parts:
+        for side in RIGHT_THEN_LEFT if "{side}" in part.name else ("",):
+            yield side, part
+
+
+def _parents_first(parts: Sided, masses_kg: Mapping[str, float]) -> Sided:
+    """Return the parts, each followed by all on it: MuJoCo numbers bodies and joints like that."""
+    attached: dict[str, list[tuple[str, ReferencePart]]] = {}
+    for side, part in parts:
+        attached.setdefault((part.parent or "").format(side=side), []).append((side, part))
+
+    def below(parent: str) -> Iterator[tuple[str, ReferencePart]]:
+        for side, part in attached.get(parent, ()):
+            yield side, _with_masses(part, masses_kg)
+            yield from below(part.name.format(side=side))
+
+    return tuple(below(""))
+
+
+def _with_chest_joint(kind: PartKind) -> PartKind:
+    """Return the trunk whose chest has its joints."""
+    parts = (
+        replace(part, joints=CHEST_JOINTS, motors=CHEST_MOTORS) if part.name == "chest" else part for part in kind.parts
+    )
+    return replace(kind, parts=tuple(parts))
+
+
+def _with_masses(part: ReferencePart, masses_kg: Mapping[str, float]) -> ReferencePart:
+    if not any(geom.name in masses_kg for geom in part.geoms):
+        return part
+    geoms = tuple(replace(geom, mass_kg=masses_kg.get(geom.name, geom.mass_kg)) for geom in part.geoms)
+    return replace(part, geoms=geoms)

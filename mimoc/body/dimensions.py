@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 
 
@@ -28,7 +29,35 @@ class Dimensions:
     def __or__(self, other: "Dimensions") -> "Dimensions":
         """Return the union of both."""
         return Dimensions(
-            {**self.origins, **other.origins},
-            {**self.shapes, **other.shapes},
-            {**self.anchors, **other.anchors},
+            {**self.origins, **other.origins}, {**self.shapes, **other.shapes}, {**self.anchors, **other.anchors}
         )
+
+
+def mirror(vector: Vec3, left: bool) -> Vec3:
+    """Return a position, mirrored in y for the left side."""
+    x, y, z = vector
+    return (x, -y, z) if left else vector
+
+
+def mirror_turn(vector: Vec3, left: bool) -> Vec3:
+    """Return an axis or Euler angles, mirrored in y: rotations about x and z change sign, about y they do not."""
+    x, y, z = vector
+    return (-x, y, -z) if left else vector
+
+
+def along(what: str, length_m: float, radius_m: float, embed_m: float) -> Shape:
+    """Return a capsule along +z, whose axis starts at its joint and which ends beyond the next joint.
+
+    Args:
+        what: The limb, for errors.
+        length_m: From joint to joint.
+        radius_m: Of the capsule.
+        embed_m: How far beyond the next joint it ends.
+
+    Raises:
+        GeometryError: If the limb is wider than it is long.
+    """
+    axis_m = length_m + embed_m - radius_m
+    if axis_m <= 0:
+        raise GeometryError(f"{what}: a limb {length_m:.3f} m long cannot be {2 * radius_m:.3f} m thick")
+    return Shape((radius_m, axis_m / 2), (0.0, 0.0, axis_m / 2))

@@ -2,7 +2,7 @@
 
 import math
 
-from mimoc.body.segments import REFERENCE_HEAD_RADIUS_M
+from mimoc.body.parts.head import REFERENCE_HEAD_RADIUS_M
 from mimoc.body.tree import Geom
 from mimoc.geometry.primitives import girth
 from mimoc.geometry.rotations import Vec3

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -41,7 +40,7 @@ class Posed:
         kept = [index for index, geom in enumerate(self.geoms) if geom.contype or geom.conaffinity]
         return self.only(kept)
 
-    @cached_property
+    @property
     def extents(self) -> Extents:
         """Extents of each geom from its own centre."""
         return extents((geom.type, geom.size_m) for geom in self.geoms)

@@ -79,9 +79,19 @@ def pose_of(tree: BodyTree, name: str) -> Pose:
 
     Arms of a child of other proportions are lifted off, as they would begin inside its thighs or its trunk.
     """
+    return _pose_of(tree, name, _disproportion(tree))
+
+
+def poses_of(tree: BodyTree) -> list[Pose]:
+    """Return all poses of `POSES`, in their order; see `pose_of`."""
+    disproportion = _disproportion(tree)
+    return [_pose_of(tree, name, disproportion) for name in POSES]
+
+
+def _pose_of(tree: BodyTree, name: str, disproportion: float) -> Pose:
     wanted, settled = POSES[name], _settled_deg(tree, name)
     pitch_deg = settled.pop(PITCH, wanted.pitch_deg)
-    share = FREED * max(0.0, _disproportion(tree) - ALIKE)
+    share = FREED * max(0.0, disproportion - ALIKE)
     for joint, free_deg in FREE_DEG.get(name, {}).items():
         if share and joint in settled:
             settled[joint] += min(1.0, share) * (free_deg - settled[joint])
@@ -89,7 +99,8 @@ def pose_of(tree: BodyTree, name: str) -> Pose:
 
 
 def _settled_deg(tree: BodyTree, name: str) -> dict[str, float]:
-    return settled_deg(tree.development, tree.hands, CHEST_JOINT in tree.joints, name, tree.age_months)
+    hands = tree.hands if tree.hands == "five_finger" else "mitten"  # Others' hands were not laid down.
+    return settled_deg(tree.development, hands, CHEST_JOINT in tree.joints, name, tree.age_months)
 
 
 def _disproportion(tree: BodyTree) -> float:

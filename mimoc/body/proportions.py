@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mimoc.body.published import published_arm, published_leg, published_trunk
-from mimoc.body.trunk import Trunk, measured_trunk
+from mimoc.body.sections import Trunk, measured_trunk
 from mimoc.errors import GeometryError
 from mimoc.geometry.ellipsoids import ellipse_perimeter
 

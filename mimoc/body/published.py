@@ -7,7 +7,7 @@ measured girths, breadths and lengths; strength stays what it was.
 
 from collections.abc import Mapping
 
-from mimoc.body.trunk import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing
+from mimoc.body.sections import CLEARANCE_M, NO_ROOM, Trunk, axial_spacing
 from mimoc.errors import GeometryError
 
 REFERENCE_M: Mapping[str, float] = {

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Mapping
 
 from mimoc.body.dimensions import Dimensions, Shape
-from mimoc.body.figures import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, GeomFigures, Part
-from mimoc.body.trunk import room_beside
+from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
+from mimoc.body.sections import room_beside
 from mimoc.errors import GeometryError
 from mimoc.geometry.rotations import Vec3
 from mimoc.units import deg_to_rad
@@ -75,7 +75,9 @@ def clear_arms(dimensions: Dimensions) -> Dimensions:
     return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
 
 
-def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length: float, girth: float) -> Dimensions:
+def scale_part(
+    dimensions: Dimensions, name: str, parts: Iterable[ReferencePart], length: float, girth: float
+) -> Dimensions:
     """Return dimensions in which one part is scaled.
 
     Args:
@@ -87,7 +89,7 @@ def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length:
     """
     children = [part.name for part in parts if part.parent == name]
     (part,) = (part for part in parts if part.name == name)
-    scale = (length, girth, girth) if part.lies else (girth, girth, length)
+    scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
     joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
     return dimensions | Dimensions(
         origins={child: _scaled(dimensions.origins[child], scale) for child in children},
@@ -96,7 +98,7 @@ def scale_part(dimensions: Dimensions, name: str, parts: Iterable[Part], length:
     )
 
 
-def _scale_solid(solid: Shape, geom: GeomFigures, scale: Vec3) -> Shape:
+def _scale_solid(solid: Shape, geom: ReferenceGeom, scale: Vec3) -> Shape:
     x, y, z = _in_geom_frame(geom.euler_deg, scale)
     if geom.type == "sphere":
         size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)

@@ -22,11 +22,12 @@ class Stature(TypedDict):
 
 def stature(tree: BodyTree) -> Stature:
     """Return the measures of a body: length is crown to sole, and the left arm is preferred, as WHO does."""
+    arm_cm = _arm_circumference_cm(tree)
     return Stature(
         length_cm=m_to_cm(length_m(tree)),
         weight_kg=tree.mass_kg,
         head_circumference_cm=m_to_cm(_girth_m(tree.geoms["head"])),
-        arm_circumference_cm=_arm_circumference_cm(tree),
+        arm_circumference_cm=arm_cm,
     )
 
 

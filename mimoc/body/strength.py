@@ -1,52 +1,171 @@
-"""Strength that a spec asks for: factors by muscle group, and the strength of another age."""
+"""Strength: the torque of each motor by age and size, and what a spec asks for on top of it.
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+A motor's torque at full command is
+
+    T = T_18 v l r
+
+with MIMo's torque T_18 at 18 months, the volume v of the part that it moves and the standing height l, both relative to
+18 months, and the share r of its muscle group's strength that an infant of that age has. The load of its joint grows by
+v l, so r alone decides whether an infant can hold its own weight. By the published law, T = T_18 v.
+
+No dynamometry of infants exists. The curves were fitted to milestones (D): with them, compiled infants held up their
+heads, reached, sat and stood at the ages at which children do (WHO Multicentre Growth Reference Study Group 2006;
+Denver II, Frankenburg et al. 1992; Gerber, Wilks & Erdie-Lalena 2010). Those of hands are a guess (D).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import prod
 
-from mimoc.actuation.spec import ActuationSpec
-from mimoc.body.assembly import Anatomy
-from mimoc.body.growth import grow_average
-from mimoc.body.tree import BodyTree
+from mimoc.body import origins
+from mimoc.body.decay import Decay
+from mimoc.body.maturation import NECK, RelativeVolumes, heavier
+from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
+from mimoc.body.part import ReferenceMotor
+from mimoc.body.reference import Reference
+from mimoc.body.tree import BodyTree, Growth, Motor
 from mimoc.schema.names import PAIRED_GROUPS
 
 STRENGTH_KEY = "spec.actuation.strength"
 AGE_KEY = "spec.actuation.strength_age_months"
 
 
-def scale_strength(tree: BodyTree, anatomy: Anatomy, spec: ActuationSpec) -> BodyTree:
-    """Return a body with the gears that a spec asks for.
+@dataclass(frozen=True, slots=True)
+class StrengthCurve:
+    """The relative strength of a group of muscles by age: r = 1 - (1 - newborn) decay(age)."""
+
+    newborn: float
+    """At birth."""
+    decay: Decay
+
+    def __call__(self, age_months: float) -> float:
+        """Return the strength relative to that at 18 months, beyond what size explains."""
+        return 1 - (1 - self.newborn) * self.decay(age_months)
+
+
+STRENGTH: Mapping[str, StrengthCurve] = {
+    "neck": StrengthCurve(0.15, Decay(7.0, 1.5)),
+    "neck_front": StrengthCurve(0.15, Decay(6.0, 1.7)),
+    "trunk": StrengthCurve(0.15, Decay(4.4, 1.8)),
+    "arm": StrengthCurve(0.12, Decay(13.0, 2.0)),
+    "hand": StrengthCurve(0.40, Decay(10.0, 1.5)),
+    "hip": StrengthCurve(0.30, Decay(11.0, 1.4)),
+    "knee": StrengthCurve(0.15, Decay(15.0, 2.0)),
+    "ankle": StrengthCurve(0.10, Decay(16.0, 2.2)),
+    "eyes": StrengthCurve(1.0, Decay(1.0, 1.0)),
+}
+"""By group of muscles that mature together (`Part.matures_with`); `neck` is its back and sides."""
+
+FORWARDS: Mapping[str, str] = {"act:head_tilt": "neck_front"}
+"""Motors whose torque towards positive angles comes from another group: the chin goes to the chest."""
+
+
+def motor_torques(volumes: RelativeVolumes, reference: Reference, growth: Growth | None) -> tuple[Motor, ...]:
+    """Return the motors of a child, in MIMo's order.
 
     Args:
-        tree: The body, with the strength of its growth.
-        anatomy: Of that body.
-        spec: The factors, and the age that strength is taken from.
+        volumes: The volumes of its geoms.
+        reference: What it is compared with.
+        growth: What strength and joints mature with; None is the published law.
     """
-    if not spec.strength and spec.strength_age_months is None:
-        return tree
-    groups = muscle_groups(tree)
-    if spec.strength_age_months is not None:
-        tree = _of_another_age(tree, anatomy, spec.strength_age_months)
+    of_age = {group: curve(reference.age_months) for group, curve in STRENGTH.items()}
+    groups, motors = reference.anatomy.groups, []
+    for side, figures in reference.anatomy.motors:
+        joint, torque_nm, force_range = figures.joint.format(side=side), figures.gear_nm, figures.force_range
+        torque_nm *= volumes[side][figures.driven_geom]
+        if growth:
+            torque_nm, force_range = _maturing(torque_nm, figures, groups[joint], of_age, growth)
+        name, driven_geom = figures.name.format(side=side), figures.driven_geom.format(side=side)
+        motors.append(Motor(name, joint, torque_nm, force_range, figures.vmax_lengths_per_s, driven_geom))
+    return tuple(motors)
+
+
+def _maturing(
+    torque_nm: float, figures: ReferenceMotor, group: str, of_age: Mapping[str, float], growth: Growth
+) -> tuple[float, tuple[float, float]]:
+    """Return the torque T_18 v l r, for the neck also x what its head is heavier, and the force range.
+
+    Args:
+        torque_nm: By the published law, T_18 v.
+        figures: The motor at 18 months.
+        group: The group that its strength matures with.
+        of_age: The share r of each group at this age.
+        growth: What strength matures with.
+    """
+    negative, positive = of_age[group], of_age[FORWARDS.get(figures.name, group)]
+    gain = growth.head_gain if group == NECK else 1.0
+    low, high = figures.force_range
+    return torque_nm * growth.relative_length * negative * gain, (low, high * (positive / negative))
+
+
+def at_strength_of_age(tree: BodyTree, now: Sequence[Motor], then: Sequence[Motor]) -> BodyTree:
+    """Return a body as strong as it would be at another age, by as much as the average child is then.
+
+    Args:
+        tree: The body.
+        now: The motors of the average child of its age.
+        then: Those of the average child of the other age.
+    """
     motors = []
-    for motor in tree.motors:
-        factors = (*_of_group(groups[motor.joint], spec.strength), *motor.factors)
-        asked = prod(factor for _, factor in _of_group(groups[motor.joint], spec.strength))
-        motors.append(replace(motor, gear_nm=motor.gear_nm * asked, factors=factors))
+    for motor, usual, other in zip(tree.motors, now, then, strict=True):
+        factor = other.gear_nm / usual.gear_nm
+        factors = ((AGE_KEY, factor),)
+        motors.append(replace(motor, gear_nm=motor.gear_nm * factor, force_range=other.force_range, factors=factors))
     return replace(tree, motors=tuple(motors))
 
 
-def muscle_groups(tree: BodyTree) -> Mapping[str, str]:
-    """Return the muscle group that moves each joint."""
-    of_body = body_groups(tree)
-    return {joint.name: of_body[body.name] for body in tree.bodies for joint in body.joints}
+def scale_strength(tree: BodyTree, strength: Mapping[str, float]) -> BodyTree:
+    """Return a body with the factors on its gears that a spec asks for, by muscle group or pair of groups."""
+    if not strength:
+        return tree
+    groups = tree.muscle_groups
+    motors = []
+    for motor in tree.motors:
+        asked = tuple(_of_group(groups[motor.joint], strength))
+        gear_nm = motor.gear_nm * prod(factor for _, factor in asked)
+        motors.append(replace(motor, gear_nm=gear_nm, factors=(*asked, *motor.factors)))
+    return replace(tree, motors=tuple(motors))
 
 
-def body_groups(tree: BodyTree) -> Mapping[str, str]:
-    """Return the muscle group that moves each body."""
-    found: dict[str, str] = {}
-    for body in tree.bodies:
-        found[body.name] = body.group or found[body.parent or body.name]
-    return found
+def motor_origins(motor: Motor, figures: ReferenceMotor, group: str, tree: BodyTree) -> tuple[Origin, Origin]:
+    """Return where the gear of a motor comes from, and its force range.
+
+    Args:
+        motor: The motor.
+        figures: Its reference values.
+        group: The group that its strength matures with.
+        tree: The body.
+    """
+    rule = (
+        f"{figures.gear_nm:g} N m ({REFERENCE}) x volume / volume of the average child of 18 months, "
+        f"of the geom that moves the joint: {motor.driven_geom}"
+    )
+    gear, limits = Origin(rule, (f"geom.{motor.driven_geom}.size",)), Origin(CONSTANT)
+    if tree.growth:
+        strength = STRENGTH[group](tree.age_months)
+        text = (
+            f" x {tree.growth.relative_length:.6g}, the standing height relative to 18 months, x {strength:.6g}, the "
+            f"share of its strength at 18 months that the {group} has at this age by {LAW} ({_row(group)})"
+        )
+        gear = gear.times(text + heavier(group, tree.growth), LENGTH_KEY, origins.AGE_KEY, LAW_KEY)
+        if front := FORWARDS.get(figures.name):
+            ratio = f"{STRENGTH[front](tree.age_months) / strength:.6g}, the strength of its front by that of its back"
+            text = f"{REFERENCE}, towards positive angles x {ratio} at this age by {LAW} ({_row(front)}; {_row(group)})"
+            limits = Origin(text, (origins.AGE_KEY, LAW_KEY))
+    else:
+        gear = gear.times(", by the law `published`", LAW_KEY)
+    for key, factor in motor.factors:
+        gear = gear.times(f" x {factor:.6g} ({key})", key)
+    return gear, limits
+
+
+def _row(group: str) -> str:
+    """Return the row of a group in the table of strengths, with its source."""
+    curve = STRENGTH[group]
+    decay = f"decay of {curve.decay.tau_months:g} months and power {curve.decay.power:g}"
+    others = {"hand": "a guess; D", "eyes": "the same at every age; D"}
+    source = others.get(group, "fitted to the ages of milestones; D")
+    return f"row `{group}`: {curve.newborn:g} at birth, {decay}; {source}"
 
 
 def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, float]]:
@@ -54,15 +173,3 @@ def _of_group(group: str, strength: Mapping[str, float]) -> Iterator[tuple[str, 
     pairs = [pair for pair, sides in PAIRED_GROUPS.items() if group in sides]
     named = [name for name in (group, *pairs) if name in strength]
     yield from ((f"{STRENGTH_KEY}.{name}", strength[name]) for name in named[:1])
-
-
-def _of_another_age(tree: BodyTree, anatomy: Anatomy, age_months: float) -> BodyTree:
-    """Return a body as strong as it would be at another age, by as much as the average child is then."""
-    ages_months = (tree.age_months, age_months)
-    now, then = (grow_average(age, anatomy, tree.development).motors for age in ages_months)
-    motors = []
-    for motor, here, there in zip(tree.motors, now, then, strict=True):
-        factor = there.gear_nm / here.gear_nm
-        factors = ((AGE_KEY, factor),)
-        motors.append(replace(motor, gear_nm=motor.gear_nm * factor, force_range=there.force_range, factors=factors))
-    return replace(tree, motors=tuple(motors))

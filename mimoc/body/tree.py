@@ -4,9 +4,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mimoc.body.figures import GeomType, Region
+from mimoc.body.part import Development, GeomType, Region
 from mimoc.geometry.rotations import Vec3
-from mimoc.schema.names import Development
 
 FREE_JOINT = "mimo_location"
 """MIMo's name for the joint between the world and the hip."""
@@ -91,7 +90,7 @@ class Motor:
     """Fraction of the gear that is available towards negative and positive angles."""
     vmax_lengths_per_s: float
     """Maximum shortening velocity of its muscles, in optimal lengths per second."""
-    mover: str
+    driven_geom: str
     """The geom whose volume determines the gear."""
     factors: tuple[tuple[str, float], ...] = ()
     """Factors of the spec on the gear: the key of the spec, and its value."""
@@ -117,10 +116,6 @@ class Growth:
     """Volume that the strength of each joint's motor follows, relative to 18 months, by joint."""
     head_gain: float
     """Mass of head and neck, relative to the published law."""
-    foot_height: float
-    """Height of the feet, likewise."""
-    trunk_left: float
-    """Mass of the trunk, likewise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,13 +124,15 @@ class BodyTree:
 
     age_months: float
     hands: str
-    """`mitten` or `five_finger`, even if hands are removed, because feet differ too."""
+    """Kind of its hands, even if they are removed, because feet differ too."""
     bodies: tuple[Body, ...]
     """Parents before children, in MIMo's order."""
     motors: tuple[Motor, ...]
     tendons: tuple[Tendon, ...]
     excluded: tuple[tuple[str, str], ...]
     """Pairs of bodies without contacts."""
+    extra: tuple[str, ...] = ()
+    """Kinds of parts that it has besides MIMo's."""
     development: Development = "maturing"
     """The law that strength, joints and proportions follow."""
     growth: Growth | None = None
@@ -156,6 +153,20 @@ class BodyTree:
     def joints(self) -> Mapping[str, Joint]:
         """Every hinge by name."""
         return {joint.name: joint for body in self.bodies for joint in body.joints}
+
+    @property
+    def body_groups(self) -> Mapping[str, str]:
+        """The muscle group that moves each body."""
+        groups: dict[str, str] = {}
+        for body in self.bodies:
+            groups[body.name] = body.group or groups[body.parent or body.name]
+        return groups
+
+    @property
+    def muscle_groups(self) -> Mapping[str, str]:
+        """The muscle group that moves each joint."""
+        of_body = self.body_groups
+        return {joint.name: of_body[body.name] for body in self.bodies for joint in body.joints}
 
     @property
     def mass_kg(self) -> float:

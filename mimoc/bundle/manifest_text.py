@@ -43,7 +43,7 @@ def read_manifest(content: bytes) -> Manifest:
 
 RUNNING: Mapping[str, Kinds[Any]] = {"senses": SENSES, "tasks": TASKS, "actuation": ACTUATIONS}
 """The kinds of things that a bundle runs, by the section that a manifest names them in."""
-BUILDING = ("scenes", "toys")
+BUILDING = ("scenes", "toys", "parts")
 """Those that it is only built from."""
 
 

@@ -1,18 +1,33 @@
 """The anatomy in the manifest: names of the parts that the runtime and controllers use."""
 
 from collections.abc import Iterator
+from typing import Literal
 
 from mimoc.body import BodyTree
-from mimoc.body.regions import ARM, EYE, EYE_SIDES, HEAD, LEG, LIMB_SIDES, Ends
-from mimoc.body.strength import muscle_groups
 from mimoc.bundle.manifest import AnatomyEntry, EyeEntry, LimbEntry
+
+Side = Literal["left", "right"]
+Ends = tuple[str, str]
+"""Names of two things, with `{side}`."""
+
+HEAD = "head"
+ARM: Ends = ("{side}_upper_arm", "{side}_hand")
+"""First and last body; fingers are parts of the hand."""
+LEG: Ends = ("{side}_upper_leg", "{side}_foot")
+"""First and last body; toes are parts of the foot."""
+EYE: Ends = ("{side}_eye", "eye_{side}")
+"""Body and camera."""
+
+LIMB_SIDES: tuple[Side, Side] = ("right", "left")
+EYE_SIDES: tuple[Side, Side] = ("left", "right")
+"""Sides in MIMo's order."""
 
 
 def describe_anatomy(tree: BodyTree) -> AnatomyEntry:
     """Return the anatomy of a body for the manifest."""
     bodies = {body.name for body in tree.bodies}
     groups: dict[str, list[str]] = {}
-    for joint, group in muscle_groups(tree).items():
+    for joint, group in tree.muscle_groups.items():
         groups.setdefault(group, []).append(joint)
     return AnatomyEntry(
         head=HEAD if HEAD in bodies else None,

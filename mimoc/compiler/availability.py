@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from mimoc.body import assemble
-from mimoc.body.maturing.parts import matured
 from mimoc.compiler.plausibility import implausible
 from mimoc.errors import Problem, SpecError
 from mimoc.schema.infant import InfantSpec, as_written
@@ -26,12 +25,12 @@ def refuse_unavailable(spec: InfantSpec) -> None:
 
 def _unavailable(spec: InfantSpec) -> Iterator[tuple[KeyPath, str, str]]:
     """Yield the path of each unavailable key, what is unavailable, and advice."""
-    leave_out = "leave it out"
-    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
-    anatomy = matured(anatomy) if spec.development == "maturing" else anatomy
+    if not spec.body.measurements:
+        return
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
     for key in spec.body.measurements:
         if unsided(key) not in anatomy.follows:
-            yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", leave_out
+            yield ("body", "measurements", key), f"a {spec.body.hands} body that follows this", "leave it out"
 
 
 def _problem(spec: InfantSpec, path: KeyPath, what: str, advice: str) -> Problem:

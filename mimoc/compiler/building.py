@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc import body, fits
+from mimoc import body
 from mimoc.actuation.setup import ActuationSetup, build_actuation
-from mimoc.body.provenance import Entry, trace_body
+from mimoc.body.origins import Entry
+from mimoc.body.parts import PARTS
+from mimoc.body.provenance import trace_body
 from mimoc.bundle.arrays import ARRAYS, pack_arrays
 from mimoc.bundle.io import Bundle, seal
 from mimoc.bundle.json_text import render_json
 from mimoc.bundle.manifest import Manifest, ToyEntry
+from mimoc.bundle.provenance import PROVENANCE, packed
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose, place_senses
@@ -25,20 +28,17 @@ from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
 from mimoc.compiler.provenance.actuation import trace_actuation
 from mimoc.compiler.provenance.child import trace_child, who_percentiles
-from mimoc.compiler.provenance.delays import trace_delays
-from mimoc.compiler.provenance.noise import trace_noise
-from mimoc.compiler.provenance.packing import packed
-from mimoc.compiler.provenance.plugins import trace_plugins
-from mimoc.compiler.provenance.spec import SPEC_FILE, trace_spec
-from mimoc.compiler.provenance.task import trace_task
+from mimoc.compiler.provenance.spec import SPEC_FILE, trace_plugins, trace_spec, trace_task
 from mimoc.compiler.provenance.world import trace_world
 from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
+from mimoc.delays.presets import trace_delays
 from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.compatibility import CompatibilityTarget, find_target
 from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.scene import SceneTree
+from mimoc.noise.presets import trace_noise
 from mimoc.rounding import rounded, rounded_array
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
 from mimoc.schema.yaml_scalars import dump
@@ -51,8 +51,7 @@ from mimoc.version import __version__
 class Sources:
     """What an infant was built from, for its provenance."""
 
-    anatomy: body.Anatomy
-    measurements: fits.Measurements
+    grown: body.GrownBody
     actuation: ActuationSetup
     senses: Mapping[str, Placed]
 
@@ -102,11 +101,11 @@ class Builder:
     def origins(self) -> Mapping[str, Any]:
         """Provenance of the infant's numbers, by key in `provenance.json`."""
         spec, tree, manifest = self.spec, self.tree, self.manifest
-        anatomy, actuation = self.sources.anatomy, self.sources.actuation
+        of_body = trace_body(self.sources.grown, tree, _scaled_parts(spec, tree))
+        actuation = self.sources.actuation
         written = replace(actuation, actuators=self.infant.actuators, defaults=self.infant.actuator_defaults)
         return {
-            **trace_body(self.sources.measurements, anatomy, tree, _scaled_parts(spec, tree)),
-            **trace_actuation(spec.actuation.model, anatomy, tree, written),
+            **trace_actuation(spec.actuation.model, tree, written, of_body),
             **dict(trace_delays(spec, manifest.delays)),
             **dict(trace_noise(spec, manifest.noise)),
             **{key: entry for placed in self.sources.senses.values() for key, entry in placed.origins.items()},
@@ -187,7 +186,7 @@ class Builder:
             **printing.render_world(furnished.scene, self._inhabitant),
             SPEC_FILE: as_written(spec).text.encode(),
             "resolved.yaml": dump(rounded(to_data(spec))).encode(),
-            "provenance.json": render_json(packed({**world_origins, **self.origins}), 2),
+            PROVENANCE: render_json(packed({**world_origins, **self.origins}), 2),
             "manifest.json": render_json(manifest.model_dump()),
             "README.md": printing.render_text("README.md.j2", manifest=manifest, version=__version__),
         }
@@ -215,9 +214,10 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
     if younger is None:
         spec = validated(spec)
         refuse_unavailable(spec)
-    anatomy, measurements, grown = child_of(spec)
-    tree = compatibility.body(grown)
-    has_skin = skin and target is None if spec.body.skin is None else spec.body.skin
+    grown = child_of(spec, younger and younger.sources.grown.reference)
+    tree = compatibility.body(grown.tree)
+    usual = skin and target is None and PARTS.distribution(spec.body.hands) == "mimoc"
+    has_skin = usual if spec.body.skin is None else spec.body.skin
     actuation, senses, task_setup, infant, manifest = _equip(spec, tree, compatibility, has_skin)
     return Builder(
         spec=spec,
@@ -228,7 +228,7 @@ def builder(spec: InfantSpec, target: str | None = None, younger: Builder | None
         footprint=covered_floor(infant, spec.scene, tree),
         scene_assets=younger.scene_assets if younger else load_scene_assets(spec),
         manifest=manifest,
-        sources=Sources(anatomy, measurements, actuation, senses),
+        sources=Sources(grown, actuation, senses),
         has_skin=has_skin,
     )
 

@@ -1,12 +1,12 @@
 """Composition of an infant from body, senses, actuators and appearance, before it is placed in its world."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
 from mimoc.body.poses import standing_height
-from mimoc.body.regions import EYE, EYE_SIDES
+from mimoc.compiler.anatomy import EYE, EYE_SIDES
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress, dress_skin
 from mimoc.looks.skin.carrying import skin_of
@@ -19,6 +19,7 @@ from mimoc.mjcf.scene import SceneTree, Solver
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec
+from mimoc.schema.names import bodies_of
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
 
@@ -71,20 +72,23 @@ def compose(
 
 
 def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Placed], has_skin: bool) -> dict[str, Node]:
-    """Return all parts by name, each with its child parts."""
-    sites, cameras = _sites(tree, senses), dict(sensor_sites.cameras(tree))
+    """Return all parts by name, each with its child parts; under a skin, only what it does not cover is drawn."""
+    keypoints, hip_m = keypoint_sites(tree), (0.0, 0.0, standing_height(tree))
+    sites, cameras = _sites(tree, senses, keypoints), dict(sensor_sites.cameras(tree))
     for placed in senses.values():
         cameras |= placed.cameras
+    uncovered = {*EYEBALLS, *(name for kind in tree.extra for name in bodies_of(kind))}
     nodes: dict[str, Node] = {}
     for body in reversed(tree.bodies):
         is_root = body.parent is None
+        group = SOLIDS_GROUP if has_skin and body.name not in uncovered else BODY_GROUP
         nodes[body.name] = Node(
             name=body.name,
-            pos_m=(0.0, 0.0, standing_height(tree)) if is_root else body.pos_m,
+            pos_m=hip_m if is_root else body.pos_m,
             euler_rad=_radians(body.euler_deg),
             free_joints=(FREE_JOINT,) if is_root else (),
             joints=tuple(_joint(actuation.joints[joint.name]) for joint in body.joints),
-            geoms=(*(_geom(geom, _group(body, has_skin)) for geom in body.geoms), *_features(body, has_skin)),
+            geoms=(*(_geom(geom, group) for geom in body.geoms), *_features(body, has_skin)),
             sites=sites.get(body.name, ()),
             cameras=cameras.get(body.name, ()),
             children=tuple(nodes[child.name] for child in tree.bodies if child.parent == body.name),
@@ -92,9 +96,11 @@ def _parts(tree: BodyTree, actuation: ActuationSetup, senses: Mapping[str, Place
     return nodes
 
 
-def _sites(tree: BodyTree, senses: Mapping[str, Placed]) -> dict[str, tuple[Site, ...]]:
+def _sites(
+    tree: BodyTree, senses: Mapping[str, Placed], keypoints: Mapping[str, Sequence[Site]]
+) -> dict[str, tuple[Site, ...]]:
     """Return the sites of each body: those of sensors, of senses, then keypoints."""
-    of_sensors, keypoints = sensor_sites.sites(tree), keypoint_sites(tree)
+    of_sensors = sensor_sites.sites(tree)
     return {
         body.name: (
             *of_sensors.get(body.name, ()),
@@ -118,11 +124,6 @@ def _joint(joint: Joint) -> PrintedJoint:
         armature_kgm2=joint.armature_kgm2,
         springref_rad=deg_to_rad(joint.springref_deg),
     )
-
-
-def _group(body: Body, has_skin: bool) -> int:
-    """Return the group of a body's solids: under a skin, only eyeballs are drawn."""
-    return SOLIDS_GROUP if has_skin and body.name not in EYEBALLS else BODY_GROUP
 
 
 def _geom(geom: Geom, group: int) -> PrintedGeom:

@@ -6,7 +6,6 @@ import numpy as np
 
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world
-from mimoc.body.strength import muscle_groups
 from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import quaternion_from_matrix
 from mimoc.mjcf.constraints import Lock, Weld
@@ -24,7 +23,7 @@ FIRM, LOOSE = 1.0, 0.0
 def locked_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> tuple[str, ...]:
     """Return the hinges that are locked, by the spec or for its task, in the order of the body."""
     groups, by_task = single_groups(spec.actuation.locked), set(setup.locked)
-    return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups or joint in by_task)
+    return tuple(joint for joint, group in tree.muscle_groups.items() if group in groups or joint in by_task)
 
 
 def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Collection[str]:
@@ -38,7 +37,7 @@ def commanded_joints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> Coll
     locked = set(locked_joints(spec, tree, setup))
     commanded = {
         joint
-        for joint, group in muscle_groups(tree).items()
+        for joint, group in tree.muscle_groups.items()
         if (groups is None or group in groups)
         and (setup.commanded is None or joint in setup.commanded)
         and joint not in locked

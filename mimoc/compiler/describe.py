@@ -1,11 +1,12 @@
 """The manifest of a scene."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
 from mimoc.body import FREE_JOINT, BodyTree
+from mimoc.body.parts import PARTS
 from mimoc.body.stature import stature
 from mimoc.bundle.manifest import (
     ChildEntry,
@@ -22,6 +23,7 @@ from mimoc.compiler.furnish import start_pose
 from mimoc.delays.presets import delays
 from mimoc.kinds import Kinds
 from mimoc.looks.appearance import EXPRESSIONS, face_material
+from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.objects import FreeObject
@@ -41,21 +43,27 @@ def describe(
     spec: InfantSpec, tree: BodyTree, scene: SceneTree, senses: Mapping[str, Placed], setup: TaskSetup = NO_TASK
 ) -> Manifest:
     """Return the manifest of a scene."""
+    child = _child(spec, tree)
+    locked, held = locked_joints(spec, tree, setup), holds(spec, tree, setup)
+    commanded = commanded_joints(spec, tree, setup)
     return Manifest(
         name=spec.name,
-        child=_child(spec, tree),
+        child=child,
         root_body=scene.roots[0].name,
         root_joint=FREE_JOINT,
         timestep_ms=spec.control.timestep_ms,
         step_ms=spec.control.step_ms,
         pose=start_pose(spec, setup),
         poses=tuple(keyframe.name for keyframe in scene.keyframes),
-        actuation=_actuation(spec, tree, scene, setup),
+        actuation=_actuation(spec.actuation.model, scene.actuators, commanded),
         anatomy=describe_anatomy(tree),
         senses=SensesEntry(**{name: placed.entry for name, placed in senses.items()}),
         delays=delays(spec, tree),
         noise=noise(spec),
-        constraints=_constraints(spec, tree, setup),
+        constraints=ConstraintsEntry(
+            locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked),
+            welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in held),
+        ),
         task=setup.entry,
         face=FaceEntry(
             geom="head",
@@ -100,6 +108,8 @@ def _used_kinds(spec: InfantSpec) -> Iterator[tuple[str, Kinds[Any], str]]:
         if getattr(spec.senses, name) is not None:
             yield "senses", SENSES, name
     yield "actuation", ACTUATIONS, spec.actuation.model
+    for name in (spec.body.hands, *(spec.body.extra or ())):
+        yield "parts", PARTS, name
     if spec.task:
         yield "tasks", TASKS, spec.task.kind
     yield "scenes", SCENES, spec.scene.kind
@@ -119,16 +129,8 @@ def _child(spec: InfantSpec, tree: BodyTree) -> ChildEntry:
     )
 
 
-def _constraints(spec: InfantSpec, tree: BodyTree, setup: TaskSetup) -> ConstraintsEntry:
-    return ConstraintsEntry(
-        locks=tuple(LockEntry(equality=lock_name(joint), joint=joint) for joint in locked_joints(spec, tree, setup)),
-        welds=tuple(WeldEntry(equality=hold_name(hold.body), body=hold.body) for hold in holds(spec, tree, setup)),
-    )
-
-
-def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, setup: TaskSetup) -> ActuationEntry:
-    commanded = commanded_joints(spec, tree, setup)
-    actuators = tuple(
+def _actuation(model: str, actuators: Iterable[Actuator], commanded: Collection[str]) -> ActuationEntry:
+    entries = tuple(
         ActuatorEntry(
             name=actuator.name,
             mimo_actuator=actuator.mimo_actuator,
@@ -137,6 +139,6 @@ def _actuation(spec: InfantSpec, tree: BodyTree, scene: SceneTree, setup: TaskSe
             action_high=actuator.control_range[1],
             commanded=actuator.joint in commanded,
         )
-        for actuator in scene.actuators
+        for actuator in actuators
     )
-    return ActuationEntry(model=spec.actuation.model, actuators=actuators)
+    return ActuationEntry(model=model, actuators=entries)

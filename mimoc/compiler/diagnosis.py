@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from mimoc.body import assemble, grow_child, measure_child
-from mimoc.body.child import replace_given
+from mimoc.body.grow import grow_child, measure_child, reference_of
+from mimoc.body.measurements import replace_given
 from mimoc.errors import GeometryError, IndividualError, Problem
 from mimoc.geometry.solvers import root
 from mimoc.schema.infant import InfantSpec
@@ -67,12 +67,12 @@ def diagnose(error: GeometryError | IndividualError, spec: InfantSpec, written: 
     """
     if isinstance(error, IndividualError):
         return written.problem(("body", "individual"), str(error))
-    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
-    measurements = measure_child(_plain(spec), anatomy)
+    reference = reference_of(spec)
+    measurements = measure_child(_plain(spec), reference)
 
     def is_possible(other: InfantSpec) -> bool:
         try:
-            grow_child(other, replace_given(measurements, other), anatomy)
+            grow_child(other, replace_given(measurements, other), reference)
         except GeometryError:
             return False
         return True

@@ -8,7 +8,7 @@ import numpy as np
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.errors import NoSpaceError

@@ -33,5 +33,5 @@ def skin_at(source: InfantSpec | Bundle | str | Path, age_months: float | None =
         spec = source if isinstance(source, InfantSpec) else load_spec(source)
     age_months = spec.age_months if age_months is None else age_months
     with errors_at(spec, age_months):
-        _, _, tree = child_of(aged(spec, age_months))
+        tree = child_of(aged(spec, age_months)).tree
     return skin_of(tree).layers

@@ -7,11 +7,12 @@ half of an adult's at birth and an adult's by 3 to 5 years (Garcia-Garcia and Ca
 each sense is in its record.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
 from mimoc.body import BodyTree
+from mimoc.body.origins import Entry, Origin
 from mimoc.delays.ages import AGES_MONTHS
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, given_keys, signals
 from mimoc.kinds import AgeTable
@@ -72,3 +73,24 @@ PRESETS: Mapping[str, Callable[[str, float, float], DelayEntry]] = {
 def _whole(time_ms: float, timestep_ms: float) -> float:
     """Return the whole number of physics steps that is nearest to a time."""
     return round(time_ms / timestep_ms) * timestep_ms
+
+
+RULES = {
+    "none": "no preset",
+    "paper": "the paper: 50 ms for senses, one physics step for motors",
+    "physiological": "conduction times by age, interpolated (see mimoc/delays/presets.py), to the nearest physics step",
+}
+"""The rule of each preset."""
+
+
+def trace_delays(spec: InfantSpec, delays: DelaysEntry) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each delay in the manifest."""
+    for signal in signals():
+        keys = given_keys(spec.delays, signal)[:1]
+        rule = "given by the spec" if keys else RULES[spec.delays.preset]
+        usual = ("spec.delays.preset", "spec.age_months", "spec.control.timestep_ms")
+        origin = Origin(rule, tuple(f"spec.delays.{key}" for key in keys) or usual, "ms")
+        delay = getattr(delays, signal)
+        for name, ms in (("ms", delay.ms), ("legs_ms", delay.legs_ms)):
+            if ms is not None:
+                yield f"delays.{signal}.{name}", origin.entry(ms)

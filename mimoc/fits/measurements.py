@@ -2,13 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from types import MappingProxyType
 
 from mimoc.fits.curves import LogCurve
-
-Values = tuple[tuple[str, float], ...]
-"""Measurements in m, by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +56,7 @@ class Measurements(Mapping[str, float]):
         same = self.table is self.base and paper is self.paper
         return self if same else replace(self, table=self.base, paper=paper)
 
-    @cached_property
+    @property
     def symmetric(self) -> bool:
         """Whether no side has any measurement of its own."""
         return self.table.keys() == self.base.keys()
@@ -75,18 +71,10 @@ class Measurements(Mapping[str, float]):
     def __len__(self) -> int:
         return len(self.table)
 
-    @cached_property
-    def base_values(self) -> Values:
+    @property
+    def base_m(self) -> dict[str, float]:
         """The measurements before any was replaced, in metres."""
-        return tuple((name, measured.value_m) for name, measured in self.base.items())
-
-    def values_of(self, side: str) -> Values:
-        """Return what `of_side` does, as a tuple; that of children whose sides are alike is always the same one."""
-        return self._values_of_both if self.symmetric else tuple(self.of_side(side).items())
-
-    @cached_property
-    def _values_of_both(self) -> Values:
-        return self.base_values if self.table is self.base else tuple(self.of_side("").items())
+        return {name: measured.value_m for name, measured in self.base.items()}
 
     def of_side(self, side: str) -> dict[str, float]:
         """Return the measurements of one side, in metres; *side* is `left`, `right`, or empty for the middle.

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from mimoc.body import BodyTree
 from mimoc.body.head_surface import as_on_mimos_head
-from mimoc.body.trunk import BUTTOCKS, RUMP
+from mimoc.body.sections import BUTTOCKS, RUMP
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.infant import Site
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from mimoc.body.assembly import Anatomy, assemble
+from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.schema.base import KeyedError
 from mimoc.schema.body import BodySpec
 from mimoc.schema.key_paths import KeyPath
@@ -24,7 +24,7 @@ def check_parts(body: BodySpec, groups: Mapping[KeyPath, Iterable[str]]) -> None
     """
     if not body.remove:
         return
-    anatomy = assemble(body.hands, body.chest_joint)
+    anatomy = assemble(body.hands, body.chest_joint, "published", body.extra or ())
     gone = removed(anatomy, body.remove)
     for name in body.parts:
         if name in gone:
@@ -72,8 +72,8 @@ def _side(key: str) -> str:
 def _followed(anatomy: Anatomy, gone: set[str], only: str) -> set[str]:
     """Return the measurements that the remaining parts follow: those of one side, or all."""
     parts = [part for side, part in anatomy.parts if part.name.format(side=side) not in gone and only in ("", side)]
-    of_geoms = (names for part in parts for geom in part.geoms for names in (geom.follows, geom.placed_by))
-    return {name for part in parts for name in part.follows}.union(*of_geoms)
+    of_geoms = (names for part in parts for geom in part.geoms for names in (geom.size_from, geom.position_from))
+    return {name for part in parts for name in part.position_from}.union(*of_geoms)
 
 
 def _groups(anatomy: Anatomy, gone: set[str]) -> set[str]:

@@ -1,11 +1,14 @@
 """The `body` of a spec: its size, its hands, and deviations from the average child."""
 
 import re
-from collections.abc import Mapping
-from typing import Annotated, Literal, Self
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticKnownError
 
+from mimoc.body.parts import PARTS, extra_kinds, kinds_of_hands
 from mimoc.errors import suggestion
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.names import (
@@ -13,10 +16,11 @@ from mimoc.schema.names import (
     SIDED_MEASUREMENT_KEYS,
     SIDES,
     all_limb_bodies,
+    bodies_of,
     limb_bodies,
     trunk_bodies,
 )
-from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, keys_among
+from mimoc.schema.quantities import Centimetres, Distinct, Kilograms, Percentile, Real, among, keys_among
 
 Expression = Literal["neutral", "happy", "sad", "surprised", "angry", "disgusted", "scared"]
 
@@ -48,11 +52,24 @@ def _removable(name: str) -> str:
     return name
 
 
+def _choice(names: Callable[[], Sequence[str]]) -> tuple[BeforeValidator, FieldInfo]:
+    """Return what marks a name that is one of those of registered kinds, whichever these are by then."""
+
+    def known(name: Any) -> Any:
+        if name in (known := names()):
+            return name
+        if not known:
+            raise ValueError("no script or plug-in has added any; register or install it first (docs/own_part.md)")
+        raise PydanticKnownError("literal_error", {"expected": " or ".join(map(repr, known))})
+
+    return BeforeValidator(known), among(names)
+
+
+HandsName = Annotated[str, *_choice(kinds_of_hands)]
+ExtraName = Annotated[str, *_choice(extra_kinds)]
 MeasurementKey = Annotated[str, AfterValidator(_known_measurement)]
-PartName = Annotated[
-    str, AfterValidator(_known_part), Field(json_schema_extra={"enum": [*trunk_bodies(), *all_limb_bodies()]})
-]
-LimbName = Annotated[str, AfterValidator(_removable), Field(json_schema_extra={"enum": [*all_limb_bodies()]})]
+PartName = Annotated[str, AfterValidator(_known_part), among(lambda: trunk_bodies() + all_limb_bodies())]
+LimbName = Annotated[str, AfterValidator(_removable), among(all_limb_bodies)]
 Factor = Annotated[Real, Field(ge=0.5, le=2)]
 """Scale factor of a part, within the range that is plausible for a child."""
 
@@ -104,6 +121,10 @@ class IndividualSpec(Model):
         return self
 
 
+def _parts_among(schema: dict[str, Any]) -> None:
+    schema |= keys_among(trunk_bodies() + all_limb_bodies())
+
+
 class PartSpec(Model):
     """Scale factors of one part of the body, relative to its size at the infant's age."""
 
@@ -116,8 +137,10 @@ class PartSpec(Model):
 class BodySpec(Model):
     """The body of the infant."""
 
-    hands: Literal["mitten", "five_finger"] = "mitten"
+    hands: HandsName = "mitten"
     """Hands whose fingers move together (`mitten`, 44 actuators) or independently (`five_finger`, 88)."""
+    extra: Annotated[tuple[ExtraName, ...], *Distinct] | None = None
+    """Parts that the infant has besides a child's, such as a tail: those that plug-ins or scripts add."""
     chest_joint: Annotated[bool, Field(strict=True)] = False
     """Whether the chest can bend and twist relative to the upper body, which adds two actuators."""
     individual: IndividualSpec | None = None
@@ -128,9 +151,7 @@ class BodySpec(Model):
     )
     """Measurements that replace those predicted from age and individual, by AnthroKids name; the prefix `left_` or
     `right_` selects one side, on which it counts. At another age, each keeps its ratio to the average child's."""
-    parts: Mapping[PartName, PartSpec] = Field(
-        default_factory=dict, json_schema_extra=keys_among(trunk_bodies() + all_limb_bodies())
-    )
+    parts: Mapping[PartName, PartSpec] = Field(default_factory=dict, json_schema_extra=_parts_among)
     """Scale factors of single parts, by name of the body, on what they would be otherwise."""
     remove: Annotated[tuple[LimbName, ...], *Distinct] = ()
     """Limbs or eyes to remove, together with everything attached to them."""
@@ -141,12 +162,22 @@ class BodySpec(Model):
     infants (cohorts and batches) only if they see it."""
 
     @model_validator(mode="after")
+    def _has_a_skin_that_fits(self) -> Self:
+        if self.skin and PARTS.distribution(self.hands) != "mimoc":
+            raise KeyedError(
+                ("skin",), f"there is no skin for '{self.hands}' hands; leave this out", against=("hands",)
+            )
+        return self
+
+    @model_validator(mode="after")
     def _names_parts_it_has(self) -> Self:
-        limbs = limb_bodies(self.hands)
         named = [*(("parts", name) for name in self.parts), *(("remove", index) for index in range(len(self.remove)))]
+        limbs = limb_bodies(self.hands, self.extra or ()) if named else ()
         for key in named:
             name = self.remove[key[1]] if isinstance(key[1], int) else key[1]
             if name not in limbs and name not in trunk_bodies():
                 message = f"a body with {self.hands} hands has no '{name}'; {suggestion(name, limbs)}"
+                if kind := next((kind for kind in extra_kinds() if name in bodies_of(kind)), None):
+                    message = f"'{name}' belongs to '{kind}'; add 'extra: [{kind}]' to the body, or leave this out"
                 raise KeyedError(key, message, against=("hands",))
         return self

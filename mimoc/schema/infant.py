@@ -1,5 +1,6 @@
 """A spec: reading it from a file, creating it in Python, and changing it."""
 
+import operator
 from html import escape
 from pathlib import Path
 from typing import Any, Self
@@ -23,6 +24,8 @@ class InfantSpec(InfantKeys):
     """One infant in one scene, as the user specified it: nothing is computed, and omitted keys have their defaults."""
 
     _source: Source | None = PrivateAttr(default=None)
+    _as_read: tuple[Any, ...] = PrivateAttr(default=())
+    """The values that were read from the source; a changed copy has others."""
 
     @property
     def source(self) -> Source | None:
@@ -68,7 +71,13 @@ class InfantSpec(InfantKeys):
     def model_post_init(self, context: Any) -> None:
         """Store the source, which is passed as the context of validation."""
         if isinstance(context, Source):
-            self._source = context
+            self._source, self._as_read = context, tuple(self.__dict__.values())
+
+    @property
+    def is_as_read(self) -> bool:
+        """Whether each value is the very one that was read, and so validated, from the source."""
+        values = tuple(self.__dict__.values())
+        return len(values) == len(self._as_read) and all(map(operator.is_, values, self._as_read))
 
 
 def read_spec(source: Source) -> InfantSpec:
@@ -94,6 +103,8 @@ def validated(spec: InfantSpec) -> InfantSpec:
     Raises:
         SpecError: If the spec is invalid; the error lists all problems by key.
     """
+    if spec.is_as_read:
+        return spec
     reading = read_spec(in_memory(everything(spec), _name(spec), _folder(spec)))
     return spec if reading == spec else _checked(InfantSpec, given(spec), spec)
 
@@ -114,7 +125,7 @@ def _checked(kind: type[Any], data: dict[str, Any], before: InfantSpec) -> Any:
 
 def _says(source: Source, spec: InfantSpec) -> bool:
     """Return whether a file still describes the spec that was read from it."""
-    return read_spec(source) == spec
+    return spec.is_as_read or read_spec(source) == spec
 
 
 def _name(spec: InfantSpec) -> str:

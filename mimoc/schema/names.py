@@ -1,9 +1,10 @@
 """The names a spec can use for measurements, bodies and groups of muscles."""
 
-from collections.abc import Iterable
-from typing import Literal
+from collections.abc import Iterable, Sequence
 
-from mimoc.body.assembly import assemble
+from mimoc.body.anatomy import assemble, on_named_sides
+from mimoc.body.part import Development as Development
+from mimoc.body.parts import HEAD, PARTS, TRUNK, extra_kinds, kinds_of_hands
 
 SIDES = ("left", "right")
 
@@ -45,11 +46,6 @@ MEASUREMENTS = tuple(sorted(TRUNK_MEASUREMENTS + LIMB_MEASUREMENTS))
 MEASUREMENT_KEYS = tuple(f"{name}_cm" for name in MEASUREMENTS)
 SIDED_MEASUREMENT_KEYS = tuple(f"{side}_{name}_cm" for side in SIDES for name in LIMB_MEASUREMENTS)
 
-Development = Literal["maturing", "published"]
-"""The laws of everything that changes with age besides size."""
-
-KINDS_OF_HANDS = ("mitten", "five_finger")
-
 PAIRED_GROUPS = {f"{limb}s": (f"left_{limb}", f"right_{limb}") for limb in ("arm", "hand", "leg")}
 """The strength groups that mean both sides."""
 STRENGTH_GROUPS = (
@@ -71,14 +67,21 @@ def unsided(key: str) -> str:
 
 def trunk_bodies() -> tuple[str, ...]:
     """Return the bodies of trunk and head, which no infant is without."""
-    return tuple(part.name for _, part in assemble(KINDS_OF_HANDS[0], False).parts if part.region != "limb")
+    return tuple(part.name for kind in (TRUNK, HEAD) for part in kind.parts)
 
 
-def limb_bodies(hands: str) -> tuple[str, ...]:
-    """Return the other bodies of an infant with hands of some kind."""
-    return tuple(part.name.format(side=side) for side, part in assemble(hands, False).parts if part.region == "limb")
+def limb_bodies(hands: str, extra: Sequence[str] = ()) -> tuple[str, ...]:
+    """Return the other bodies of an infant with hands of some kind, and with some kinds of parts besides MIMo's."""
+    parts = assemble(hands, False, "published", extra).parts
+    return tuple(part.name.format(side=side) for side, part in parts if part.region == "limb")
+
+
+def bodies_of(kind: str) -> tuple[str, ...]:
+    """Return the bodies of a kind of parts."""
+    return tuple(part.name.format(side=side) for side, part in on_named_sides(PARTS[kind].parts))
 
 
 def all_limb_bodies() -> tuple[str, ...]:
     """Return the bodies of all kinds of infants but for trunk and head, sorted."""
-    return tuple(sorted({name for hands in KINDS_OF_HANDS for name in limb_bodies(hands)}))
+    usual = {name for hands in kinds_of_hands() for name in limb_bodies(hands)}
+    return tuple(sorted(usual.union(*(bodies_of(kind) for kind in extra_kinds()))))

@@ -1,10 +1,11 @@
 """Types of the numbers in a spec, each with its unit and its widest range."""
 
 from collections import Counter
-from collections.abc import Sequence
-from typing import Annotated, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, Field, JsonValue, StringConstraints
+from pydantic.fields import FieldInfo
 
 Number = TypeVar("Number", int, float)
 
@@ -52,6 +53,16 @@ Rising = AfterValidator(_rising)
 """Marks two numbers as a range, the lowest first."""
 Distinct = Field(json_schema_extra={"uniqueItems": True}), AfterValidator(_distinct)
 """Mark a list in which no name may be repeated."""
+
+
+def among(names: Callable[[], Sequence[str]]) -> FieldInfo:
+    """Return what tells editors which names there are, of kinds that may be registered later."""
+
+    def add(schema: dict[str, Any]) -> None:
+        if known := names():
+            schema["enum"] = [*known]
+
+    return Field(json_schema_extra=add)
 
 
 def keys_among(names: Sequence[str]) -> dict[str, JsonValue]:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mimoc.body import BodyTree
-from mimoc.body.strength import body_groups, muscle_groups
 from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3
 from mimoc.kinds import function_of
@@ -79,12 +78,12 @@ def require(tree: BodyTree, task: str, *bodies: str) -> None:
 
 def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:
     """Return the hinges of some muscle groups, each with its side (`left_arm`), in the order of the body."""
-    return tuple(joint for joint, group in muscle_groups(tree).items() if group in groups)
+    return tuple(joint for joint, group in tree.muscle_groups.items() if group in groups)
 
 
 def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
     """Return the parts that belong to a muscle group with its side."""
-    return tuple(body for body, found in body_groups(tree).items() if found == group)
+    return tuple(body for body, found in tree.body_groups.items() if found == group)
 
 
 def one_armed(
@@ -111,4 +110,4 @@ def one_armed(
 
 def middle_finger(tree: BodyTree, side: Side) -> str:
     """Return the body in the middle of the fingers, which represents all of them."""
-    return f"{side}_fingers" if tree.hands == "mitten" else f"{side}_mfmiddle"
+    return f"{side}_mfmiddle" if tree.hands == "five_finger" else f"{side}_fingers"

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.mjcf.objects import FreeObject
 from mimoc.random_streams import SEED, drawn_rule
 

@@ -7,7 +7,7 @@ import pytest
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.setup import build_actuation
 from mimoc.actuation.spec import ActuationSpec
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure
 
 TIMESTEP_S = 0.005
@@ -15,7 +15,7 @@ TIMESTEP_S = 0.005
 
 @pytest.fixture(scope="module", params=["mitten", "five_finger"])
 def tree(request):
-    return grow(measure(18), assemble(request.param, True))
+    return grow_tree(measure(18), assemble(request.param, True))
 
 
 @pytest.mark.parametrize("model", ACTUATIONS)

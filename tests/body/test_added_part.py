@@ -1,34 +1,34 @@
-"""A part that is added is one entry among the parts and one shape: nothing else knows of it.
+"""Parts from outside are one record: nothing else knows of them.
 
-Two are: a tail, which hangs on the hip, and a wing on each side of the chest.
+Three are: a tail, which hangs on the hip, a wing on each side of the chest, and paws in place of hands.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from support.registered import registered
 
 import mimoc
-from mimoc.body import anatomy, assembly, density, growth, segments
-from mimoc.body import shapes as body_shapes
 from mimoc.body.dimensions import Dimensions, Shape
-from mimoc.body.figures import GeomFigures, JointFigures, MotorFigures, Part
-from mimoc.body.maturing import feet, head, parts
+from mimoc.body.part import ReferenceGeom, ReferenceJoint, ReferenceMotor, ReferencePart
+from mimoc.body.parts import PARTS
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
-from mimoc.errors import SpecError
+from mimoc.errors import KindError, SpecError
+from mimoc.kinds import PartKind
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
-from mimoc.senses.touch import skin_points
 
-TAIL = Part(
+TAIL = ReferencePart(
     "tail",
     "hip",
     (
-        GeomFigures(
+        ReferenceGeom(
             "tail1",
             "capsule",
             0.05,
@@ -37,66 +37,87 @@ TAIL = Part(
             material="pants_up",
         ),
     ),
-    (JointFigures("robot:tail", (0, 1, 0), (-30, 30), 0.2, 0.05, 0.001, 0.001),),
-    follows=("hip_circumference",),
+    (ReferenceJoint("robot:tail", (0, 1, 0), (-30, 30), 0.2, 0.05, 0.001, 0.001),),
+    position_from=("hip_circumference",),
     rule="on the back of the pelvis",
-    motors=(MotorFigures("act:tail", "robot:tail", 0.8, (-1, 1), 1.5, "tail1"),),
+    motors=(ReferenceMotor("act:tail", "robot:tail", 0.8, (-1, 1), 1.5, "tail1"),),
     skin_spacing_m=0.01,
     torque_site="torque_tail",
 )
-WING = Part(
+WING = ReferencePart(
     "{side}_wing",
     "chest",
-    (GeomFigures("{side}_wing1", "box", 0.03, ("chest_circumference",), "in proportion to chest_circumference"),),
-    (JointFigures("robot:{side}_wing", (1, 0, 0), (-20, 40), 0.2, 0.05, 0.001, 0.001),),
-    follows=("chest_circumference",),
+    (ReferenceGeom("{side}_wing1", "box", 0.03, ("chest_circumference",), "in proportion to chest_circumference"),),
+    (ReferenceJoint("robot:{side}_wing", (1, 0, 0), (-20, 40), 0.2, 0.05, 0.001, 0.001),),
+    position_from=("chest_circumference",),
     rule="on the back of the chest",
-    motors=(MotorFigures("act:{side}_wing", "robot:{side}_wing", 0.5, (-0.5, 1), 1.5, "{side}_wing1"),),
+    motors=(ReferenceMotor("act:{side}_wing", "robot:{side}_wing", 0.5, (-0.5, 1), 1.5, "{side}_wing1"),),
     group="{side}_arm",
     skin_spacing_m=0.02,
     torque_site="torque_{side}_wing",
 )
 SENSES = {"proprioception": {"include": ["velocity", "torque"]}, "vestibular": {}, "touch": {}}
 SENSES["vision"] = {"width_px": 16, "height_px": 16}
-CACHES = (
-    *(assembly.assemble, density.reference_volumes, growth.grow_reference, skin_points._patches),
-    *(head.head_gain, feet.foot_height, feet._feet, parts.matured, body_shapes._shapes),
-)
 
 
-def shapes(p) -> Dimensions:
-    """Return where tail and wing are, and how large."""
-    hip, chest = p.trunk.pelvis[0], p.trunk.girdle[0]
+def tail(p) -> Dimensions:
+    """Return where the tail is, and how large."""
+    hip = p.trunk.pelvis[0]
     return Dimensions(
-        origins={"tail": (-1.1 * hip, 0.0, 0.0), "{side}_wing": (-1.3 * chest, -0.5 * chest, 0.0)},
-        shapes={
-            "tail1": Shape((0.2 * hip, 0.4 * hip), (0.0, 0.0, 0.5 * hip)),
-            "{side}_wing1": Shape((0.1 * chest, 0.5 * chest, 0.7 * chest), (0.0, -0.5 * chest, 0.0)),
-        },
+        origins={"tail": (-1.1 * hip, 0.0, 0.0)},
+        shapes={"tail1": Shape((0.2 * hip, 0.4 * hip), (0.0, 0.0, 0.5 * hip))},
     )
+
+
+def wings(p) -> Dimensions:
+    """Return where the right wing is, and how large."""
+    chest = p.trunk.girdle[0]
+    return Dimensions(
+        origins={"{side}_wing": (-1.3 * chest, -0.5 * chest, 0.0)},
+        shapes={"{side}_wing1": Shape((0.1 * chest, 0.5 * chest, 0.7 * chest), (0.0, -0.5 * chest, 0.0))},
+    )
+
+
+def paws(p) -> Dimensions:
+    """Return where the right paw is, and how large."""
+    half = p.hand.length_m / 4
+    return Dimensions(
+        origins={"{side}_hand": (0.0, 0.0, p.forearm.length_m)},
+        shapes={"{side}_hand1": Shape((p.forearm.radius_m, half), (0.0, 0.0, half))},
+    )
+
+
+PAW = ReferencePart(
+    "{side}_hand",
+    "{side}_lower_arm",
+    (ReferenceGeom("{side}_hand1", "capsule", 0.09, ("hand_length", "forearm_circumference"), "half of hand_length"),),
+    (ReferenceJoint("robot:{side}_hand1", (0, 1, 0), (-40, 40), 0.2, 0.05, 0.001, 0.001),),
+    position_from=("elbow_hand_length",),
+    rule="at the wrist",
+    motors=(ReferenceMotor("act:{side}_paw", "robot:{side}_hand1", 0.8, (-1, 1), 1.5, "{side}_hand1"),),
+    group="{side}_hand",
+    skin_spacing_m=0.01,
+    torque_site="torque_{side}_wrist",
+)
+TAIL_KIND = PartKind("tail", "A short tail.", (TAIL,), tail)
+KINDS = (
+    TAIL_KIND,
+    PartKind("wings", "Small wings.", (WING,), wings),
+    PartKind("paw", "Paws with one joint.", (PAW,), paws, replaces="hands"),
+)
 
 
 @pytest.fixture(scope="module", autouse=True)
 def added() -> Iterator[None]:
-    """Add both, as a maintainer would: to the table of parts, and to that of shapes."""
-    with pytest.MonkeyPatch.context() as tables:
-        tables.setattr(anatomy, "TRUNK", (*anatomy.TRUNK, TAIL))
-        tables.setattr(anatomy, "ARM", (*anatomy.ARM, WING))
-        tables.setattr(segments, "SHAPES", (*segments.SHAPES, shapes))
-        forget()
+    """Register all three, as a script would."""
+    with registered(*KINDS):
         yield
-    forget()
-
-
-def forget() -> None:
-    """Forget the bodies that were made of other tables."""
-    for cached in CACHES:
-        cached.cache_clear()
 
 
 def spec(age_months=9, **keys):
     data = {"mimoc": 1, "name": "x", "age_months": age_months, "senses": SENSES, "scene": {"kind": "flat"}}
-    return mimoc.InfantSpec.model_validate({**data, **keys})
+    body = {"extra": ["tail", "wings"], **keys.pop("body", {})}
+    return mimoc.InfantSpec.model_validate({**data, "body": body, **keys})
 
 
 @pytest.fixture(scope="module")
@@ -232,3 +253,118 @@ def test_the_spec_language_knows_its_name():
         read_spec(parse(text, "spec.yaml"))
     assert "did you mean 'tail'" in str(error.value)
     assert "did you mean 'left_wing'" in str(error.value)
+
+
+def test_only_who_names_it_has_it(bundle):
+    without = mimoc.build(spec(body={"extra": None}))
+    assert "tail" not in without.files["infant.xml"].decode()
+    assert without.manifest.plugins == {}
+    assert bundle.manifest.plugins == {"parts.tail": "", "parts.wings": ""}
+    assert explain(bundle, "plugins.parts.tail").lines
+    notes = [note for note in bundle.manifest.notes if "tail" in note]
+    assert notes, bundle.manifest.notes
+
+
+def test_all_else_stays_as_it_is_but_for_its_place_in_lists(model):
+    """Masses, shapes, joints and gears of a child with a tail and wings are those of one without."""
+    usual = load_model(mimoc.build(spec(body={"extra": None})))
+    for index in range(usual.nbody):
+        name = usual.body(index).name
+        assert usual.body(name).mass == model.body(name).mass, name
+        assert usual.body(name).pos == pytest.approx(model.body(name).pos), name
+    for index in range(usual.nu):
+        name = usual.actuator(index).name
+        assert usual.actuator(name).gear[0] == model.actuator(name).gear[0]
+    for index in range(usual.njnt):
+        name = usual.joint(index).name
+        assert usual.joint(name).range == pytest.approx(model.joint(name).range)
+        assert usual.joint(name).stiffness == model.joint(name).stiffness
+
+
+def test_it_is_drawn_with_a_skin_over_the_rest():
+    skinned = load_model(mimoc.build(spec(body={"skin": True})))
+    assert skinned.nskin
+    assert skinned.geom("tail1").group == skinned.geom("left_eye1").group != skinned.geom("lb").group
+
+
+@pytest.mark.parametrize("age_months", [0, 9, 24])
+def test_other_hands_take_the_place_of_mimos(age_months, open_env):
+    env = open_env(bundle=mimoc.build(spec(age_months, body={"hands": "paw", "extra": None})))
+    model = env.unwrapped.model
+    motors = {model.actuator(index).name for index in range(model.nu)}
+    assert motors > {"act:left_paw", "act:right_paw", "act:left_toes"}
+    assert "left_fingers" not in {model.body(index).name for index in range(model.nbody)}
+    assert any("right_hand1 angle" in name for name in env.layout("proprioception"))
+    assert {part.body for part in env.bundle.manifest.senses.touch.skin} > {"left_hand", "right_hand"}
+    env.reset(seed=0)
+    env.step(np.zeros(env.action_space.shape, np.float32))
+
+
+def test_a_task_that_needs_fingers_says_so_of_paws():
+    with pytest.raises(SpecError, match=r"fingers"):
+        mimoc.build(spec(body={"hands": "paw"}, task={"kind": "standup"}))
+
+
+def test_paws_have_no_skin_of_mimocs():
+    assert not load_model(mimoc.build(spec(body={"hands": "paw"}))).nskin
+    with pytest.raises(SpecError, match=r"body\.skin: there is no skin for 'paw' hands; leave this out"):
+        mimoc.build(mimoc.InfantSpec(mimoc=1, name="x", age_months=9).with_(body={"hands": "paw", "skin": True}))
+
+
+def test_editors_and_errors_know_what_can_be_chosen():
+    body = mimoc.InfantSpec.model_json_schema()["$defs"]["BodySpec"]["properties"]
+    assert body["hands"]["enum"] == ["mitten", "five_finger", "paw"]
+    assert "wings" in str(body["extra"])
+    for keys, advice in {
+        "hands: pow": "body.hands: 'pow' is not a choice; did you mean 'paw'",
+        "extra: [tali]": "'tali' is not a choice; did you mean 'tail'",
+        "remove: [tail]": "'tail' belongs to 'tail'; add 'extra: [tail]' to the body, or leave this out",
+    }.items():
+        with pytest.raises(SpecError) as error:
+            read_spec(parse(f"mimoc: 1\nname: x\nage_months: 9\nbody: {{{keys}}}", "spec.yaml"))
+        assert advice in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (replace(TAIL, parent="hips"), "'tail' is on 'hips'; did you mean 'hip'"),
+        (replace(TAIL, parent="{side}_foot"), "'tail' is on a part of both sides; write '{side}' into its name"),
+        (replace(TAIL, geoms=()), "'tail' has no geom"),
+        (replace(TAIL, name="hip"), "the name 'hip' is taken"),
+        (replace(WING, name="{side}_fin"), "the name '{side}_wing1' is taken"),
+        (replace(TAIL, group="{side}_leg"), "matures with 'leg'; choose from ankle, arm, eyes, hand, hip, knee"),
+        (replace(TAIL, joints=()), "the motor 'act:tail' moves 'robot:tail'"),
+        (replace(TAIL, name="{side}_tail"), "write '{side}' into both names, or neither"),
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(wrong, message):
+    with pytest.raises(KindError) as error:
+        mimoc.register(PartKind("tail", "Another tail.", (wrong,), tail))
+    assert message in str(error.value)
+    assert PARTS["tail"] is TAIL_KIND
+
+
+def test_other_hands_that_are_not_on_the_forearm_are_refused():
+    with pytest.raises(KindError, match=r"hands begin with '{side}_hand', which is on '{side}_lower_arm'"):
+        mimoc.register(PartKind("tails", "Tails.", (TAIL,), tail, replaces="hands"))
+
+
+def test_a_shape_that_says_too_little_is_an_error_of_one_line():
+    part = ReferencePart("stump", "hip", (ReferenceGeom("stump1", "sphere", 0.1, (), "none"),), skin_spacing_m=0.01)
+    message = r"the shape of the body part 'stump' does not say size and place of the geom 'stump1'"
+    stump = PartKind("stump", "A stump.", (part,), lambda _: Dimensions())
+    with registered(stump), pytest.raises(KindError, match=message):
+        mimoc.build(spec(body={"extra": ["stump"]}))
+
+
+def test_a_part_on_other_hands_than_the_infant_has_is_an_error():
+    geom = ReferenceGeom("{side}_claw1", "sphere", 0.01, ("hand_length",), "as large as a claw")
+    part = ReferencePart("{side}_claw", "{side}_fingers", (geom,), skin_spacing_m=0.01)
+    shape = Dimensions({"{side}_claw": (0.0, 0.0, 0.01)}, {"{side}_claw1": Shape((0.003,), (0.0, 0.0, 0.0))})
+    with registered(PartKind("claws", "Claws.", (part,), lambda _: shape)):
+        assert "left_claw" in mimoc.build(spec(body={"extra": ["claws"]})).files["infant.xml"].decode()
+        with pytest.raises(
+            KindError, match=r"is on '{side}_fingers', which a body with five_finger hands does not have"
+        ):
+            mimoc.build(spec(body={"extra": ["claws"], "hands": "five_finger"}))

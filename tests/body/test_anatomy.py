@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import volume
 
@@ -76,7 +76,7 @@ def test_geoms_are_mimos(model, published):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_the_average_child_of_18_months_weighs_what_mimo_does_geom_by_geom(hands, reference):
     """But for hands of five fingers, which are of MIMo's density, and half its size: by the paper's growth law."""
-    geoms = grow(measure(18), assemble(hands, False), development="published").geoms
+    geoms = grow_tree(measure(18), assemble(hands, False, "published")).geoms
     rows = {row["name"]: row for row in reference("geoms", hands)}
     assert geoms.keys() == rows.keys()
     for name, geom in geoms.items():
@@ -92,7 +92,7 @@ def test_the_average_child_of_18_months_weighs_what_mimo_does_geom_by_geom(hands
 def test_no_part_is_of_cork_or_lead(age_months, hands):
     """Most have the density of flesh and bones; overlapping parts of the trunk, by which it can bend, differ more."""
     for development in ("published", "maturing"):
-        for name, geom in grow(measure(age_months), assemble(hands, True), development=development).geoms.items():
+        for name, geom in grow_tree(measure(age_months), assemble(hands, True, development)).geoms.items():
             density = geom.mass_kg / volume(geom.type, geom.size_m)
             lowest, highest = (450, 1350) if name in TRUNK else (640, 1210)
             assert lowest < density < highest or geom.mass_kg == 0, name
@@ -129,7 +129,7 @@ def test_the_same_parts_collide_as_in_mimo(hands, reference):
     rows = reference("geoms", hands)
     masks = {row["name"]: (row["body"], int(row["contype"] or 1), int(row["conaffinity"] or 1)) for row in rows}
     excluded = {frozenset((row["first"], row["second"])) for row in reference("contacts", hands)} | OWN
-    tree = grow(measure(18), assemble(hands, False), development="published")
+    tree = grow_tree(measure(18), assemble(hands, False, "published"))
     own = {geom.name: (part.name, geom.contype, geom.conaffinity) for part in tree.bodies for geom in part.geoms}
     found = may_touch(own, parents, set(map(frozenset, tree.excluded)))
     thighs = {frozenset(pair) for pair in product(THUMBS & own.keys(), THIGHS)}
@@ -180,4 +180,4 @@ def test_every_geom_says_what_it_follows(hands):
     """No number of a body is without a reason."""
     for _, part in assemble(hands, False).parts:
         assert part.rule
-        assert all(figures.follows and figures.rule for figures in part.geoms), part.name
+        assert all(figures.size_from and figures.rule for figures in part.geoms), part.name

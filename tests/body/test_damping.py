@@ -2,7 +2,7 @@
 
 import pytest
 
-from mimoc.body import assemble, grow, grow_child, measure_child
+from mimoc.body import assemble, grow_body, grow_tree
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 
@@ -26,12 +26,11 @@ def hands(request):
 def child(age_months, hands, actuation=None, development="published", **body):
     keys = {"actuation": actuation or {}, "body": {"hands": hands, **body}, "development": development}
     spec = InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": age_months, **keys})
-    anatomy = assemble(hands, False)
-    return grow_child(spec, measure_child(spec, anatomy), anatomy)
+    return grow_body(spec).tree
 
 
 def published(age_months, hands):
-    return grow(measure(age_months), assemble(hands, False), development="published")
+    return grow_tree(measure(age_months), assemble(hands, False, "published"))
 
 
 def passive(tree):

@@ -12,7 +12,7 @@ from support.full import full_but
 from support.start_poses import DEPTH_M
 
 import mimoc
-from mimoc.body import assemble, grow, measure_child
+from mimoc.body import assemble, grow_body, grow_tree
 from mimoc.compiler.validation import compile_infant, measure_compiled
 from mimoc.errors import SpecError
 from mimoc.fits import load_tables, measure
@@ -120,7 +120,7 @@ def test_the_shape_of_a_child_stays_that_of_anthrokids():
     """Lengths, girths and head have one factor each."""
     average, one = (
         measure(9),
-        measure_child(at_percentiles(9, "male", {"length": 90, "weight": 10, "head": 60}), MITTEN),
+        grow_body(at_percentiles(9, "male", {"length": 90, "weight": 10, "head": 60})).measurements,
     )
     factors = {name: one[name] / average[name] for name in average}
     heads = {name for name in factors if name.startswith("head")}
@@ -140,21 +140,21 @@ def test_what_is_not_given_follows_from_what_is():
     """Weight and head from length; length and head from weight; length and weight from the head."""
     average = measure(9)
     for key, value in {"length_cm": 75.0, "weight_kg": 10.0, "head_circumference_cm": 47.0}.items():
-        one = measure_child(child(9, **{key: value}), MITTEN)
+        one = grow_body(child(9, **{key: value})).measurements
         assert len({round(one[name] / average[name], 9) for name in average}) == 1, key
 
 
 def test_the_average_percentiles_of_an_average_child_change_little():
     """AnthroKids' children are WHO's within one standard deviation."""
-    one, average = measure_child(at_percentiles(9, "male", dict.fromkeys(INDICATORS, 50)), MITTEN), measure(9)
+    one, average = grow_body(at_percentiles(9, "male", dict.fromkeys(INDICATORS, 50))).measurements, measure(9)
     assert all(0.9 < one[name] / average[name] < 1.1 for name in average)
 
 
 def test_the_average_child_is_left_alone():
     """Who asks for what the average child measures gets the average child, but for the paper's curves of its mass."""
-    tree = grow(measure(9), MITTEN)
+    tree = grow_tree(measure(9), MITTEN)
     spec = child(9, length_cm=100 * measure(9)["crown_sole_length"], weight_kg=tree.mass_kg)
-    one = measure_child(spec, MITTEN)
+    one = grow_body(spec).measurements
     assert [one[name] for name in one] == pytest.approx([measure(9)[name] for name in one], rel=5e-4)
 
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.body.kinematics import pose
 from mimoc.fits import measure
 
-TREES = {hands: grow(measure(9), assemble(hands, False)) for hands in ("mitten", "five_finger")}
+TREES = {hands: grow_tree(measure(9), assemble(hands, False)) for hands in ("mitten", "five_finger")}
 TREE = TREES["mitten"]
 HANDS = st.sampled_from(sorted(TREES))
 

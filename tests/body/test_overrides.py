@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from support.full import full_but
 
 import mimoc
-from mimoc.body import assemble, grow_child, measure_child
-from mimoc.body.maturing.parts import matured
+from mimoc.body import assemble, grow_body
+from mimoc.body.grow import grow_child, reference_of
 from mimoc.bundle.model import load_model
 from mimoc.compiler.validation.measuring import MEASURES, STRAIGHT, Figure
 from mimoc.fits import measure
@@ -38,8 +38,7 @@ def spec(hands: str = "mitten", age_months: float = 9, **body) -> InfantSpec:
 
 
 def tree_of(infant: InfantSpec):
-    anatomy = assemble(infant.body.hands, infant.body.chest_joint)
-    return grow_child(infant, measure_child(infant, anatomy), anatomy)
+    return grow_body(infant).tree
 
 
 NEARLY = {
@@ -84,10 +83,10 @@ def test_a_longer_or_broader_head_has_the_same_circumference(infant_with, infant
 def followers(infant: InfantSpec, name: str, side: str = "") -> tuple[set[str], set[str]]:
     """Return the geoms and the bodies that say they follow a measurement, of one side or of all."""
     geoms, bodies = set(), set()
-    for here, part in matured(assemble(infant.body.hands, infant.body.chest_joint)).parts:
+    for here, part in assemble(infant.body.hands, infant.body.chest_joint).parts:
         if side in ("", here):
-            bodies |= {part.name.format(side=here)} if name in part.follows else set()
-            follow = [geom.name for geom in part.geoms if name in (*geom.follows, *geom.placed_by)]
+            bodies |= {part.name.format(side=here)} if name in part.position_from else set()
+            follow = [geom.name for geom in part.geoms if name in (*geom.size_from, *geom.position_from)]
             geoms |= {geom.format(side=here) for geom in follow}
     return geoms, bodies
 
@@ -122,11 +121,10 @@ def test_what_changes_is_what_says_that_it_follows(hands, side):
 @pytest.mark.parametrize("hands", HANDS)
 def test_what_says_that_it_follows_a_measurement_does(hands):
     """Tried with children whose age gives them another one, since an override of thigh leaves the shank alone."""
-    anatomy = assemble(hands, False)
-    average = measure(9)
-    before = grow_child(spec(hands), average, anatomy)
+    average, reference = measure(9), reference_of(spec(hands))
+    before = grow_child(spec(hands), average, reference).tree
     for name in MEASUREMENTS:
-        after = grow_child(spec(hands), average.scaled({name: 1.03}, "", ()), anatomy)
+        after = grow_child(spec(hands), average.scaled({name: 1.03}, "", ()), reference).tree
         assert followers(spec(hands), name)[0] == differences(before, after)[0], name
 
 
@@ -173,7 +171,7 @@ def test_a_part_is_scaled_along_and_across_with_all_that_is_attached(hands):
                 assert sized.mass_kg == pytest.approx(geom.mass_kg * growth, rel=about)
                 assert (growth != 1) == mine, geom.name
                 for motor, stronger in zip(before.motors, after.motors, strict=True):
-                    if motor.mover == geom.name:
+                    if motor.driven_geom == geom.name:
                         assert (stronger.gear_nm > motor.gear_nm) == mine
 
 

@@ -8,7 +8,7 @@ import pytest
 from support.start_poses import DEPTH_M
 
 import mimoc
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, pose_of
 from mimoc.fits import measure
 from mimoc.mjcf.keyframes import keyframes
@@ -43,7 +43,7 @@ def test_there_is_a_keyframe_for_every_pose_of_the_language(infant_at):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 @pytest.mark.parametrize("chest_joint", [False, True])
 def test_poses_name_joints_that_exist(hands, chest_joint):
-    tree = grow(measure(9), assemble(hands, chest_joint))
+    tree = grow_tree(measure(9), assemble(hands, chest_joint))
     for pose in POSES:
         for name in pose_of(tree, pose).angles_deg:
             assert {f"robot:{name.format(side=side)}" for side in ("left", "right")} <= tree.joints.keys()
@@ -105,7 +105,7 @@ def test_the_body_lies_and_stands_as_the_pose_says(infant_at, age_months):
 
 def test_left_and_right_are_posed_alike():
     """But on its belly, an infant lies on its cheek."""
-    tree = grow(measure(9), assemble("mitten", False))
+    tree = grow_tree(measure(9), assemble("mitten", False))
     for keyframe in keyframes(tree):
         angles = dict(zip(tree.joints, keyframe.qpos[7:], strict=True))
         assert all(angles[name] == angles[name.replace("left", "right")] for name in angles)

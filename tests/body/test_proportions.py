@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mimoc.body.proportions import REFERENCE_M, Proportions, proportions
 from mimoc.body.published import REFERENCE_M as PUBLISHED_M
-from mimoc.body.trunk import CHEST, HIP, WAIST, stadium
+from mimoc.body.sections import CHEST, HIP, WAIST, stadium
 from mimoc.errors import GeometryError
 from mimoc.fits import load_tables, measure
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.body import assemble, grow, grow_child, measure_child
+from mimoc.body import assemble, grow_body, grow_tree
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 
@@ -48,12 +48,11 @@ PRECISION = {"a light girl of a given length": 1e-12}
 
 
 def body_of(child: str, hands: str):
-    anatomy = assemble(hands, True)
     if child not in CHILDREN:
-        return grow(measure(float(child)), anatomy, development="published")
+        return grow_tree(measure(float(child)), assemble(hands, True, "published"))
     data = {"mimoc": 1, "name": "x", "development": "published", **CHILDREN[child]}
     spec = InfantSpec.model_validate({**data, "body": {**data["body"], "hands": hands, "chest_joint": True}})
-    return grow_child(spec, measure_child(spec, anatomy), anatomy)
+    return grow_body(spec).tree
 
 
 @pytest.mark.parametrize("case", RECORDED)
@@ -69,8 +68,7 @@ def test_published_gears_and_masses_are_what_they_were(case):
 
 def test_a_child_of_another_shape_is_as_strong_by_either_law_at_18_months():
     """Shapes are measured ones by both laws, and strength follows published volumes by both."""
-    anatomy = assemble("mitten", False)
-    published, maturing = (grow(measure(18), anatomy, development=law) for law in ("published", "maturing"))
+    published, maturing = (grow_tree(measure(18), assemble("mitten", False, law)) for law in ("published", "maturing"))
     assert published.geoms["cb"].size_m == maturing.geoms["cb"].size_m
     for here, there in zip(published.motors, maturing.motors, strict=True):
         if "head" not in here.name:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from support.resting import rest
 
 from mimoc.body import assemble
-from mimoc.body.growth import grow_average
+from mimoc.body.grow import grow_average
 from mimoc.body.kinematics import pose, pose_all
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, Pose, pose_angles, pose_of, resting_state, resting_states
 

@@ -6,7 +6,6 @@ from support.full import full_but
 from support.start_poses import DEPTH_M, MOVED_M, held_dofs, rests, spec_of
 
 from mimoc.body.poses import POSES
-from mimoc.body.strength import muscle_groups
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder
 from mimoc.compiler.pipeline import build
@@ -83,7 +82,7 @@ def test_newborns_lie_flexed_with_closed_hands():
 def test_what_strength_holds_is_of_trunk_neck_and_legs():
     """Lying takes none; arms are slack in all poses."""
     assert POSES["supine"].held == POSES["prone"].held == ()
-    groups = muscle_groups(builder(spec_of(9)).tree)
+    groups = builder(spec_of(9)).tree.muscle_groups
     model = load_model(build(spec_of(9)))
     for pose in ("sitting", "standing"):
         held = {model.joint(int(model.dof_jntid[dof])).name for dof in held_dofs(model, pose)}

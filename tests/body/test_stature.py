@@ -1,6 +1,6 @@
 import pytest
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.body.stature import stature
 from mimoc.fits import load_tables, measure
 from mimoc.units import m_to_cm
@@ -13,7 +13,7 @@ def test_a_body_measures_what_its_measurements_say(infants):
     for infant in infants:
         child, found = (
             measure(infant.age_months),
-            stature(grow(measure(infant.age_months), assemble(infant.hands, False))),
+            stature(grow_tree(measure(infant.age_months), assemble(infant.hands, False))),
         )
         assert found["length_cm"] == pytest.approx(m_to_cm(child["crown_sole_length"]), abs=0.2)
         assert found["weight_kg"] == pytest.approx(infant.model.body("hip").subtreemass[0], rel=1e-8)
@@ -22,4 +22,4 @@ def test_a_body_measures_what_its_measurements_say(infants):
 
 
 def test_what_is_measured_is_what_who_has_standards_for():
-    assert stature(grow(measure(9), MITTEN)).keys() == load_tables().who.keys()
+    assert stature(grow_tree(measure(9), MITTEN)).keys() == load_tables().who.keys()

@@ -2,8 +2,8 @@
 
 import pytest
 
-from mimoc.body import assemble, grow, grow_child, measure_child
-from mimoc.body.strength import AGE_KEY, STRENGTH_KEY, muscle_groups
+from mimoc.body import assemble, grow_body, grow_tree
+from mimoc.body.strength import AGE_KEY, STRENGTH_KEY
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS
@@ -15,8 +15,7 @@ def child(actuation, age_months=9, **body):
     spec = InfantSpec.model_validate(
         {"mimoc": 1, "name": "x", "age_months": age_months, "body": body, "actuation": actuation}
     )
-    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
-    return grow_child(spec, measure_child(spec, anatomy), anatomy)
+    return grow_body(spec).tree
 
 
 def gears_nm(tree):
@@ -36,7 +35,7 @@ def body(request):
 
 def test_the_groups_are_those_of_the_language_and_share_out_all_muscles(body):
     tree = child({}, **body)
-    groups = muscle_groups(tree)
+    groups = tree.muscle_groups
     assert {groups[motor.joint] for motor in tree.motors} == set(GROUPS)
 
 
@@ -69,7 +68,7 @@ def test_fingers_belong_to_the_hand():
 @pytest.mark.parametrize("group", GROUPS)
 def test_a_factor_strengthens_its_group_and_nothing_else(group, body):
     tree = child({}, **body)
-    groups = {motor.name: muscle_groups(tree)[motor.joint] for motor in tree.motors}
+    groups = {motor.name: tree.muscle_groups[motor.joint] for motor in tree.motors}
     for name, factor in factors({"strength": {group: 0.5}}, **body).items():
         assert factor == pytest.approx(0.5 if groups[name] == group else 1), name
 
@@ -98,7 +97,7 @@ def test_no_strength_at_all_is_none():
 
 @pytest.mark.parametrize("age_months", [0, 6.5, 24])
 def test_the_strength_of_another_age_is_that_of_the_average_child(age_months, body):
-    there = grow(measure(age_months), assemble(body["hands"], True))
+    there = grow_tree(measure(age_months), assemble(body["hands"], True))
     found = gears_nm(child({"strength_age_months": age_months}, **body))
     assert found == pytest.approx(gears_nm(there))
 
@@ -108,7 +107,7 @@ def test_the_strength_of_the_bodys_own_age_changes_nothing(body):
 
 
 def test_strength_of_the_average_child_of_another_age_has_the_force_range_of_that_age(body):
-    there = grow(measure(3), assemble(body["hands"], True))
+    there = grow_tree(measure(3), assemble(body["hands"], True))
     strong = child({"strength_age_months": 3}, **body)
     assert [motor.force_range for motor in strong.motors] == [motor.force_range for motor in there.motors]
 

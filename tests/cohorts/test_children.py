@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.body.individual import targets
+from mimoc.body.measurements import targets
 from mimoc.cohorts.infants import CORRELATIONS, PERCENTILES, draw_children
 from mimoc.fits import load_tables
 from mimoc.schema.cohort_file import DrawnChildren

@@ -54,7 +54,6 @@ def test_the_provenance_of_a_stored_bundle_is_worked_out_again(built):
 def test_a_stored_bundle_is_not_explained_by_another_version(built, monkeypatch):
     study, store = built
     lean = store.read_bundle(study.jobs()[0])
-    monkeypatch.setattr("mimoc.body.growth.weigh", None)
     monkeypatch.setattr("mimoc.compiler.building.Builder.files", {"infant.xml": b"another"})
     with pytest.raises(BundleError, match="builds another infant"):
         explain.contents(lean)

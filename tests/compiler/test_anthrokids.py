@@ -8,11 +8,12 @@ import pytest
 from support.full import full_but
 
 from mimoc import fits
+from mimoc.body.parts import kinds_of_hands
 from mimoc.compiler.validation.anthrokids import TOLERANCE, MeasurementReport, MeasurementRow, compare_with_anthrokids
 from mimoc.compiler.validation.compiled import compile_infant
 from mimoc.compiler.validation.measuring import MEASURES, measure_body
 from mimoc.schema import InfantSpec
-from mimoc.schema.names import KINDS_OF_HANDS, SIDES, limb_bodies
+from mimoc.schema.names import SIDES, limb_bodies
 
 HEADS = {"head_breadth", "head_length"}
 """Of the published law, whose head is a sphere."""
@@ -60,7 +61,7 @@ def test_what_is_cut_off_is_not_measured():
     assert "forearm_circumference" in both
 
 
-@pytest.mark.parametrize("hands", full_but(["mitten"], KINDS_OF_HANDS))
+@pytest.mark.parametrize("hands", full_but(["mitten"], kinds_of_hands()))
 def test_without_any_one_limb_the_rest_can_be_measured(hands):
     """A hand without its fingers has no breadth across the knuckles."""
     whole = measure_body(compile_infant(infant(body={"hands": hands})))

@@ -25,8 +25,8 @@ development: published
 )
 """One of each, so that one refusal shows them all."""
 
-INERT = {"scene.seed", "scene.room", "scene.textures"}
-"""The smallest spec is in no room, and nothing in it is random."""
+INERT = {"body.extra", "scene.seed", "scene.room", "scene.textures"}
+"""The smallest spec is in no room, and nothing in it is random; parts besides a child's come from others."""
 
 BUILT = {
     "name": "other",

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.actuation.setup import build_actuation
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.compiler.building import builder
 from mimoc.compiler.compose import compose, place_senses
 from mimoc.fits import measure
@@ -86,8 +86,8 @@ def test_the_expression_changes_the_face_and_nothing_else(expression):
 
 
 def test_composing_is_pure():
-    tree = grow(measure(9), MITTEN)
+    tree = grow_tree(measure(9), MITTEN)
     drive, senses = build_actuation(spec().actuation, tree, timestep_s=0.005), place_senses(spec(), tree)
     first, second = (compose(spec(), tree, drive, senses) for _ in range(2))
     assert first == second
-    assert tree == grow(measure(9), MITTEN)
+    assert tree == grow_tree(measure(9), MITTEN)

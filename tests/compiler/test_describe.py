@@ -6,7 +6,7 @@ import mujoco
 import pytest
 from support import store
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.body.stature import stature
 from mimoc.bundle.manifest import Manifest
 from mimoc.fits import measure
@@ -43,7 +43,7 @@ def test_names_are_those_of_the_compiled_model_in_its_order(bundle_at, infant_at
 @pytest.mark.parametrize("age_months", [0, 9, 24])
 def test_the_child_is_the_body_as_measured(bundle_at, age_months):
     child = bundle_at(age_months).manifest.child
-    found = stature(grow(measure(age_months), assemble("mitten", False)))
+    found = stature(grow_tree(measure(age_months), assemble("mitten", False)))
     assert child.age_months == age_months
     assert child.model_dump(exclude={"age_months", "sex"}) == pytest.approx(dict(found), rel=1e-8)
 

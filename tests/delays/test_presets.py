@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.body.prune import prune
 from mimoc.delays.presets import MOTOR_DELAY, PRESETS, delays
 from mimoc.delays.spec import MOTOR, DelayEntry, DelaysEntry, DelaysSpec, signals
@@ -14,7 +14,7 @@ from mimoc.schema import InfantSpec
 from mimoc.senses import SENSES
 
 TABLES = {name: SENSES[name].physiological_delay for name in SENSES} | {MOTOR: MOTOR_DELAY}
-TREE = grow(measure(9), assemble("mitten", False))
+TREE = grow_tree(measure(9), assemble("mitten", False))
 
 
 def entry(age_months=9, timestep_ms=5, tree=TREE, **keys) -> DelaysEntry:

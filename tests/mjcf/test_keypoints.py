@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body import BodyTree, assemble, grow, grow_child, measure_child
+from mimoc.body import BodyTree, assemble, grow_body, grow_tree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
 from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX, keypoint_sites
@@ -61,7 +61,7 @@ def test_every_keypoint_is_a_site_of_the_compiled_body(infants):
 @pytest.mark.parametrize("hands", ["mitten", "five_finger"])
 def test_at_18_months_they_are_where_mimo_has_them(hands):
     """On head and foot, in m; sk and so on are 1 there (growth.md, section 5)."""
-    placed = keypoint_sites(grow(measure(18), assemble(hands, False), development="published"))
+    placed = keypoint_sites(grow_tree(measure(18), assemble(hands, False, "published")))
     found = {site.name.removeprefix(PREFIX): (body, site.pos_m) for body, sites in placed.items() for site in sites}
     for name, pos_m in {
         "Nose": (0.0685, 0, 0.0435),
@@ -105,8 +105,7 @@ def test_without_legs_the_middle_of_the_hip_is_where_it_would_be_with_legs():
 
 def tree_of(body) -> BodyTree:
     spec = mimoc.InfantSpec.model_validate({"mimoc": 1, "name": "x", "age_months": 4, "body": body})
-    anatomy = assemble(spec.body.hands, spec.body.chest_joint)
-    return grow_child(spec, measure_child(spec, anatomy), anatomy)
+    return grow_body(spec).tree
 
 
 def middle_of_hip(tree):

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.body import assemble, grow
+from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.keypoints import PREFIX
@@ -86,5 +86,5 @@ def test_torque_is_felt_between_every_part_and_its_parent(model):
 
 
 def test_the_field_of_view_is_the_one_asked_for():
-    cameras = sensor_sites.cameras(grow(measure(9), assemble("mitten", False)), fovy_deg=75)
+    cameras = sensor_sites.cameras(grow_tree(measure(9), assemble("mitten", False)), fovy_deg=75)
     assert [camera.fovy_deg for placed in cameras.values() for camera in placed] == [75, 75]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from support.full import FULL
 
 import mimoc
-from mimoc.body.individual import targets
+from mimoc.body.measurements import targets
 from mimoc.bundle.model import load_model
 from mimoc.compiler.validation import compare_with_anthrokids, grow_against_who
 from mimoc.compiler.variants import SpecVariants

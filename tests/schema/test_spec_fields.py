@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from mimoc import schema
+from mimoc.body.parts import kinds_of_hands
 from mimoc.errors import SpecError
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
 from mimoc.schema.key_paths import KeyPath
-from mimoc.schema.names import KINDS_OF_HANDS, MEASUREMENTS, limb_bodies, trunk_bodies
+from mimoc.schema.names import MEASUREMENTS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
 from mimoc.tasks import TASKS
@@ -111,7 +113,7 @@ def test_measurements_are_those_of_the_tables():
 
 
 def test_hands_are_the_kinds_that_bodies_are_known_for():
-    assert set(language_of(InfantSpec).outline(("body", "hands")).choices) == set(KINDS_OF_HANDS)
+    assert set(language_of(InfantSpec).outline(("body", "hands")).choices) == set(kinds_of_hands())
     assert len(trunk_bodies() + limb_bodies("mitten")) == 23
     assert len(trunk_bodies() + limb_bodies("five_finger")) == 55
 
@@ -119,3 +121,8 @@ def test_hands_are_the_kinds_that_bodies_are_known_for():
 def test_the_least_spec_needs_three_keys():
     assert language_of(InfantSpec).outline(()).schema["required"] == ["mimoc", "name", "age_months"]
     assert set(InfantSpec.model_fields) > {"mimoc", "name", "age_months"}
+
+
+def test_an_added_part_of_nobody_is_refused_with_advice():
+    with pytest.raises(ValidationError, match="no script or plug-in has added any; register or install it first"):
+        InfantSpec(mimoc=1, name="x", age_months=9, body={"extra": ["tail"]})

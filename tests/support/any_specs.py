@@ -2,9 +2,9 @@
 
 from hypothesis import strategies as st
 
+from mimoc.body.parts import kinds_of_hands
 from mimoc.schema import InfantSpec, PartSpec
 from mimoc.schema.names import (
-    KINDS_OF_HANDS,
     MEASUREMENT_KEYS,
     SIDED_MEASUREMENT_KEYS,
     STRENGTH_GROUPS,
@@ -17,7 +17,7 @@ LEAST = {"mimoc": 1, "name": "x", "age_months": 9}
 
 def specs() -> st.SearchStrategy[InfantSpec]:
     """Specs that say a little of everything."""
-    hands = st.sampled_from(KINDS_OF_HANDS)
+    hands = st.sampled_from(kinds_of_hands())
     timesteps_ms = st.sampled_from((1.0, 2.0, 2.5, 5.0))
     return st.builds(_spec, hands, timesteps_ms, st.data(), st.floats(0, 24))
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from mimoc.body import Body, BodyTree, Geom, assemble, grow, grow_child, measure_child
+from mimoc.body import Body, BodyTree, Geom, assemble, grow_body, grow_tree
 from mimoc.errors import GeometryError
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec
@@ -31,13 +31,12 @@ SPACING_M = {
 
 @cache
 def average(age_months: float, hands: str) -> BodyTree:
-    return grow(measure(age_months), assemble(hands, False))
+    return grow_tree(measure(age_months), assemble(hands, False))
 
 
 def child(age_months: float = 9, hands: str = "mitten", **body) -> BodyTree:
     spec = {"mimoc": 1, "name": "infant", "age_months": age_months, "body": {"hands": hands, **body}}
-    read, anatomy = InfantSpec.model_validate(spec), assemble(hands, body.get("chest_joint", False))
-    return grow_child(read, measure_child(read, anatomy), anatomy)
+    return grow_body(InfantSpec.model_validate(spec)).tree
 
 
 @st.composite

@@ -6,9 +6,8 @@ from dataclasses import replace
 from mimoc.actuation.activation import activation, activation_origin
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree, Joint, Motor
-from mimoc.body.maturing.joints import POWERS
-from mimoc.body.maturing.rules import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY
-from mimoc.body.provenance import REFERENCE
+from mimoc.body.joints import POWERS
+from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, LENGTH_KEY, REFERENCE
 from mimoc.mjcf.infant import Actuator
 from mimoc.mujoco_layout import MuscleParameters
 from mimoc.units import deg_to_rad

@@ -21,10 +21,10 @@ from dataclasses import replace
 from functools import partial
 
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
+from mimoc.actuation.position.inertia import inertias
 from mimoc.actuation.position.origins import FINEST_STEP_S, LAG_S, STEPS_OF_LAG, servo_origins
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import BodyTree, Joint, Motor
-from mimoc.body.inertia import inertias
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.scene import Keyframe
 from mimoc.mujoco_layout import AffineBias

@@ -5,9 +5,8 @@ from collections.abc import Iterator
 from mimoc.actuation.muscle.build import LONGEST, SHORTEST
 from mimoc.actuation.setup import Origin
 from mimoc.body import BodyTree, Motor
-from mimoc.body.maturing.rules import LAW
-from mimoc.body.maturing.strength import FORWARDS
-from mimoc.body.provenance import REFERENCE
+from mimoc.body.origins import LAW, REFERENCE
+from mimoc.body.strength import FORWARDS
 
 LAG_S = 0.03
 """Time constant with which the target follows the command, and least time by which the joint is behind the target; both

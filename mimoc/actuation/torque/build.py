@@ -6,7 +6,7 @@ from mimoc.actuation.activation import AT_ONCE, activation, activation_origin
 from mimoc.actuation.muscle.build import LONGEST, PEAK, SHORTEST, parameters
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.body import BodyTree
-from mimoc.body.provenance import REFERENCE
+from mimoc.body.origins import REFERENCE
 from mimoc.mjcf.infant import Actuator
 
 LIMITED = (("forcelimited", "true"),)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from mimoc import fits
 from mimoc.body import BodyTree
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.fits.who import percentile
 

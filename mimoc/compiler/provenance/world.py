@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.compiler.furnish import FurnishedScene
 from mimoc.mjcf.objects import FreeObject
 from mimoc.schema.infant import InfantSpec

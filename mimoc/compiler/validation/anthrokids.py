@@ -118,7 +118,7 @@ def compare_with_anthrokids(spec: InfantSpec | None = None, progress: Progress |
 def _compare(child: InfantSpec, first_month: int) -> Iterator[MeasurementRow]:
     """Yield the rows of a child of an age, beside the group of ages that begins with some month."""
     tables, age_months, average = fits.load_tables(), child.age_months, fits.measure(child.age_months)
-    _, wanted, _ = child_of(child)
+    wanted = child_of(child).measurements
     wanted_m, measured_m = wanted.of_side("left"), measure_body(compile_infant(child))
     whole = child.model_copy(update={"body": child.body.model_copy(update={"parts": {}, "measurements": {}})})
     unchanged_m = measured_m if whole == child else measure_body(compile_infant(whole))

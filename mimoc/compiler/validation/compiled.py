@@ -44,7 +44,7 @@ def compile_infant(spec: InfantSpec) -> mujoco.MjModel:
         SpecError: If there is no such child.
         ModelError: If MuJoCo rejects it.
     """
-    _, _, tree = child_of(spec)
+    tree = child_of(spec).tree
     plain = spec.model_copy(update={"scene": SceneSpec(pose=spec.scene.pose), "task": None})
     actuation = build_actuation(spec.actuation, tree, ms_to_s(spec.control.timestep_ms))
     infant = furnish(compose(plain, tree, actuation, {}), plain, tree, SceneAssets()).scene

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from mimoc.body.individual import targets
+from mimoc.body.measurements import targets
 from mimoc.body.stature import Stature, stature
 from mimoc.compiler.child import child_of
 from mimoc.schema.infant import InfantSpec
@@ -61,6 +61,6 @@ def _is_changed(spec: InfantSpec, indicator: str, value: float) -> bool:
     if len(alone) == len(body.measurements) and not body.parts and not body.remove:
         return False
     plain = body.model_copy(update={"measurements": alone, "parts": {}, "remove": ()})
-    _, _, tree = child_of(spec.model_copy(update={"body": plain}))
+    tree = child_of(spec.model_copy(update={"body": plain})).tree
     before = dict(stature(tree))[indicator]
     return not (isinstance(before, float) and math.isclose(value, before, rel_tol=SAME))

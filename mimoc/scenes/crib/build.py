@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.body.stature import stature
 from mimoc.looks.wallpaper import WALLS, Wallpapers
 from mimoc.mjcf.furniture import DOMINANT_SOLMIX, UNTOUCHED, Furniture, WorldGeom

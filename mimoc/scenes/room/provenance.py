@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from mimoc.body.provenance import Entry
+from mimoc.body.origins import Entry
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.furniture import Furniture, WorldGeom
 from mimoc.random_streams import SEED, drawn_rule

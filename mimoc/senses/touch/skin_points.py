@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from mimoc.body import Body, BodyTree, Geom, grow_reference
-from mimoc.body.strength import body_groups
+from mimoc.body import Body, BodyTree, Geom, assemble, grow_average
+from mimoc.body.reference import REFERENCE_AGE_MONTHS
 from mimoc.geometry.primitives import area
+from mimoc.schema.composition import on_recompose
 from mimoc.schema.names import Development, single_groups
 from mimoc.senses.touch.exposed import Layout, lay_out, move_with_geoms
 from mimoc.senses.touch.surface import FloatArray
@@ -55,8 +56,8 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
         density: Number of points, relative to what two-point discrimination asks for.
         regions: The groups of muscles whose parts have skin; None is all.
     """
-    patches = _patches(tree.hands, tree.development, density)
-    groups, covered = body_groups(tree), None if regions is None else single_groups(regions)
+    patches = _patches(tree.hands, tree.extra, tree.development, density)
+    groups, covered = tree.body_groups, None if regions is None else single_groups(regions)
     points_m, spacing_m, moved_m = {}, {}, dict[Any, FloatArray]()
     for body in tree.bodies:
         if covered is not None and groups[body.name] not in covered:
@@ -69,10 +70,14 @@ def skin_points(tree: BodyTree, density: float, regions: Collection[str] | None 
 
 
 @lru_cache(maxsize=8)
-def _patches(hands: str, development: Development, density: float) -> Mapping[str, _Patch]:
+def _patches(hands: str, extra: tuple[str, ...], development: Development, density: float) -> Mapping[str, _Patch]:
     """Return the skin of the midline and of the right side, by body without its side."""
-    bodies = [body for body in grow_reference(hands, development).bodies if not body.name.startswith("left_")]
+    tree = grow_average(REFERENCE_AGE_MONTHS, assemble(hands, False, development, extra))
+    bodies = [body for body in tree.bodies if not body.name.startswith("left_")]
     return MappingProxyType({body.name.removeprefix("right_"): _patch(body, density) for body in bodies})
+
+
+on_recompose(_patches.cache_clear)  # Others' parts may be replaced.
 
 
 def _patch(body: Body, density: float) -> _Patch:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mimoc import body
+from mimoc.body import grow_body
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.infant import InfantSpec
@@ -80,9 +80,7 @@ def age_of(behaviour: Behaviour, size: float) -> float:
 
 def _strength_nm(behaviour: Behaviour, age_months: float) -> float:
     spec = InfantSpec(mimoc=1, name="lying", age_months=age_months, development="published")
-    anatomy = body.assemble(spec.body.hands, spec.body.chest_joint)
-    tree = body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
-    return next(motor.gear_nm for motor in tree.motors if motor.name == behaviour.actuator)
+    return next(motor.gear_nm for motor in grow_body(spec).tree.motors if motor.name == behaviour.actuator)
 
 
 def _run_all(trials: Sequence[Trial], progress: Progress) -> Mapping[Trial, list[Effort]]:

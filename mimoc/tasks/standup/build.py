@@ -74,7 +74,9 @@ def build(task: StandupSpec, tree: BodyTree) -> TaskSetup:
         UnsupportedTaskError: If the infant lacks fingers or a foot, or cannot sit with its feet on the floor and its
             hands at the rail.
     """
-    require(tree, task.kind, *(f"{side}_{part}" for side in SIDES for part in (KNUCKLES[tree.hands], "foot")))
+    require(
+        tree, task.kind, *(f"{side}_{part}" for side in SIDES for part in (KNUCKLES.get(tree.hands, "fingers"), "foot"))
+    )
     seat = _sit(tree)
     grips: dict[Side, Vec3] = {side: grip_point(tree, side, RAIL_RADIUS_M) for side in SIDES}
     rail = Rail(_rail_x(tree, seat, grips), rail_height(tree), half_span(tree))

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import mimoc
-from mimoc.body import assemble, grow
-from mimoc.body.inertia import inertias
+from mimoc.actuation.position.inertia import inertias
+from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure
 from mimoc.runtime.check import COMMANDS, flail
 
@@ -90,7 +90,7 @@ def test_no_physics_step_that_the_spec_allows_breaks_down(timestep_ms, pose):
 
 def test_no_joint_goes_faster_than_its_muscles_could(driven):
     """Than VMAX, but for what other joints do to it: alone in space, from end to end."""
-    model, motors = driven("position", 9, "mitten"), grow(measure(9), assemble("mitten", False)).motors
+    model, motors = driven("position", 9, "mitten"), grow_tree(measure(9), assemble("mitten", False)).motors
     dofs = model.jnt_dofadr[model.actuator_trnid[:, 0]]
     for index, motor in enumerate(motors):
         low, high = model.jnt_range[model.actuator_trnid[index, 0]]
@@ -132,7 +132,7 @@ def test_a_keyframe_on_the_ground_holds_its_pose(driven, age_months, pose):
 @pytest.mark.parametrize("hands", HANDS)
 def test_inertias_are_those_of_the_compiled_model(driven, hands):
     """In random poses none is less than half of the least, and one alone, of a twisting trunk, twice the largest."""
-    bounds = inertias(grow(measure(9), assemble(hands, hands == "five_finger")))
+    bounds = inertias(grow_tree(measure(9), assemble(hands, hands == "five_finger")))
     model, generator = driven("torque", 9, hands), np.random.default_rng(0)
     data, (low, high) = mujoco.MjData(model), model.jnt_range[1:].T
     for _ in range(10):

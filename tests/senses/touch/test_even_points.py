@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from mimoc.body import grow_reference
+from mimoc.body import assemble, grow_average
 from mimoc.senses.touch.even_points import even_points
 from mimoc.senses.touch.surface import depth, place
 
-HEAD = grow_reference("mitten").geoms["head"]
+HEAD = grow_average(18, assemble("mitten", False)).geoms["head"]
 SPACING_M = 0.013
 
 

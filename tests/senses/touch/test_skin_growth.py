@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import KDTree
 from support.skin_bodies import SPACING_M, average, child, children, outside_all_m, outside_m, part, seen
 
-from mimoc.body import Body, Geom, assemble, grow, grow_reference
+from mimoc.body import Body, Geom, assemble, grow_average, grow_tree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import area
 from mimoc.senses.touch.exposed import MAX_STEPS, _moved, lay_out, move_with_geoms
@@ -22,7 +22,7 @@ MITTEN = assemble("mitten", False)
 @settings(max_examples=10)
 def test_points_of_the_head_grow_with_its_half_axes(development, age_months):
     """By the law `maturing`, a neck comes out of the head, whose own points these are not."""
-    reference, tree = (grow(measure(age), MITTEN, development=development) for age in (18, age_months))
+    reference, tree = (grow_tree(measure(age), assemble("mitten", False, development)) for age in (18, age_months))
     before, after = (
         in_half_axes(each.geoms["head"], skin_points(each, 1).points_m["head"]) for each in (reference, tree)
     )
@@ -39,7 +39,7 @@ def in_half_axes(head: Geom, points_m: np.ndarray) -> np.ndarray:
 @given(children())
 @settings(max_examples=10)
 def test_the_spacing_of_a_body_grows_with_the_root_of_its_area(tree):
-    skin, at_18 = skin_points(tree, 1), grow_reference(tree.hands)
+    skin, at_18 = skin_points(tree, 1), grow_average(18, assemble(tree.hands, False))
     usual_m2 = {body.name: area_m2(body) for body in at_18.bodies}
     for body in tree.bodies:
         if body.skin_spacing_m is not None:
@@ -67,7 +67,8 @@ def test_points_of_a_longer_arm_move_along_it():
 @settings(max_examples=20)
 def test_points_stay_where_they_are_on_their_geoms_or_move_to_the_nearest_place_outside(tree):
     """Also of bodies of several geoms; the nearest of some thousand places may be a little further than the nearest."""
-    skin, reference = skin_points(tree, 1), {body.name: body for body in grow_reference(tree.hands).bodies}
+    skin, at_18 = skin_points(tree, 1), grow_average(18, assemble(tree.hands, False))
+    reference = {body.name: body for body in at_18.bodies}
     for body in tree.bodies:
         if len(body.geoms) > 1 and not body.name.startswith("left_"):
             layout = lay_out(reference[body.name].geoms, SPACING_M[part(body.name)])
@@ -83,7 +84,7 @@ def test_points_stay_where_they_are_on_their_geoms_or_move_to_the_nearest_place_
 @settings(max_examples=5)
 def test_points_that_are_inside_nothing_need_not_be_tried_again(tree):
     """All points, tried again and again as long as any moves, come to the same places."""
-    reference = {body.name: body for body in grow_reference(tree.hands).bodies}
+    reference = {body.name: body for body in grow_average(18, assemble(tree.hands, False)).bodies}
     for body in tree.bodies:
         if len(body.geoms) > 1 and not body.name.startswith("left_"):
             layout = lay_out(reference[body.name].geoms, SPACING_M[part(body.name)])

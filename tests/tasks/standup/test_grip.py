@@ -16,8 +16,7 @@ BODIES = [(age_months, hands) for age_months in (0, 9, 24) for hands in ("mitten
 
 def grown(age_months: float, hands: str) -> body.BodyTree:
     keys = {"mimoc": 1, "name": "x", "age_months": age_months, "body": {"hands": hands}}
-    spec, anatomy = InfantSpec.model_validate(keys), body.assemble(hands, False)
-    return body.grow_child(spec, body.measure_child(spec, anatomy), anatomy)
+    return body.grow_body(InfantSpec.model_validate(keys)).tree
 
 
 def before(tree: body.BodyTree, side: str, share: float) -> np.ndarray:

@@ -1,0 +1,169 @@
+"""The growth of a body in one pass: assemble, measure, shape, weigh, joints, motors, prune.
+
+Each stage is one file. It returns one frozen value, which also knows where its numbers come from. Where the two laws of
+development differ, `published` and `maturing`, they are two functions in the file of the stage.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mimoc.body.anatomy import Anatomy, assemble
+from mimoc.body.dimensions import Dimensions, mirror, mirror_turn
+from mimoc.body.joints import match_damping, passive_joints
+from mimoc.body.masses import Masses, weigh_parts
+from mimoc.body.maturation import maturation, relative_volumes
+from mimoc.body.measurements import measure_individual
+from mimoc.body.part import ReferenceGeom, ReferencePart
+from mimoc.body.parts.trunk import TENDONS
+from mimoc.body.prune import prune
+from mimoc.body.reference import Reference, reference_body
+from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
+from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
+from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon
+from mimoc.fits import Measurements, measure
+from mimoc.schema.infant import InfantSpec
+
+
+@dataclass(frozen=True, slots=True)
+class GrownBody:
+    """The body of a child, and what it was grown from."""
+
+    tree: BodyTree
+    reference: Reference
+    measurements: Measurements
+    masses: Masses
+
+
+def grow_body(spec: InfantSpec, reference: Reference | None = None) -> GrownBody:
+    """Return the body of a spec's child.
+
+    Args:
+        spec: The spec.
+        reference: What children of the same anatomy are compared with, at whatever age; by default, it is made.
+
+    Raises:
+        IndividualError: If no child matches the requested individual.
+        GeometryError: If no body has its measurements.
+    """
+    reference = reference_of(spec, reference)
+    return grow_child(spec, measure_child(spec, reference), reference)
+
+
+def reference_of(spec: InfantSpec, known: Reference | None = None) -> Reference:
+    """Return what a spec's child is compared with; *known* is the same at another age."""
+    if known:
+        return known.at(spec.age_months)
+    anatomy = assemble(spec.body.hands, spec.body.chest_joint, spec.development, spec.body.extra or ())
+    return reference_body(anatomy, spec.age_months)
+
+
+def measure_child(spec: InfantSpec, reference: Reference) -> Measurements:
+    """Return the measurements of a spec's child: those of its age, individualised, and replaced where the spec says so.
+
+    Raises:
+        IndividualError: If no child matches the requested individual.
+    """
+    return measure_individual(spec, lambda child: _weigh(child, reference))
+
+
+def grow_child(spec: InfantSpec, child: Measurements, reference: Reference) -> GrownBody:
+    """Return the body of a spec's child that has been measured, without removed limbs.
+
+    Raises:
+        GeometryError: If no body has these measurements.
+    """
+    scales = {name: (part.length, part.girth) for name, part in spec.body.parts.items()}
+    tree, masses = _grow(child, reference, scales)
+    strength, strength_age_months = spec.actuation.strength, spec.actuation.strength_age_months
+    if spec.body.individual or spec.body.measurements or scales or strength or strength_age_months is not None:
+        usual = _average(reference)
+        if strength_age_months is not None:
+            tree = at_strength_of_age(tree, usual.motors, _average(reference.at(strength_age_months)).motors)
+        tree = match_damping(scale_strength(tree, strength), usual, reference.anatomy)
+    return GrownBody(prune(tree, spec.body.remove), reference, child, masses)
+
+
+def grow_tree(child: Measurements, anatomy: Anatomy, scales: Scales = NO_SCALES) -> BodyTree:
+    """Return the body of a child, with the strength of its size and age.
+
+    Args:
+        child: Measurements of the child.
+        anatomy: Its parts, joints and muscles, and its law of development.
+        scales: Factors on length and girth of single parts, by the name of the body.
+
+    Raises:
+        GeometryError: If no body has these measurements.
+    """
+    return _grow(child, reference_body(anatomy, child.age_months), scales)[0]
+
+
+def grow_average(age_months: float, anatomy: Anatomy) -> BodyTree:
+    """Return the body of the average child of an age."""
+    return grow_tree(measure(age_months), anatomy)
+
+
+def _grow(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> tuple[BodyTree, Masses]:
+    """Return the body that a child has grown to, and its masses."""
+    anatomy = reference.anatomy
+    shapes = shape_parts(child, reference, scales)
+    masses = weigh_parts(shapes, reference)
+    volumes = relative_volumes(shapes, reference)
+    growth = maturation(child, volumes, masses.head_gain, reference)
+    joints = passive_joints(shapes, reference, growth)
+    motors = motor_torques(volumes, reference, growth)
+    tree = BodyTree(
+        age_months=child.age_months,
+        hands=anatomy.hands,
+        bodies=tuple(_body(part, side, shapes, masses, joints) for side, part in anatomy.parts),
+        motors=motors,
+        tendons=tuple(Tendon(name, (-half, half), factors) for name, half, factors in TENDONS),
+        excluded=anatomy.excluded,
+        extra=anatomy.extra,
+        development=anatomy.development,
+        growth=growth,
+    )
+    return tree, masses
+
+
+def _average(reference: Reference) -> BodyTree:
+    """Return the body of the average child of an age."""
+    return _grow(measure(reference.age_months), reference)[0]
+
+
+def _weigh(child: Measurements, reference: Reference) -> float:
+    """Return the mass of a body, in [kg]."""
+    return weigh_parts(shape_parts(child, reference), reference).body_kg(reference.anatomy)
+
+
+def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:
+    left, dimensions = side == "left", shapes.own[side]
+    return Body(
+        name=part.name.format(side=side),
+        parent=part.parent and part.parent.format(side=side),
+        pos_m=mirror(dimensions.origins[part.name], left),
+        euler_deg=mirror_turn(part.euler_deg, left),
+        joints=tuple(joints[figures.name.format(side=side)] for figures in part.joints),
+        geoms=tuple(_geom(figures, side, dimensions, masses) for figures in part.geoms),
+        region=part.region,
+        group=part.group.format(side=side),
+        skin_spacing_m=part.skin_spacing_m,
+        torque_site=part.torque_site.format(side=side),
+    )
+
+
+def _geom(figures: ReferenceGeom, side: str, dimensions: Dimensions, masses: Masses) -> Geom:
+    left = side == "left"
+    solid = dimensions.shapes[figures.name]
+    return Geom(
+        name=figures.name.format(side=side),
+        type=figures.type,
+        size_m=solid.size_m,
+        pos_m=mirror(solid.pos_m, left),
+        euler_deg=mirror_turn(figures.euler_deg, left),
+        mass_kg=masses.kg[side][figures.name],
+        friction=figures.friction,
+        contype=figures.contype,
+        conaffinity=figures.conaffinity,
+        condim=figures.condim,
+        material=figures.material.format(side=side),
+    )

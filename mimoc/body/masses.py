@@ -1,0 +1,134 @@
+"""Masses of the parts of a child.
+
+By the published law, a geom's mass is m = rho V: its density, the same at every age, times the volume V of MIMo's solid
+with the child's measurements. By the law `maturing`, head and feet are heavier at the expense of the trunk; all other
+parts, and the whole body, weigh what they do by the published law.
+"""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from mimoc.body.anatomy import Anatomy
+from mimoc.body.dimensions import Dimensions
+from mimoc.body.origins import AGE_KEY, LAW, LAW_KEY, REFERENCE, Origin
+from mimoc.body.part import ReferenceGeom, ReferencePart
+from mimoc.body.reference import ADULT_SHARE, DECAY_MONTHS, NEWBORN_EXCESS, Reference
+from mimoc.body.shapes import Shapes
+from mimoc.geometry.primitives import volume
+
+NECK_SHARE = 0.08
+"""Of the neck in the mass of head and neck (D)."""
+LEAST_TRUNK = 0.4
+"""Of its mass by the published law, which a trunk keeps in any case; it limits the heads of children far outside of
+WHO's percentiles."""
+
+HEAD_KEY = "measurements.head_circumference_cm"
+HEAD_SHARES = (
+    f"such that head and neck of the average child have {ADULT_SHARE:g} + {NEWBORN_EXCESS:g} exp(-age / "
+    f"{DECAY_MONTHS:g} months) of its mass (D, between Jensen 1989 and the Q dummies of UN R129, S)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Masses:
+    """The masses of a child's geoms, and where they come from."""
+
+    kg: Mapping[str, Mapping[str, float]]
+    """By side (empty for the middle), then by name with `{side}`."""
+    densities_kg_m3: Mapping[str, float]
+    head_gain: float = 1.0
+    """Mass of head and neck by the law `maturing`, relative to the published law."""
+    feet: Collection[str] = ()
+    """Names of the parts of feet, which are higher by the law `maturing`."""
+    trunk_left: float | None = None
+    """Mass of the trunk, likewise; None by the published law."""
+
+    def body_kg(self, anatomy: Anatomy) -> float:
+        """Return the mass of the whole body."""
+        return math.fsum(self.kg[side][geom.name] for side, part in anatomy.parts for geom in part.geoms)
+
+    def origin(self, figures: ReferenceGeom, part: ReferencePart, name: str, sources: Sequence[str]) -> Origin:
+        """Return where the mass of a geom comes from.
+
+        Args:
+            figures: The geom in the reference body.
+            part: The part that it belongs to.
+            name: Its name, with its side.
+            sources: Keys of the measurements that its size comes from.
+        """
+        density = f"{self.densities_kg_m3[figures.name]:.6g} kg/m3"
+        usual, maturing = f"{density} x volume of MIMo's solid with these measurements", self.trunk_left is not None
+        if maturing and part.region == "trunk":
+            text = f"{usual} x {self.trunk_left:.6g}: by {LAW}, the trunk gives what head, neck and feet gain (D)"
+            return Origin(text, (*sources, HEAD_KEY, AGE_KEY, LAW_KEY))
+        if maturing and part.name == "head":
+            share = NECK_SHARE if figures.name == "neck" else 1 - NECK_SHARE
+            text = f"{share:g} x {self.head_gain:.6g} x the head's mass by the published law, {HEAD_SHARES}"
+            return Origin(f"by {LAW}, {text}; the neck has {NECK_SHARE:g} of that (D)", (HEAD_KEY, AGE_KEY, LAW_KEY))
+        if maturing and part.name in self.feet:
+            text = f"{density}, the density of {REFERENCE}, x volume, which by {LAW} is larger than there (D)"
+            return Origin(text, (f"geom.{name}.size", LAW_KEY))
+        weighing = f"density such that this part of the average child of 18 months has {figures.mass_kg:g} kg, as "
+        weighing = "the density of " if figures.mass_at_m else weighing
+        return Origin(f"{usual}, by the growth law of the paper; {weighing}{REFERENCE}", tuple(sources))
+
+
+def weigh_parts(shapes: Shapes, reference: Reference) -> Masses:
+    """Return the masses of a child's parts, by its law of development."""
+    return _LAWS[reference.anatomy.development](shapes, reference)
+
+
+def _published(shapes: Shapes, reference: Reference) -> Masses:
+    """Return m = rho V of each geom."""
+    published_kg = shapes.of_sides(lambda side: _published_kg(reference, shapes.published_m3[side]))
+    return Masses(published_kg, reference.densities_kg_m3)
+
+
+def _maturing(shapes: Shapes, reference: Reference) -> Masses:
+    """Return the published masses, of which the trunk gives what head, neck and feet gain.
+
+    With g the gain of the head, m the published masses and f = rho V those of the feet with the height of their age,
+    the trunk keeps the share t = 1 - ((g - 1) m_head + 2 (f - m_foot)) / m_trunk, which is at least `LEAST_TRUNK`. Gain
+    and share are those of the child before its spec changes any single part.
+    """
+    trunk = [geom for _, part in reference.anatomy.parts if part.region == "trunk" for geom in part.geoms]
+    usual_kg, usual_feet_kg = _published_kg(reference, shapes.usual_m3), _feet_kg(reference, shapes.usual)
+    trunk_kg = math.fsum(usual_kg[geom.name] for geom in trunk)
+    foot_kg = math.fsum(feet_kg - usual_kg[name] for name, feet_kg in usual_feet_kg.items())
+    gain = min(reference.head_gain, 1 + ((1 - LEAST_TRUNK) * trunk_kg - 2 * foot_kg) / usual_kg["head"])
+    left = 1 - ((gain - 1) * usual_kg["head"] + 2 * foot_kg) / trunk_kg
+
+    def of_side(side: str) -> dict[str, float]:
+        published_kg = _published_kg(reference, shapes.published_m3[side])
+        head_kg = gain * published_kg["head"]
+        return {
+            **published_kg,
+            **{geom.name: left * published_kg[geom.name] for geom in trunk},
+            **_feet_kg(reference, shapes.own[side]),
+            "head": (1 - NECK_SHARE) * head_kg,
+            "neck": NECK_SHARE * head_kg,
+        }
+
+    return Masses(
+        shapes.of_sides(of_side),
+        reference.densities_kg_m3,
+        gain,
+        {part.name for part in reference.anatomy.feet.parts},
+        left,
+    )
+
+
+_LAWS = {"published": _published, "maturing": _maturing}
+
+
+def _published_kg(reference: Reference, volumes_m3: Mapping[str, float]) -> dict[str, float]:
+    return {name: kg_per_m3 * volumes_m3[name] for name, kg_per_m3 in reference.densities_kg_m3.items()}
+
+
+def _feet_kg(reference: Reference, dimensions: Dimensions) -> dict[str, float]:
+    """Return the masses of the geoms of a foot with its toes."""
+    return {
+        geom.name: reference.densities_kg_m3[geom.name] * volume(geom.type, dimensions.shapes[geom.name].size_m)
+        for geom in reference.anatomy.of_foot()
+    }

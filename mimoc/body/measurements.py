@@ -1,0 +1,182 @@
+"""The measurements of a spec's child: the average child's, scaled to an individual, and replaced where a spec says."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+
+from mimoc.errors import IndividualError
+from mimoc.fits import Measured, Measurements, load_tables, measure
+from mimoc.fits.who import Sex
+from mimoc.geometry.solvers import root
+from mimoc.schema.body import HEADS_CM, LENGTHS_CM, WEIGHTS_KG, IndividualSpec
+from mimoc.schema.infant import InfantSpec
+from mimoc.units import cm_to_m, m_to_cm
+
+Weigh = Callable[[Measurements], float]
+Bounds = tuple[float, float]
+
+WHY = "for this child"
+SIZES: Bounds = (0.75, 1.25)
+"""Range of size relative to the average child of the same age; WHO's percentiles 1 to 99 span .81 to 1.17."""
+BUILDS: Bounds = (0.65, 1.45)
+"""Range of girth over length, both relative to the average child's; WHO's percentiles combine to .71 to 1.35."""
+HEADS: Bounds = (0.75, 1.4)
+"""Range of head over length, both relative to the average child's; WHO's percentiles combine to .79 to 1.33."""
+HEAD = ("head_circumference", "head_breadth", "head_length")
+_PRECISION = 1e-12
+"""Precision of a factor, such that no digit in a file depends on the root finding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Targets:
+    """Requested measures of a child; None for those that follow from the others."""
+
+    length_m: float | None
+    weight_kg: float | None
+    head_m: float | None
+
+
+def targets(individual: IndividualSpec, age_months: float) -> Targets:
+    """Return the requested measures of a child, with percentiles looked up in WHO's tables for its sex and age.
+
+    Of a measure and its percentile, which the schema requires to agree, the measure counts.
+    """
+
+    def wanted(indicator: str, value: float | None, percentile: float | None) -> float | None:
+        if value is not None or percentile is None:
+            return value
+        z = NormalDist().inv_cdf(percentile / 100)
+        sex: Sex = individual.sex or "female"  # The schema requires a sex if a percentile is given.
+        return load_tables().who[indicator].value(z, age_months, sex)
+
+    length_cm = wanted("length_cm", individual.length_cm, individual.length_percentile)
+    head_cm = wanted("head_circumference_cm", individual.head_circumference_cm, individual.head_percentile)
+    return Targets(
+        length_m=None if length_cm is None else cm_to_m(length_cm),
+        weight_kg=wanted("weight_kg", individual.weight_kg, individual.weight_percentile),
+        head_m=None if head_cm is None else cm_to_m(head_cm),
+    )
+
+
+def measure_individual(spec: InfantSpec, weigh: Weigh) -> Measurements:
+    """Return the measurements of a spec's child.
+
+    Args:
+        spec: The spec.
+        weigh: Function from measurements to the mass of the body, in [kg].
+
+    Raises:
+        IndividualError: If no child matches the requested individual.
+    """
+    measurements = measure(spec.age_months)
+    if spec.body.individual:
+        measurements = individualise(measurements, spec.body.individual, weigh)
+    return replace_given(measurements, spec)
+
+
+def replace_given(measurements: Measurements, spec: InfantSpec) -> Measurements:
+    """Return the measurements, with those that the spec gives replacing the child's own."""
+    given = {
+        key.removesuffix("_cm"): Measured(
+            cm_to_m(value_cm), "given by the spec", given_by=(f"spec.body.measurements.{key}",)
+        )
+        for key, value_cm in spec.body.measurements.items()
+    }
+    return measurements.replaced(given) if given else measurements
+
+
+def individualise(measurements: Measurements, individual: IndividualSpec, weigh: Weigh) -> Measurements:
+    """Return the measurements of an individual child.
+
+    Lengths, girths and head have one factor each, so that AnthroKids' proportions are kept. Measures that are not
+    given follow from the others: length from weight, or else from the head; girths from weight, or else from length;
+    the head from length.
+
+    Args:
+        measurements: Measurements of the average child of this age.
+        individual: Measures and percentiles of the child.
+        weigh: Function from measurements to the mass of the body, in [kg].
+
+    Raises:
+        IndividualError: If no child matches; the message gives the possible range.
+    """
+    wanted = targets(individual, measurements.age_months)
+    keys = tuple(f"spec.body.individual.{key}" for key, value in individual if value is not None)
+    length = _factor(wanted.length_m, measurements["crown_sole_length"], SIZES, LENGTHS_CM, "this age is not {} long")
+    of_size = f"{m_to_cm(wanted.length_m):.1f} cm" if wanted.length_m else "this age"
+    heads = _times(HEADS, length or 1.0)
+    _factor(wanted.head_m, measurements["head_circumference"], heads, HEADS_CM, of_size + " has no head of {}")
+
+    alone = replace(measurements, paper=None)
+
+    def thick(girth: float, told: bool = True) -> Measurements:
+        """Return the measurements with this factor on girths, whose origins say so if it is *told*."""
+        paper = measurements.paper and _scaled(measurements.paper, wanted, girth, keys, told)
+        return replace(_scaled(alone, wanted, girth, keys, told), paper=paper)
+
+    if wanted.weight_kg is None:
+        head = wanted.head_m and wanted.head_m / measurements["head_circumference"]
+        return thick(length or head or 1.0)
+    bounds = SIZES if length is None else _times(BUILDS, length)
+    return thick(_solve(lambda girth: weigh(thick(girth, told=False)), wanted.weight_kg, bounds, of_size))
+
+
+def _scaled(
+    average: Measurements, wanted: Targets, girth: float, keys: tuple[str, ...], told: bool = True
+) -> Measurements:
+    """Return the measurements of a child of the requested length and head, with the given factor of its girths."""
+    length = wanted.length_m / average["crown_sole_length"] if wanted.length_m else girth
+    head = wanted.head_m / average["head_circumference"] if wanted.head_m else length
+    factors = _factors(average, length, girth, head)
+    return average.scaled(factors, WHY, keys) if told else average.times(factors)
+
+
+def _factors(measurements: Measurements, length: float, girth: float, head: float) -> dict[str, float]:
+    """Return the factor of each measurement."""
+    return {name: head if name in HEAD else length if name.endswith("_length") else girth for name in measurements}
+
+
+def _factor(wanted_m: float | None, average_m: float, bounds: Bounds, limits_cm: Bounds, child: str) -> float | None:
+    """Return the ratio of the requested measure to the average.
+
+    Raises:
+        IndividualError: If it is not within *bounds*; the message gives the possible lengths.
+    """
+    if wanted_m is None:
+        return None
+    least, largest = bounds
+    if not least <= wanted_m / average_m <= largest:
+        possible = _range(_times(bounds, m_to_cm(average_m)), limits_cm, "cm")
+        raise IndividualError(f"a child of {child.format(f'{m_to_cm(wanted_m):.1f} cm')}; {possible}")
+    return wanted_m / average_m
+
+
+def _solve(weigh: Callable[[float], float], wanted_kg: float, bounds: Bounds, child: str) -> float:
+    """Return the factor with which a child has the requested weight.
+
+    Raises:
+        IndividualError: If no factor within *bounds* gives it; the message gives the possible weights.
+    """
+    low, high = bounds
+    lightest_kg, heaviest_kg = weigh(low), weigh(high)
+    if not lightest_kg <= wanted_kg <= heaviest_kg:
+        possible = _range((lightest_kg, heaviest_kg), WEIGHTS_KG, "kg")
+        raise IndividualError(f"a child of {child} cannot weigh {wanted_kg:.1f} kg; {possible}")
+    ends_kg = {low: lightest_kg, high: heaviest_kg}  # The search begins there.
+
+    def excess(factor: float) -> float:
+        """Return by how much the cube root of the weight is too large; it is closer to a line than the weight is."""
+        return math.cbrt(ends_kg[factor] if factor in ends_kg else weigh(factor)) - math.cbrt(wanted_kg)
+
+    return root(excess, low, high, _PRECISION)
+
+
+def _range(bounds: Bounds, limits: Bounds, unit: str) -> str:
+    """Return advice with the range of values, rounded inwards and limited to those that a spec allows."""
+    least, largest = max(bounds[0], limits[0]), min(bounds[1], limits[1])
+    return f"give {math.ceil(10 * least) / 10:.1f} to {math.floor(10 * largest) / 10:.1f} {unit}"
+
+
+def _times(bounds: Bounds, factor: float) -> Bounds:
+    return bounds[0] * factor, bounds[1] * factor

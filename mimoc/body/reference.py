@@ -1,0 +1,146 @@
+"""The average child of 18 months, to whom masses and strength are relative, and what is known of that of each age.
+
+At 18 months, each part of the average child has MIMo's mass, so that a geom's density, the same at every age, is
+
+    rho = m / V_18
+
+with MIMo's mass m of the geom and the volume V_18 of MIMo's solid with the measurements of that child. Five-finger
+hands are the exception: they follow measured hands, with about half the volume of MIMo's, and have the density of
+MIMo's hands (about 1,030 kg/m³) instead of their mass, with which fingertips would have a density of 2,300 kg/m³.
+Masses and sizes are MIMo's (Mattern et al. 2024; López et al. 2025).
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import or_
+
+from mimoc.body.anatomy import Anatomy
+from mimoc.body.dimensions import Dimensions
+from mimoc.body.part import REFERENCE_AGE_MONTHS
+from mimoc.body.parts.checking import check_dimensions
+from mimoc.body.proportions import Proportions, proportions
+from mimoc.fits import Measurements, measure
+from mimoc.geometry.primitives import volume
+from mimoc.kinds import PartKind, function_of
+
+HEIGHT = "crown_sole_length"
+
+ADULT_SHARE, NEWBORN_EXCESS, DECAY_MONTHS = 0.20, 0.10, 18.0
+"""Share of the body's mass in head and neck: .300 at birth, .272 at 6 months, .251 at 12, .237 at 18 (D), between the Q
+dummies of UN R129 (Q0 .326, Q1 .251, Q1.5 .252; S), Jensen 1989 (S, extrapolated below 4 years: .279 at birth, .258 at
+a year) and an adult's head scaled by its circumference (M); .03 either way covers them."""
+
+NEWBORN_KG, KG_PER_MONTH = 0.062, 0.0075
+"""Mass of a foot by age: .062 kg at birth, .197 kg at 18 months (M).
+
+It is the mean of two regressions, Sun & Jensen 1994 (.0522 + .00212 weeks) and Schneider & Zernicke 1992 (.0029 mass +
+1.24 length / 100 + 1.93 breadth / 100 - .1025; kg, cm), which are up to .08 kg apart."""
+PRECISION = 1e-12
+"""Of a relative height, so that no digit in a file depends on the search for it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """What children of an anatomy and an age are compared with: the average children of 18 months and of that age."""
+
+    anatomy: Anatomy
+    volumes_m3: Mapping[str, float]
+    """Of MIMo's geoms at 18 months, by name with `{side}`."""
+    densities_kg_m3: Mapping[str, float]
+    """Likewise; 0 for geoms without mass."""
+    length_m: float
+    """Standing height at 18 months."""
+    age_months: float
+    head_gain: float = 1.0
+    """Mass of head and neck of the average child of that age by the law `maturing`, relative to the published law."""
+    foot_height: float = 1.0
+    """Height of its feet, likewise."""
+
+    def at(self, age_months: float) -> "Reference":
+        """Return what children of another age are compared with."""
+        same = replace(self, age_months=age_months)
+        if self.anatomy.development == "published":
+            return same
+        return replace(same, head_gain=_head_gain(same), foot_height=_foot_height(same))
+
+
+def reference_body(anatomy: Anatomy, age_months: float) -> Reference:
+    """Return what children of an anatomy and an age are compared with.
+
+    Raises:
+        KindError: If the shape of somebody else's parts says too little.
+    """
+    average = measure(REFERENCE_AGE_MONTHS).published
+    dimensions = mimos_dimensions(average, "", anatomy)
+    for kind in anatomy.kinds:
+        check_dimensions(kind, dimensions)
+    volumes_m3 = mimos_volumes(dimensions, anatomy)
+    densities_kg_m3 = {
+        name: figures.mass_kg / (volume(figures.type, figures.mass_at_m) if figures.mass_at_m else volumes_m3[name])
+        for name, figures in anatomy.geoms.items()
+    }
+    return Reference(anatomy, volumes_m3, densities_kg_m3, average[HEIGHT], REFERENCE_AGE_MONTHS).at(age_months)
+
+
+def dimensions_of(p: Proportions, kinds: Iterable[PartKind]) -> Dimensions:
+    """Return the dimensions of some kinds of parts.
+
+    Raises:
+        GeometryError: If a segment is wider than it is long.
+    """
+    return reduce(or_, (function_of(kind.shape, "shape")(p) for kind in kinds))
+
+
+def mimos_dimensions(child: Measurements, side: str, anatomy: Anatomy) -> Dimensions:
+    """Return MIMo's shapes with the measurements of one side of a child, or of both sides if *side* is empty."""
+    return dimensions_of(proportions(child.of_side(side), child.base_m, published=True), anatomy.kinds)
+
+
+def mimos_volumes(dimensions: Dimensions, anatomy: Anatomy) -> dict[str, float]:
+    """Return the volumes of MIMo's solids of some dimensions, by geom with `{side}`, in m³."""
+    return {name: volume(geom.type, dimensions.shapes[name].size_m) for name, geom in anatomy.geoms.items()}
+
+
+def head_share(age_months: float) -> float:
+    """Return the share of head and neck in the mass of the average child: .20 + .10 exp(-age / 18 months)."""
+    return ADULT_SHARE + NEWBORN_EXCESS * math.exp(-age_months / DECAY_MONTHS)
+
+
+def foot_mass_kg(age_months: float) -> float:
+    """Return the mass of a foot with its toes, of the average child: .062 kg + .0075 kg x age in months."""
+    return NEWBORN_KG + KG_PER_MONTH * age_months
+
+
+def _head_gain(reference: Reference) -> float:
+    """Return by how much head and neck are heavier than in the published body of the same age."""
+    average, anatomy = measure(reference.age_months).published, reference.anatomy
+    volumes_m3 = mimos_volumes(mimos_dimensions(average, "", anatomy), anatomy)
+    published_kg = {name: kg_m3 * volumes_m3[name] for name, kg_m3 in reference.densities_kg_m3.items()}
+    body_kg = math.fsum(published_kg[geom.name] for _, part in anatomy.childs_parts for geom in part.geoms)
+    return head_share(reference.age_months) * body_kg / published_kg["head"]
+
+
+def _foot_height(reference: Reference) -> float:
+    """Return the height of the feet of an age relative to MIMo's, at which the average child's have their mass.
+
+    Length, breadth and density are those of the published body. The mass is so nearly in proportion to the height that
+    the secant method needs a few steps.
+    """
+    average, wanted_kg = dict(measure(reference.age_months)), foot_mass_kg(reference.age_months)
+    p, anatomy = proportions(average, average), reference.anatomy
+    geoms = anatomy.of_foot()
+
+    def excess_kg(height: float) -> float:
+        foot = replace(p.foot, half_height_m=height * p.foot.half_height_m)
+        shapes = dimensions_of(replace(p, foot=foot), (anatomy.feet,)).shapes
+        parts = ((geom, reference.densities_kg_m3[geom.name], shapes[geom.name].size_m) for geom in geoms)
+        return math.fsum(kg_per_m3 * volume(geom.type, size_m) for geom, kg_per_m3, size_m in parts) - wanted_kg
+
+    before, now = 1.5, 1.6
+    before_kg, now_kg = excess_kg(before), excess_kg(now)
+    while abs(now - before) > PRECISION and now_kg != before_kg:
+        before, now = now, now - now_kg * (now - before) / (now_kg - before_kg)
+        before_kg, now_kg = now_kg, excess_kg(now)
+    return now

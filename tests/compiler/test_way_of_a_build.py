@@ -1,0 +1,94 @@
+"""A spec's way through the builder is short: it seldom comes back to a module that it has left."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+import pytest
+
+import mimoc
+from mimoc.body import BodyTree
+from mimoc.body.anatomy import Anatomy
+from mimoc.body.grow import GrownBody, grow_body
+from mimoc.body.masses import Masses
+from mimoc.body.reference import Reference
+from mimoc.body.shapes import Shapes
+from mimoc.compiler.building import builder
+from mimoc.errors import SpecError
+from mimoc.fits import Measurements
+from mimoc.mjcf.scene import SceneTree
+
+ROOT = Path(mimoc.__file__).parent
+FOLDERS = ("body", "compiler", "fits", "mjcf", "schema")
+CARRIERS = (mimoc.InfantSpec, Measurements, Anatomy, Reference, Shapes, Masses, BodyTree, GrownBody, SceneTree)
+"""The spec, and what the stages of a build make of it."""
+MOST_RETURNS = 20
+
+
+def way_of(build: Callable[[], object]) -> list[str]:
+    """Return the modules whose functions get the spec or what became of it, in the order of their calls.
+
+    Calls in a row within one module are one stay. Methods do not count: they belong to the value that is handed on.
+    """
+    stays: list[str] = []
+
+    def trace(frame: FrameType, event: str, _: object) -> None:
+        if event != "call" or not frame.f_code.co_filename.startswith(str(ROOT)):
+            return
+        module = Path(frame.f_code.co_filename).relative_to(ROOT).as_posix()
+        code, arguments = frame.f_code, frame.f_locals
+        is_function = not code.co_name.startswith("<") and "self" not in arguments
+        carries = any(isinstance(value, CARRIERS) for value in arguments.values())
+        if module.startswith(FOLDERS) and is_function and carries and stays[-1:] != [module]:
+            stays.append(module)
+
+    sys.setprofile(trace)
+    try:
+        build()
+    finally:
+        sys.setprofile(None)
+    return stays
+
+
+def returns(stays: list[str]) -> int:
+    """Return how often a way comes back to a module that it has left."""
+    return len(stays) - len(set(stays))
+
+
+@pytest.fixture(params=["published", "maturing"])
+def spec(request) -> mimoc.InfantSpec:
+    keys = {"senses": {"touch": {}, "vision": {}, "proprioception": {}}, "development": request.param}
+    return mimoc.InfantSpec(mimoc=1, name="x", age_months=9, **keys)
+
+
+def test_a_build_comes_back_to_a_module_at_most_twenty_times(spec):
+    builder(spec)  # What is imported or read from tables at first is no part of the way.
+    way = way_of(lambda: builder(spec))
+    assert {"compiler/building.py", "body/grow.py", "compiler/compose.py", "compiler/describe.py"} < set(way)
+    assert returns(way) <= MOST_RETURNS, way
+
+
+def test_a_body_goes_through_its_stages_once_in_their_order(spec):
+    grow_body(spec)
+    way = way_of(lambda: grow_body(spec))
+    stages = ("reference", "measurements", "shapes", "masses", "joints", "strength", "prune")
+    places = [way.index(f"body/{stage}.py") for stage in stages]
+    assert places == sorted(places), way
+    assert returns(way) <= 5, way
+
+
+def test_a_spec_that_was_just_read_is_not_validated_again(tmp_path, monkeypatch):
+    path = tmp_path / "x.yaml"
+    path.write_text("mimoc: 1\nname: x\nage_months: 9\n", encoding="utf-8")
+    read = mimoc.load_spec(path)
+    monkeypatch.setattr("mimoc.schema.infant.read_spec", None)
+    assert builder(read).spec is read
+
+
+def test_a_spec_that_was_changed_without_validation_is_validated(tmp_path):
+    path = tmp_path / "x.yaml"
+    path.write_text("mimoc: 1\nname: x\nage_months: 9\n", encoding="utf-8")
+    changed = mimoc.load_spec(path).model_copy(update={"age_months": 99})
+    with pytest.raises(SpecError, match="age_months"):
+        builder(changed)
