@@ -54,7 +54,8 @@ PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}
 WITHOUT_PREFIX = {
     "build": "senses.touch.even_points senses.touch.exposed senses.touch.skin_points senses.touch.surface "
     "senses.vision.acuity_by_age senses.vision.comparison tasks.ball tasks.setup tasks.standup.grip tasks.standup.rail "
-    "actuation.activation actuation.setup actuation.position.origins actuation.position.inertia delays.presets noise.presets",
+    "actuation.activation actuation.setup actuation.position.origins actuation.position.inertia "
+    "delays.presets noise.presets",
     "spec": "tasks.base delays.ages",
 }
 """Files that still lack the prefix of their layer. It must go: whoever renames one takes it off."""

@@ -73,8 +73,7 @@ def record(
     if not isinstance(infant, InfantEnv):
         raise TypeError(f"expected an environment of mimoc's, got {type(infant).__name__}")
     run = Run(infant, policy, seed)
-    look: dict[str, Any] = {"eyes": eyes, "rate_hz": rate_hz, "height_px": height_px, "body": body}
-    with film_of(file, infant.manifest.step_ms, **look) as watch:
+    with film_of(file, infant.manifest.step_ms, eyes=eyes, rate_hz=rate_hz, height_px=height_px, body=body) as watch:
         watch(infant, run.observation)
         for done in range(1, steps + 1):
             run.step()

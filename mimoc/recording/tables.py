@@ -97,13 +97,14 @@ def read_columns(paths: Sequence[Path], described: Described) -> Any:
     Raises:
         RecordingError: If a file is damaged, or is not as described.
     """
-    parts, kinds = list[Any](), dict[str, Any]()
+    parts, fields = list[Any](), dict[str, Any]()
     for path in paths:
         part = _read(path, described, first_step=sum(map(len, parts)))
         parts.append(part)
         for field in part.schema:
-            kinds[field.name] = field.type if kinds.get(field.name, field.type) == field.type else pa.float64()
-    schema = pa.schema([pa.field(name, kind, nullable=False) for name, kind in kinds.items()], parts[0].schema.metadata)
+            known = fields.setdefault(field.name, field)
+            fields[field.name] = known if known.type == field.type else known.with_type(pa.float64())
+    schema = pa.schema([*fields.values()], parts[0].schema.metadata)
     return pa.concat_tables([_aligned(part, schema) for part in parts])
 
 
