@@ -8,6 +8,7 @@ import numpy.typing as npt
 from mimoc.actuation import ACTUATIONS
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.kinds import function_of
+from mimoc.runtime.term import Term
 from mimoc.senses.sense import FloatArray, IntArray
 
 
@@ -44,8 +45,9 @@ class Actuation(Protocol):
         """What the torque of each actuator never exceeds, either way, shape (n,)."""
         ...
 
-    def drive(self, data: mujoco.MjData) -> FloatArray:
-        """Return what each actuator is driven by now, shape (n,)."""
+    @property
+    def drive(self) -> Term:
+        """What each actuator is driven by, shape (k, n)."""
         ...
 
     def __call__(self, action: npt.ArrayLike) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
+from mimoc.runtime.term import Field, Term
 from mimoc.senses.sense import FloatArray, IntArray
 
 
@@ -59,9 +60,10 @@ class Commands:
         """What `drive` is: `command` or `activation`."""
         return "command"
 
-    def drive(self, data: mujoco.MjData) -> FloatArray:
-        """Return what each actuator is driven by now, shape (n,)."""
-        return data.ctrl.take(self.actuators, -1)
+    @property
+    def drive(self) -> Term:
+        """What each actuator is driven by, shape (k, n)."""
+        return Field("ctrl", self.actuators)
 
     @property
     def bounds_nm(self) -> FloatArray:
@@ -81,9 +83,10 @@ class Activated(Commands):
         """What `drive` is."""
         return "activation"
 
-    def drive(self, data: mujoco.MjData) -> FloatArray:
-        """Return the activation of each actuator now, shape (n,)."""
-        return data.act.take(self.activations, -1)
+    @property
+    def drive(self) -> Term:
+        """The activation of each actuator, shape (k, n)."""
+        return Field("act", self.activations)
 
 
 def all_commanded(entry: ActuationEntry) -> ActuationEntry:

@@ -25,7 +25,7 @@ class Muscle(Activated):
 
     def effort(self, data: mujoco.MjData) -> float:
         """Return what the activations cost; see `mean_effort`."""
-        return mean_effort(self.drive(data), np.abs(self.limits_nm).max(axis=1))
+        return mean_effort(data.act[self.activations], np.abs(self.limits_nm).max(axis=1))
 
 
 def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Muscle:

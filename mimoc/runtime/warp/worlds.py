@@ -26,7 +26,7 @@ from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
 from mimoc.runtime.warp.tasks import device_task
 from mimoc.runtime.warp.tasks.task import Judged
 from mimoc.runtime.warp.touch import feeling
-from mimoc.runtime.warp.vectors import VectorReader
+from mimoc.runtime.warp.vectors import TermReader
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
@@ -103,7 +103,7 @@ class Worlds:
     def _channel(self, name: str) -> Numbers:
         """Return a sense of numbers."""
         width = self._touch.width if self._touch and name == "touch" else 1
-        read = self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
+        read = self._touch if name == "touch" else TermReader(name, self._infants, self.body)
         noise = noise_of(name, self._infants, self.body, self.chance, width)
         return Numbers(name, self._infants, self.spaces, self.body, read, noise)
 
