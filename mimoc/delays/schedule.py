@@ -100,18 +100,18 @@ class Schedule:
             ValueError: If the action is not one number for each actuator.
             ModelError: If the physics needs more memory than the model has.
         """
-        for segment in self.begin(action, data):
+        for segment in self.begin(action):
             self.command(segment, data)
             try:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
             for name, delayed in segment.samples:
-                sample = self.read(name, data)
+                sample = self._reads[name](data)
                 for each in delayed:
                     each.send(sample)
 
-    def begin(self, action: npt.ArrayLike, data: mujoco.MjData) -> tuple[Segment, ...]:
+    def begin(self, action: npt.ArrayLike) -> tuple[Segment, ...]:
         """Take the action of a control step, and return the segments that it consists of.
 
         Raises:
@@ -132,9 +132,9 @@ class Schedule:
         if noise:
             noise(data)
 
-    def read(self, name: str, data: mujoco.MjData) -> Sample:
-        """Return the sample of a sense now, with its noise."""
-        return self._reads[name](data)
+    def is_noisy(self, name: str) -> bool:
+        """Return whether the samples of a sense have noise."""
+        return name in self._noisy
 
     def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
         """Return a sample that was read without noise, with noise; it may be changed in place."""

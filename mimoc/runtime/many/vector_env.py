@@ -20,8 +20,8 @@ from mimoc.runtime.many.infos import Infos, joined
 from mimoc.runtime.many.matching import check_mixture
 from mimoc.runtime.many.options import chosen, options_of, seeds_of
 from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.senses import BatchSense
 from mimoc.runtime.many.spaces import batch_of, covering
-from mimoc.senses.joined import join_all
 from mimoc.senses.sense import FloatArray, Observation
 
 SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
@@ -254,7 +254,10 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Join what all infants have now; those of one bundle are worked through one after another."""
         firsts = {id(each.bundle): index for index, each in reversed(list(enumerate(self.infants)))}
         self._order = sorted(range(self.num_envs), key=lambda index: firsts[id(self.infants[index].bundle)])
-        self._senses = join_all([infant.senses for infant in self.infants])
+        self._senses = {
+            name: BatchSense(name, [infant.senses[name] for infant in self.infants], self._physics)
+            for name in self.infants[0].senses
+        }
         self._schedules = [infant.schedule for infant in self.infants]
         self._control_step = ControlStep(self._schedules, self._physics, self._senses)
 
