@@ -68,6 +68,11 @@ class Sense(ABC):
     def observe(self, sample: Sample) -> Observation:
         """Return what an agent sees of a sample that has arrived, as new arrays within `spaces`."""
 
+    def write(self, sample: Sample, observation: Observation) -> None:
+        """Write what `observe` returns into arrays that there are already."""
+        for name, array in self.observe(sample).items():
+            observation[name][...] = array
+
     def follow(self, entry: Any, model: mujoco.MjModel) -> bool:
         """Read the same infant at another age or in another scene from now on, or return False: it is bound anew then.
 

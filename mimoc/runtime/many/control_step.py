@@ -11,11 +11,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.delays.schedule import Schedule, Segment
+from mimoc.actuation.commands import Commands
+from mimoc.delays.schedule import Segment
 from mimoc.delays.timing import Samples
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.physics import Physics
 from mimoc.runtime.many.senses import BatchSense, Read
 from mimoc.runtime.worlds import worlds_of_many
+from mimoc.senses.sense import FloatArray
 
 GROUPS, LEAST = 2, 8
 """Into how many groups infants are cut, at most, and how many are in each, at least: one group is sampled while others
@@ -50,9 +53,12 @@ class Stretch:
 class ControlStep:
     """Goes through control steps of some of n infants."""
 
-    def __init__(self, schedules: Sequence[Schedule], physics: Physics, senses: Mapping[str, BatchSense]):
+    def __init__(self, infants: Sequence[InfantEnv], physics: Physics, senses: Mapping[str, BatchSense]):
         """Join the schedules of all infants, which have the same senses and the same control step."""
-        self._schedules, self._physics, self._senses = schedules, physics, senses
+        self._schedules = [infant.schedule for infant in infants]
+        self._actuations: list[Any] = [infant.actuation for infant in infants]
+        self._is_plain = all(type(actuation).__call__ is Commands.__call__ for actuation in self._actuations)
+        self._physics, self._senses = physics, senses
         self._segments: dict[int, tuple[Segment, ...]] = {}
         self._stretches: list[Stretch] = []
 
@@ -64,7 +70,8 @@ class ControlStep:
             infants: Those that make a step; who is alike should stand side by side.
         """
         schedules, datas = self._schedules, self._physics.datas
-        segments = {infant: schedules[infant].begin(actions[infant]) for infant in infants}
+        controls = self._controls(actions, infants)
+        segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}
         if segments != self._segments:  # Without jitter, they are the same objects in each control step.
             self._segments, self._stretches = segments, self._side_by_side(segments)
         for stretch in self._stretches:
@@ -73,6 +80,14 @@ class ControlStep:
             with closing(self._physics.step(stretch.groups, stretch.physics_steps)) as stepped:
                 for samplings, _ in zip(stretch.samplings, stepped, strict=True):
                     self._sample(samplings)
+
+    def _controls(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> FloatArray:
+        """Return the controls of all infants, shape (n, actuators), of which those of some are needed."""
+        controls = actions.astype(np.float64)
+        if not self._is_plain:
+            for infant in infants:
+                controls[infant] = self._actuations[infant](actions[infant])
+        return controls
 
     def _sample(self, samplings: Sequence[Sampling]) -> None:
         """Sample senses; infants that are read by several share what is read of their worlds."""

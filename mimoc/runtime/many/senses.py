@@ -55,8 +55,11 @@ class BatchSense:
             np.maximum(observed, low, out=observed)
             np.minimum(observed, high, out=observed)
             return {self._name: observed.astype(np.float32)}
-        views = [sense.observe(sample) for sense, sample in zip(self._senses, samples, strict=True)]
-        return {name: np.stack([view[name] for view in views]) for name in views[0]}
+        spaces, count = self._senses[0].spaces, len(samples)
+        observation = {name: np.empty((count, *space.shape), space.dtype) for name, space in spaces.items()}
+        for index, (sense, sample) in enumerate(zip(self._senses, samples, strict=True)):
+            sense.write(sample, {name: array[index] for name, array in observation.items()})
+        return observation
 
 
 def _kinds(senses: Sequence[Sense], models: Sequence[mujoco.MjModel]) -> list[int]:

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from mimoc.actuation.commands import numbers
+from mimoc.delays.schedule import arrived
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
 from mimoc.runtime.closing import closable
@@ -258,8 +259,9 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             name: BatchSense(name, [infant.senses[name] for infant in self.infants], self._physics)
             for name in self.infants[0].senses
         }
-        self._schedules = [infant.schedule for infant in self.infants]
-        self._control_step = ControlStep(self._schedules, self._physics, self._senses)
+        schedules = [infant.schedule for infant in self.infants]
+        self._delayed = {name: [schedule.samples[name] for schedule in schedules] for name in self._senses}
+        self._control_step = ControlStep(self.infants, self._physics, self._senses)
 
     def _follow(self) -> None:
         """Take over what infants have now that got another model, in another scene or by growing."""
@@ -290,7 +292,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Return what all infants observe, as new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe([schedule.arrived(name) for schedule in self._schedules]))
+            observation.update(sense.observe([arrived(delayed) for delayed in self._delayed[name]]))
         if self.infants[0].task.spaces:
             own = [infant.task.observe() for infant in self.infants]
             observation |= {name: np.stack([each[name] for each in own]) for name in own[0]}
