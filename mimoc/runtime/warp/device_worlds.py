@@ -1,5 +1,7 @@
 """Worlds on a device, as terms read them: torch's views of MuJoCo Warp's arrays, which need no copy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import array_api_compat.torch as array_library
@@ -30,3 +32,10 @@ def put_on(device: wp.Device) -> Put:
         return torch.as_tensor(values, dtype=kind, device=place)
 
     return put
+
+
+@contextmanager
+def present(device: wp.Device) -> Iterator[None]:
+    """Let a device be Warp's present one, where torch works on Warp's stream, so that each waits for the other."""
+    with wp.ScopedDevice(device), torch.cuda.stream(wp.stream_to_torch(device)) if device.is_cuda else nullcontext():
+        yield

@@ -9,9 +9,8 @@ from mimoc.errors import MimocError
 from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import noise
+from mimoc.runtime.warp.signals import device_part
 
-SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
-"""Senses that are there on a device."""
 ACTUATIONS = {"torque", "muscle", "position"}
 """Actuation models that are there: those whose commands are the controls."""
 
@@ -41,6 +40,12 @@ def check_infant(infant: InfantEnv) -> None:
         DeviceError: If something is not.
     """
     name = infant.manifest.name
+    for sense, bound in infant.senses.items():
+        if bound.term is None and not device_part(sense, bound):
+            raise DeviceError(
+                f"sense '{sense}' is not a term and has no device part: give it one (docs/own_sense.md), or leave out "
+                "device"
+            )
     for what, remedy in _missing(infant):
         raise DeviceError(f"infant '{name}' has {what}, which is not there on a device; {remedy}, or leave out device")
 
@@ -48,8 +53,6 @@ def check_infant(infant: InfantEnv) -> None:
 def _missing(infant: InfantEnv) -> Iterator[tuple[str, str]]:
     """Yield what is not there, and what to do about it."""
     manifest = infant.manifest
-    for sense in _others(infant.senses, SENSES):
-        yield f"the sense '{sense}'", "leave it out"
     for model in _others([manifest.actuation.model], ACTUATIONS):
         yield f"the actuation model '{model}'", f"choose from {', '.join(sorted(ACTUATIONS))}"
     noisy = {sense: key for sense, key in noise_keys().items() if getattr(manifest.noise, key)}

@@ -6,11 +6,13 @@ from typing import Any, Protocol
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
+from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.contacts import Contacts, contacts_of, force_of, presses
+from mimoc.runtime.warp.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
 
@@ -45,6 +47,8 @@ class BodySums:
         self.width, self._quantity = touch.width, _quantity(infants[0])
         felt, self._part_of_point = np.unique(touch.receptors.bodies, return_inverse=True)
         self.bodies = np.repeat(felt, self.width)
+        box = touch.spaces["touch"]
+        self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         parts = np.full(model.nbody, -1)
         parts[felt] = np.arange(len(felt))
         self._geoms, self._parts = _skin(infants[0]), put(parts, wp.int32)
@@ -102,6 +106,11 @@ def feeling(kind: str, infants: Sequence[InfantEnv], body_of_world: wp.array) ->
     if kind not in KINDS:
         raise UnknownNameError("way to tell of touch", kind, KINDS)
     return KINDS[kind](infants, body_of_world)
+
+
+def bind(setup: DeviceSetup) -> Feeling:
+    """Return the touch of all infants, told as the environment was asked to."""
+    return feeling(setup.touch, setup.infants, setup.body)
 
 
 def _touch(infant: InfantEnv) -> Any:
