@@ -1,7 +1,8 @@
 """What all tasks have in common while they run."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import gymnasium
@@ -11,59 +12,70 @@ import numpy as np
 from mimoc.actuation.commands import command_range
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.model_fields import ModelField
-from mimoc.senses.sense import Observation
+from mimoc.runtime.term import Term, stack_terms
+from mimoc.runtime.worlds import Worlds, worlds_of_one
+from mimoc.senses.sense import FloatArray, Observation
+from mimoc.state_form import check_form
+from mimoc.tasks.judgement import NO_REWARD, Change, Judgement
 
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """What a task says of one control step."""
-
-    reward_terms: Mapping[str, float]
-    """Terms of the reward, by name; `info` has them as `reward_terms`."""
-    success: bool = False
-    """Whether the goal is reached; `info` has it as `is_success`."""
-    terminated: bool = False
-    """Whether the episode ends with this step."""
-    reward: float = field(init=False)
-    """Sum of the terms."""
-
-    def __post_init__(self) -> None:
-        """Add up the terms."""
-        object.__setattr__(self, "reward", sum(self.reward_terms.values(), 0.0))
-
-
-NO_REWARD = Verdict({})
+NOTHING: Mapping[str, Any] = MappingProxyType({})
+Verdict = Judgement
+"""What tasks of scripts know it as."""
 
 
 class Task:
     """What starts each episode and judges each control step; by itself, a world without a goal.
 
-    To write a task, override `judge`, and of the rest what it needs:
+    A task judges by a term, which runs on one infant, on many and on a device alike. `bind` sets it:
+
+        @dataclass(frozen=True)
+        class HeadUpTerm(Term):
+            head: int               # Whole numbers say where, real ones how much; see `Term`.
+            goal_m: float
+
+            def __call__(self, worlds, action, memory):
+                height_m = worlds.xpos[:, self.head, 2]
+                return Judgement({"height": height_m}, success=height_m > self.goal_m)
 
         class HeadUp(Task):
             def bind(self, model, bundle):
-                self.head = model.body(bundle.manifest.anatomy.head).id
-
-            def judge(self, data, action, effort):
-                height_m = float(data.xpos[self.head, 2])
-                terms = {"height": height_m, "effort": -0.1 * effort()}
-                return Verdict(terms, success=height_m > 0.4)
+                self.term = HeadUpTerm(model.body(bundle.manifest.anatomy.head).id, 0.4)
 
         env = mimoc.make("configs/nine_months.yaml", task=HeadUp(steps=500))
 
+    The term gets the worlds of k infants, their actions, shape (k, n), before these are clipped, and what the task
+    remembers of each, shape (k, ...) by name. A task that cannot be such an expression overrides `judge` instead, and
+    runs on the CPU only.
+
     In this order, `bind` is called once for each model (at the start, and again when the scene changes); `start` at
     each reset, when the infant is in its pose; `judge` after each control step; then `observe`. Look names up in
-    `bind`, keep indices, and read arrays of *data* in `judge`. Draw random numbers only from the generator that `start`
-    gets, so that a seed determines an episode. An environment is saved by `get_state` and restored by `set_state`:
-    return in `state` what the task remembers within an episode, and in `model_fields` what it changes in the model.
+    `bind` and keep indices. Draw random numbers only from the generator that `start` gets, so that a seed determines
+    an episode. An environment is saved by `get_state` and restored by `set_state`: keep in `memory` what the task
+    remembers within an episode, and declare in `model_fields` what it changes in the model.
     """
 
-    def __init__(self, steps: int | None = None):
-        """Make a task whose episodes are truncated after *steps* control steps.
+    term: Term | None = None
+    """Judges: `term(worlds, action, memory) -> Judgement` of k infants; None if `judge` does otherwise."""
+    memory: Mapping[str, np.ndarray] = NOTHING
+    """What the task remembers of an infant within an episode, by name: arrays whose shapes and types never change.
+    What has the name of one of its `spaces` is observed."""
+    _bound: "tuple[Term, mujoco.MjData, Any, Worlds] | None" = None
 
-        None is never; or, for one that is passed as an object, after those that the spec's task has, if any.
+    def __init__(self, steps: int | None = None, term: Term | None = None, memory: Mapping[str, Any] = NOTHING):
+        """Make a task.
+
+        Args:
+            steps: Control steps after which an episode is truncated. None is never; or, for a task that is passed as
+                an object, after those that the spec's task has, if any.
+            term: See `term`.
+            memory: What is remembered before the first episode.
         """
-        self.steps = steps
+        self.steps, self.term = steps, term
+        self.memory = {name: np.asarray(value) for name, value in memory.items()}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Support copying and pickling: leave out what is bound to the data of an environment."""
+        return {name: value for name, value in self.__dict__.items() if name != "_bound"}
 
     def bind(self, model: mujoco.MjModel, bundle: Any) -> None:
         """Look up names in a model; tasks that a bundle names are bound when they are made instead.
@@ -76,7 +88,7 @@ class Task:
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
         """Space of each array that it adds to the observation, by name."""
-        return {}
+        return NOTHING
 
     @property
     def model_fields(self) -> Sequence[ModelField]:
@@ -94,9 +106,9 @@ class Task:
 
     def observe(self) -> Observation:
         """Return what it adds to the observation, as fresh arrays within `spaces`."""
-        return {}
+        return {name: np.array(self.memory[name], space.dtype) for name, space in self.spaces.items()}
 
-    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
+    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
         """Return the reward of the control step that has just been taken, and whether it ends the episode.
 
         Args:
@@ -104,26 +116,69 @@ class Task:
             action: The action, shape (n,), before it is clipped.
             effort: Returns the cost of the actuators' work in the last physics step (`InfantEnv.effort`).
         """
-        return NO_REWARD
+        if self.term is None:
+            return NO_REWARD
+        term, worlds = self.term_of_one(data)
+        judgement: Judgement = term(worlds, np.asarray(action, float)[None], _rows(self.memory))
+        if judgement.memory:
+            self.remember(**{name: values[0] for name, values in judgement.memory.items()})
+        for name, change in judgement.changes.items():
+            self._change(data.model, name, change)
+        return judgement.of_first()
 
     @property
     def state(self) -> dict[str, Any]:
-        """What it remembers within an episode; it can be set."""
-        return {}
+        """What it remembers within an episode; it can be set.
+
+        Raises:
+            ValueError: If what is set has another form.
+        """
+        return dict(self.memory)
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
-        pass
+        check_form(state, dict(self.memory), "task")
+        self.memory = {name: state[name] for name in self.memory}
+
+    def remember(self, **values: Any) -> None:
+        """Remember other values from now on, by name; they keep their types."""
+        types = {name: values.dtype for name, values in self.memory.items()}
+        self.memory = {**self.memory, **{name: np.array(value, types.get(name)) for name, value in values.items()}}
+
+    def term_of_one(self, data: mujoco.MjData) -> tuple[Any, Worlds]:
+        """Return the term as it runs on one infant, with its world, for `start` to compute as `judge` does."""
+        assert self.term is not None
+        if self._bound is None or self._bound[0] is not self.term or self._bound[1] is not data:
+            self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
+        return self._bound[2:]
+
+    def _change(self, model: mujoco.MjModel, name: str, change: Change) -> None:
+        """Write new values to the declared rows of a field of the model, if it changes."""
+        if change.where[0]:
+            rows = np.concatenate([field.rows for field in self.model_fields if field.name == name])
+            getattr(model, name)[rows if change.column is None else (rows, change.column)] = change.values()[0]
 
 
-class SquaredCommands:
-    """Sum of squared commands, which are clipped to their ranges first."""
+@dataclass(frozen=True)
+class SquaredCommands(Term):
+    """Sum of squared commands, which are clipped to their ranges first, shape (k,)."""
 
-    def __init__(self, entry: ActuationEntry):
-        """Find the ranges of all commands of an action."""
-        self._low, self._high = command_range(entry)
+    low: FloatArray
+    """Least command of each actuator, shape (n,)."""
+    high: FloatArray
+    """Largest command of each actuator, shape (n,)."""
 
-    def __call__(self, action: np.ndarray) -> float:
-        """Return the sum for an action, shape (n,)."""
-        commands = np.clip(action, self._low, self._high)
-        return float(commands @ commands)
+    def __call__(self, worlds: Worlds, action: Any) -> Any:
+        """Return the sum of each infant for actions of shape (k, n)."""
+        commands = worlds.xp.minimum(worlds.xp.maximum(action, self.low), self.high)
+        return worlds.xp.sum(commands * commands, axis=-1)
+
+
+def squared_commands(entry: ActuationEntry) -> SquaredCommands:
+    """Return the sum of squared commands of an infant's actuators."""
+    return SquaredCommands(*command_range(entry))
+
+
+def _rows(memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return what is remembered of one infant with a leading axis."""
+    return {name: values[None] for name, values in memory.items()}

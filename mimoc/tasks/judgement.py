@@ -1,0 +1,51 @@
+"""What a task says of a control step."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """New values of a field of the model, which the task's `model_fields` must declare."""
+
+    where: Any
+    """For which of k infants the field changes, shape (k,)."""
+    values: Callable[[], Any]
+    """Returns the new values of the n declared rows, shape (k, n), or (k, n, ...) for whole rows."""
+    column: int | None = None
+    """The number of each row that changes; None for whole rows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What a task says of a control step: numbers of one infant, or arrays of k infants, shape (k,), from a term."""
+
+    reward_terms: Mapping[str, Any]
+    """Terms of the reward, by name; `info` has them as `reward_terms`."""
+    success: Any = False
+    """Whether the goal is reached; `info` has it as `is_success`."""
+    terminated: Any = False
+    """Whether the episode ends with this step."""
+    memory: Mapping[str, Any] = field(default_factory=dict)
+    """What the task remembers from now on, shape (k, ...), without what stays as it is; only from a term."""
+    changes: Mapping[str, Change] = field(default_factory=dict)
+    """What changes in the model, by name of the field; only from a term."""
+
+    @property
+    def reward(self) -> Any:
+        """Sum of the terms."""
+        return sum(self.reward_terms.values(), 0.0)
+
+    def of_first(self) -> "Judgement":
+        """Return the same of the first infant, in numbers."""
+        terms = {name: float(_first(values)) for name, values in self.reward_terms.items()}
+        return Judgement(terms, bool(_first(self.success)), bool(_first(self.terminated)))
+
+
+NO_REWARD = Judgement({})
+
+
+def _first(values: Any) -> Any:
+    """Return the value of the first infant; a plain number is that of all."""
+    return values if isinstance(values, (bool, int, float)) else values[0]
