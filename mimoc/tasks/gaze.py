@@ -23,7 +23,7 @@ class Gaze(Term):
     Each joint turns by the angle that brings the x axis f of its head or eye nearest to the direction t of the target,
     about its own axis a, as if the others stood still: cyclic coordinate descent (Wang & Chen 1991).
 
-        turn = atan2(a · (f × t), f · t - (a · f) (a · t))
+        turn = atan2(a · (f x t), f · t - (a · f) (a · t))
     """
 
     joints: IntArray
@@ -79,7 +79,7 @@ def _dots(first: Any, second: Any) -> Any:
 
 
 def _triple(axes: Any, first: Any, second: Any) -> Any:
-    """Return the scalar triple products a · (f × t) of vectors, shape (..., 3)."""
+    """Return the scalar triple products a · (f x t) of vectors, shape (..., 3)."""
     (x1, y1, z1), (x2, y2, z2) = ([vectors[..., axis] for axis in range(3)] for vectors in (first, second))
     across = y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
     return axes[..., 0] * across[0] + axes[..., 1] * across[1] + axes[..., 2] * across[2]

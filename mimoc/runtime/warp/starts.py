@@ -6,6 +6,7 @@ from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.utils import seeding
 
@@ -13,23 +14,25 @@ from mimoc.model_fields import ModelField
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import flat, put
-from mimoc.runtime.warp.tasks import DeviceTask
+from mimoc.runtime.warp.bodies import batched_fields
+from mimoc.runtime.warp.device_worlds import put_on
 from mimoc.runtime.warp.touch import Feeling
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.tasks.task import NOTHING
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart")
 """Fields of a state that an episode begins with; the first physics step computes all others."""
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Some numbers of each world that a start sets."""
+class ModelNumbers:
+    """Some numbers of a field of the model that a start sets."""
 
-    columns: wp.array
-    """Which of the world's numbers, shape (k,)."""
-    table: wp.array
-    """Their values at each start, shape (starts, k)."""
+    columns: torch.Tensor
+    """Which of a world's numbers, shape (n,)."""
+    table: torch.Tensor
+    """Their values at each start, shape (starts, n)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,26 +43,29 @@ class Starts:
     """The first one of each body, shape (bodies,)."""
     count: wp.array
     """How many each has, shape (bodies,)."""
-    state: Mapping[str, wp.array]
-    """Fields of the state, shape (starts, k) each."""
-    model: Mapping[str, Place]
+    state: Mapping[str, torch.Tensor]
+    """Fields of the state, shape (starts, n) each."""
+    model: Mapping[str, ModelNumbers]
     """Fields of the model that episodes change."""
-    memory: wp.array
-    """What the task remembers, shape (starts, m)."""
+    memory: Mapping[str, torch.Tensor]
+    """What the task remembers, shape (starts, ...) each."""
     commands: wp.array
     """The control of each commanded actuator at the start, shape (starts, n)."""
     samples: Mapping[str, wp.array]
-    """What each sense tells at the start, shape (starts, n)."""
+    """What each sense measures at the start, shape (starts, n)."""
 
-    def restore(self, start: wp.array, model: mjw.Model, data: mjw.Data, memory: wp.array | None) -> None:
+    def restore(
+        self, chosen: wp.array, model: mjw.Model, data: mjw.Data, memory: Mapping[str, torch.Tensor] = NOTHING
+    ) -> None:
         """Put worlds into their starts; -1 leaves a world as it is."""
+        start = wp.to_torch(chosen).long()
         for name, table in self.state.items():
-            _restore_all(start, table, getattr(data, name))
-        for name, place in self.model.items():
-            inputs = [start, place.columns, place.table]
-            wp.launch(_restore, (start.shape[0], place.columns.shape[0]), inputs, [flat(getattr(model, name))])
-        if memory is not None:
-            _restore_all(start, self.memory, memory)
+            if table.shape[1]:
+                _restore(start, table, wp.to_torch(getattr(data, name)))
+        for name, numbers in self.model.items():
+            _restore(start, numbers.table, wp.to_torch(flat(getattr(model, name))), numbers.columns)
+        for name, values in memory.items():
+            _restore(start, self.memory[name], values)
 
 
 def model_fields(infant: InfantEnv) -> list[ModelField]:
@@ -68,9 +74,7 @@ def model_fields(infant: InfantEnv) -> list[ModelField]:
     return [*constraints.model_fields, *infant.task.model_fields]
 
 
-def drawn(
-    infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.Model, task: DeviceTask, touch: Feeling | None
-) -> Starts:
+def drawn(infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.Model, touch: Feeling | None) -> Starts:
     """Return the starts of all infants.
 
     Start k of an infant is that of a single environment with seed k; an infant without chance in its starts has one.
@@ -80,24 +84,27 @@ def drawn(
         most: How many starts each has, if there is chance in them.
         pose: The pose, or their own.
         model: The model of all worlds.
-        task: The task.
         touch: How touch is told, if there is any.
     """
     rows: list[dict[str, FloatArray]] = []
     counts = []
     for infant in infants:
-        found = _starts(infant, most, {} if pose is None else {"pose": pose}, task, touch)
+        found = _starts(infant, most, {} if pose is None else {"pose": pose}, touch)
         counts.append(len(found))
         rows += found
-    tables = {name: put(np.stack([row[name] for row in rows])) for name in rows[0]}
+    tables = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    put_torch = put_on(wp.get_device())
     return Starts(
         put(np.cumsum([0, *counts[:-1]]), wp.int32),
         put(counts, wp.int32),
-        {name: tables[name] for name in STATE},
-        _places(infants[0], model, tables),
-        tables["memory"],
-        tables["commands"],
-        {name: tables[f"sense {name}"] for name in _numbers(infants[0])},
+        {name: put_torch(tables[name]) for name in STATE},
+        {
+            name: ModelNumbers(put_torch(at), put_torch(tables[name]))
+            for name, at in _columns(infants[0], model).items()
+        },
+        {name: put_torch(tables[f"memory {name}"]) for name in infants[0].task.state},
+        put(tables["commands"]),
+        {name: put(tables[f"sense {name}"]) for name in _numbers(infants[0])},
     )
 
 
@@ -114,45 +121,43 @@ def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Mo
         data: Their states.
     """
     changed = [getattr(data, name) for name in starts.state] + [getattr(model, name) for name in starts.model]
-    kept = [wp.clone(array) for array in changed]
+    former = [wp.clone(array) for array in changed]
     first, counts = starts.first.numpy()[body_of_world], starts.count.numpy()[body_of_world]
     same = body_of_world[:, None] == body_of_world
-    turns, rank = same.sum(axis=1), np.tril(same, -1).sum(axis=1)
+    worlds_of_body, rank = same.sum(axis=1), np.tril(same, -1).sum(axis=1)
     seen: dict[int, IntArray] = {}
-    for earlier in range(int(np.ceil(counts / turns).max())):
-        own = rank + earlier * turns
-        chosen = np.where(own < counts, first + own, -1)
-        starts.restore(put(chosen, wp.int32), model, data, None)
+    for earlier in range(int(np.ceil(counts / worlds_of_body).max())):
+        index = rank + earlier * worlds_of_body
+        chosen = np.where(index < counts, first + index, -1)
+        starts.restore(put(chosen, wp.int32), model, data)
         mjw.kinematics(model, data)
         mjw.camlight(model, data)
         pictures = sight.look(data).numpy().copy()  # On the CPU it is the same memory again.
         seen |= {start: picture for start, picture in zip(chosen.tolist(), pictures, strict=True) if start >= 0}
-    for array, former in zip(changed, kept, strict=True):
-        wp.copy(array, former)
+    for array, values in zip(changed, former, strict=True):
+        wp.copy(array, values)
     return put(np.stack([seen[start] for start in sorted(seen)]), wp.uint8)
 
 
 def _starts(
-    infant: InfantEnv, most: int, options: dict[str, Any], task: DeviceTask, touch: Feeling | None
+    infant: InfantEnv, most: int, options: dict[str, Any], touch: Feeling | None
 ) -> list[dict[str, FloatArray]]:
     found = []
     for seed in range(most):
         infant.reset(seed=seed, options=options)
-        found.append(_start(infant, task, touch))
+        found.append(_start(infant, touch))
         if infant.np_random.bit_generator.state == seeding.np_random(seed)[0].bit_generator.state:
             break  # Nothing was drawn.
     return found
 
 
-def _start(infant: InfantEnv, task: DeviceTask, touch: Feeling | None) -> dict[str, FloatArray]:
+def _start(infant: InfantEnv, touch: Feeling | None) -> dict[str, FloatArray]:
     """Return the numbers of the state that an infant is in, by what they are."""
     found: dict[str, FloatArray] = {name: getattr(infant.data, name).copy() for name in STATE}
     found["commands"] = infant.data.ctrl[infant.actuation.actuators]
-    found["memory"] = np.array(task.memory(infant.task.state), float)
-    for field in model_fields(infant):
-        found.setdefault(f"model {field.name}", np.zeros(0))
-        values = np.asarray(getattr(infant.model, field.name)[field.rows], float).ravel()
-        found[f"model {field.name}"] = np.concatenate([found[f"model {field.name}"], values])
+    found |= {f"memory {name}": values for name, values in infant.task.state.items()}
+    for name, rows in _changed_rows(infant).items():
+        found[name] = np.asarray(getattr(infant.model, name)[rows], float).ravel()
     for name in _numbers(infant):
         sample = np.array(infant.senses[name](infant.data), float)  # Without noise, which is drawn for each episode.
         found[f"sense {name}"] = touch.start(sample) if touch and name == "touch" else sample
@@ -164,33 +169,24 @@ def _numbers(infant: InfantEnv) -> list[str]:
     return [name for name in infant.senses if name != VISION]
 
 
-def _places(infant: InfantEnv, model: mjw.Model, tables: Mapping[str, wp.array]) -> dict[str, Place]:
-    """Return where the fields of the model are that episodes change, without those that MuJoCo Warp does not read."""
-    columns: dict[str, list[int]] = {}
-    for field in model_fields(infant):
-        own = getattr(model, field.name, None)
-        if isinstance(own, wp.array) and own.shape[0] > 1 and len(field.rows):
-            theirs = getattr(infant.model, field.name)
-            numbers, stride = theirs[0].size, flat(own).shape[1] // len(theirs)
-            found = field.rows[:, None] * stride + np.arange(numbers)
-            columns.setdefault(field.name, []).extend(found.ravel().tolist())
-    return {name: Place(put(found, wp.int32), tables[f"model {name}"]) for name, found in columns.items()}
+def _changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
+    """Return the rows of fields of the model that episodes change."""
+    fields = model_fields(infant)
+    return {field.name: np.concatenate([each.rows for each in fields if each.name == field.name]) for field in fields}
 
 
-def _restore_all(start: wp.array, table: wp.array, values: wp.array) -> None:
-    if table.shape[1]:
-        wp.launch(_restore_rows, (start.shape[0], table.shape[1]), [start, table], [values])
+def _columns(infant: InfantEnv, model: mjw.Model) -> dict[str, IntArray]:
+    """Return where the numbers of these rows are in each world, without fields that MuJoCo Warp does not read."""
+    columns: dict[str, IntArray] = {}
+    for name, rows in _changed_rows(infant).items():
+        single = getattr(infant.model, name)
+        if name in batched_fields() and len(rows):
+            stride = flat(getattr(model, name)).shape[1] // len(single)
+            columns[name] = (rows[:, None] * stride + np.arange(single[0].size)).ravel()
+    return columns
 
 
-@wp.kernel(enable_backward=False)
-def _restore_rows(start: wp.array[int], table: wp.array2d[float], values: wp.array2d[float]):
-    world, number = wp.tid()
-    if start[world] >= 0:
-        values[world, number] = table[start[world], number]
-
-
-@wp.kernel(enable_backward=False)
-def _restore(start: wp.array[int], columns: wp.array[int], table: wp.array2d[float], values: wp.array2d[float]):
-    world, number = wp.tid()
-    if start[world] >= 0:
-        values[world, columns[number]] = table[start[world], number]
+def _restore(start: torch.Tensor, table: torch.Tensor, values: torch.Tensor, columns: Any = ...) -> None:
+    """Write rows of a table to columns of values in the worlds that begin with them."""
+    begins = (start >= 0).reshape(-1, *[1] * (table.ndim - 1))
+    values[:, columns] = torch.where(begins, table[start.clamp(min=0)], values[:, columns])

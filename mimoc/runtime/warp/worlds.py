@@ -14,24 +14,22 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
-from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
+from mimoc.runtime.warp.capacity import LARGEST, RARE, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, Room, measured
 from mimoc.runtime.warp.chance import Chance
+from mimoc.runtime.warp.device_task import DeviceTask
+from mimoc.runtime.warp.device_worlds import device_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
-from mimoc.runtime.warp.room import RARE, Room
 from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
 from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
-from mimoc.runtime.warp.tasks import device_task
-from mimoc.runtime.warp.tasks.task import Judged
 from mimoc.runtime.warp.touch import feeling
 from mimoc.runtime.warp.vectors import VectorReader
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
-GOAL = "goal"
 NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""
 
@@ -61,21 +59,13 @@ class Worlds:
         present, models = self.room.present, [each.model for each in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
-        self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
+        self.task, self.clock = DeviceTask(infants, body_of_world), wp.zeros(1, dtype=int)
+        self._seen_by_terms = device_worlds(self.data)
         self.chance = Chance(put(np.arange(count), wp.int32))
         self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
-        self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
+        self.ended = ending.Ending(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
-        self.memory = wp.zeros((count, self.default_starts.memory.shape[1]), dtype=float)
-        self._judged = Judged(
-            self.body,
-            self.commands.entering,
-            self.memory,
-            self.ended.terms,
-            self.ended.success,
-            self.ended.terminated,
-        )
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
@@ -114,7 +104,7 @@ class Worlds:
 
     def starts(self, pose: str | None) -> Starts:
         """Return the starts of all bodies in a pose."""
-        found = drawn(self._infants, self._most_starts, pose, self.model, self.task, self._touch)
+        found = drawn(self._infants, self._most_starts, pose, self.model, self._touch)
         if self.sight is None:
             return found
         seen = seen_at(found, self.sight, self.body.numpy(), self.model, self.data)
@@ -127,7 +117,7 @@ class Worlds:
 
     def begin(self, starts: Starts, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
-        starts.restore(chosen, self.model, self.data, self.memory)
+        starts.restore(chosen, self.model, self.data, self.task.memory)
         self.commands.refill(chosen, starts.commands)
         if self._motor_noise:
             self._motor_noise.begin(chosen, starts.commands)
@@ -144,9 +134,9 @@ class Worlds:
             mjw.step(self.model, self.data)
             for channel in self.channels.values():
                 channel.sample(self.model, self.data, self.clock, self.period - 1 - index)
-        self.ended.clear()
-        self.task.judge(self.model, self.data, self._judged)
-        self.ended.judge(self.data, self.commands.entering, self._mode, self.default_starts)
+        actions = self.commands.entering
+        judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(actions))
+        self.ended.judge(judgement, self.data, actions, self._mode, self.default_starts)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
             for name, array in self.observation.items():
@@ -183,7 +173,7 @@ class Worlds:
                 raise
             self.room.largest = self.room.present
             return False
-        self.room.present = wanted
+        self.room.present, self._seen_by_terms = wanted, device_worlds(self.data)
         return True
 
     def _lack(self, count: int) -> str:
@@ -199,8 +189,8 @@ class Worlds:
         """Write what has arrived of all senses, and what the task adds."""
         for channel in self.channels.values():
             channel.arrive(self.clock, self.observation)
-        if self.task.goal:
-            self.task.observe(self.memory, self.observation[GOAL])
+        for name in self.task.observed:
+            wp.to_torch(self.observation[name]).copy_(self.task.memory[name])
 
     def _command(self, index: int) -> None:
         """Set the controls of a physics step."""
