@@ -1,12 +1,13 @@
 """What a task says of a control step."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
+class Change(NamedTuple):
     """New values of a field of the model, which the task's `model_fields` must declare."""
 
     where: Any
@@ -17,8 +18,7 @@ class Change:
     """The number of each row that changes; None for whole rows."""
 
 
-@dataclass(frozen=True, slots=True)
-class Judgement:
+class Judgement(NamedTuple):
     """What a task says of a control step: numbers of one infant, or arrays of k infants, shape (k,), from a term."""
 
     reward_terms: Mapping[str, Any]
@@ -27,9 +27,9 @@ class Judgement:
     """Whether the goal is reached; `info` has it as `is_success`."""
     terminated: Any = False
     """Whether the episode ends with this step."""
-    memory: Mapping[str, Any] = field(default_factory=dict)
+    memory: Mapping[str, Any] = NOTHING
     """What the task remembers from now on, shape (k, ...), without what stays as it is; only from a term."""
-    changes: Mapping[str, Change] = field(default_factory=dict)
+    changes: Mapping[str, Change] = NOTHING
     """What changes in the model, by name of the field; only from a term."""
 
     @property
@@ -37,15 +37,10 @@ class Judgement:
         """Sum of the terms."""
         return sum(self.reward_terms.values(), 0.0)
 
-    def of_first(self) -> "Judgement":
-        """Return the same of the first infant, in numbers."""
-        terms = {name: float(_first(values)) for name, values in self.reward_terms.items()}
-        return Judgement(terms, bool(_first(self.success)), bool(_first(self.terminated)))
+    def of_one(self) -> "Judgement":
+        """Return a term's judgement of one infant in numbers."""
+        terms = {name: values.item() for name, values in self.reward_terms.items()}
+        return Judgement(terms, bool(self.success), bool(self.terminated))
 
 
 NO_REWARD = Judgement({})
-
-
-def _first(values: Any) -> Any:
-    """Return the value of the first infant; a plain number is that of all."""
-    return values if isinstance(values, (bool, int, float)) else values[0]

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import gymnasium
@@ -16,9 +15,8 @@ from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, Observation
 from mimoc.state_form import check_form
-from mimoc.tasks.judgement import NO_REWARD, Change, Judgement
+from mimoc.tasks.judgement import NO_REWARD, NOTHING, Change, Judgement
 
-NOTHING: Mapping[str, Any] = MappingProxyType({})
 Verdict = Judgement
 """What tasks of scripts know it as."""
 
@@ -119,12 +117,14 @@ class Task:
         if self.term is None:
             return NO_REWARD
         term, worlds = self.term_of_one(data)
-        judgement: Judgement = term(worlds, np.asarray(action, float)[None], _rows(self.memory))
+        memory = {name: values[None] for name, values in self.memory.items()}
+        judgement: Judgement = term(worlds, np.asarray(action)[None], memory)
         if judgement.memory:
             self.remember(**{name: values[0] for name, values in judgement.memory.items()})
         for name, change in judgement.changes.items():
-            self._change(data.model, name, change)
-        return judgement.of_first()
+            if change.where[0]:
+                self._change(getattr(data.model, name), name, change)
+        return judgement.of_one()
 
     @property
     def state(self) -> dict[str, Any]:
@@ -152,11 +152,10 @@ class Task:
             self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
         return self._bound[2:]
 
-    def _change(self, model: mujoco.MjModel, name: str, change: Change) -> None:
-        """Write new values to the declared rows of a field of the model, if it changes."""
-        if change.where[0]:
-            rows = np.concatenate([field.rows for field in self.model_fields if field.name == name])
-            getattr(model, name)[rows if change.column is None else (rows, change.column)] = change.values()[0]
+    def _change(self, array: np.ndarray, name: str, change: Change) -> None:
+        """Write new values to the declared rows of a field of the model."""
+        rows = np.concatenate([field.rows for field in self.model_fields if field.name == name])
+        array[rows if change.column is None else (rows, change.column)] = change.values()[0]
 
 
 @dataclass(frozen=True)
@@ -177,8 +176,3 @@ class SquaredCommands(Term):
 def squared_commands(entry: ActuationEntry) -> SquaredCommands:
     """Return the sum of squared commands of an infant's actuators."""
     return SquaredCommands(*command_range(entry))
-
-
-def _rows(memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return what is remembered of one infant with a leading axis."""
-    return {name: values[None] for name, values in memory.items()}

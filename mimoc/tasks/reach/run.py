@@ -21,7 +21,7 @@ from mimoc.tasks.reach.spec import ReachEntry
 from mimoc.tasks.task import Task
 
 STILL_M = 1e-4
-"""How far a ball moves before head and eyes follow it."""
+"""How far a ball that nobody touches may seem to move."""
 GAZE_ROUNDS = 12
 """Rounds until the gaze reaches the ball at the start: each reduces the error by more than half."""
 MOST_DRAWS = 100
@@ -38,20 +38,24 @@ class Reach(Term):
 
     effector: int
     ball: int
+    still_m: float
+    """How far a ball moves before head and eyes follow it."""
     moved_m: float
+    """How far it moves before it counts as touched."""
     success_reward: float
     gaze: Gaze
 
     def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
         """Return the judgement of k infants, whose balls were hung at `start_m`, shape (k, 3), [m]."""
-        xp, ball_m = worlds.xp, worlds.xpos[:, self.ball]
+        xp, xpos = worlds.xp, worlds.xpos
+        ball_m = xpos[:, self.ball]
         moved_m = _length(xp, ball_m - memory["start_m"])
         is_touched = moved_m > self.moved_m
         terms = {
-            "distance": -_length(xp, ball_m - worlds.xpos[:, self.effector]),
+            "distance": -_length(xp, ball_m - xpos[:, self.effector]),
             "touch": xp.where(is_touched, self.success_reward, 0.0),
         }
-        turned = Change(moved_m > STILL_M, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)
+        turned = Change(moved_m > self.still_m, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)
         return Judgement(terms, is_touched, is_touched, changes={"eq_data": turned})
 
 
@@ -63,7 +67,7 @@ class ReachTask(Task):
         gaze, self._locks = bind_gaze(entry.gaze, model, constraints)
         bodies = (entry.effector, entry.ball.body, entry.shoulder, entry.trunk)
         effector, ball, self._shoulder, self._trunk = (model.body(name).id for name in bodies)
-        term = Reach(effector, ball, entry.moved_m, entry.success_reward, gaze)
+        term = Reach(effector, ball, STILL_M, entry.moved_m, entry.success_reward, gaze)
         super().__init__(entry.steps, term, {"start_m": np.zeros(3)})
         self._entry, self._model = entry, model
         self._ball_geom = model.geom(entry.ball.geom).id
@@ -103,7 +107,7 @@ class ReachTask(Task):
 
 def _length(xp: Any, vectors: Any) -> Any:
     """Return the Euclidean norms of k vectors, shape (k,)."""
-    return xp.sqrt(xp.sum(vectors * vectors, axis=-1))
+    return xp.sqrt(xp.vecdot(vectors, vectors))
 
 
 def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> ReachTask:
