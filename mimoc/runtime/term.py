@@ -43,6 +43,7 @@ class Term:
         Args:
             worlds: The simulations of k infants.
             args: What else a kind gives its terms, each with a leading axis of k.
+            keywords: The same by name.
         """
         raise NotImplementedError
 

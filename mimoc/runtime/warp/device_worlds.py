@@ -1,5 +1,7 @@
 """Worlds on a device, as terms read them: torch's views of MuJoCo Warp's arrays, which need no copy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import array_api_compat.torch as array_library
@@ -31,3 +33,11 @@ def put_on(device: wp.Device) -> Put:
         return torch.as_tensor(values, dtype=kind, device=place)
 
     return put
+
+
+@contextmanager
+def present(device: wp.Device) -> Iterator[None]:
+    """Let a device and its stream be the present ones of Warp and of torch, whose work then waits for each other's."""
+    stream = torch.cuda.stream(wp.stream_to_torch(device)) if device.is_cuda else nullcontext()
+    with wp.ScopedDevice(device), stream:
+        yield

@@ -125,8 +125,8 @@ class Worlds:
             channel.refill(chosen, starts.samples)
         self.ended.begin(chosen)
 
-    def step(self) -> None:
-        """Make a control step of all worlds with `commands.entering`, and begin new episodes as the mode says."""
+    def simulate(self) -> None:
+        """Make the physics steps of a control step of all worlds with `commands.entering`, and sample the senses."""
         wp.launch(_tick, 1, [], [self.clock])
         self.commands.send(self.clock, -1)
         for index in range(self.period):
@@ -134,6 +134,9 @@ class Worlds:
             mjw.step(self.model, self.data)
             for channel in self.channels.values():
                 channel.sample(self.model, self.data, self.clock, self.period - 1 - index)
+
+    def judge(self) -> None:
+        """Judge the control step of all worlds, and begin new episodes as the mode says."""
         actions = self.commands.entering
         judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(actions))
         self.ended.judge(judgement, self.data, actions, self._mode, self.default_starts)
