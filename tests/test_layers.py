@@ -128,7 +128,7 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 RUN_MODULES = {
     "senses": "binding custom joined sense term_sense nothing touch.contacts touch.many touch.receptors vision.eyes "
     "vision.many vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
-    "tasks": "binding custom task gaze catch.resizable_ball",
+    "tasks": "binding task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "line schedule signals jittered timing carried",
     "noise": "streams wander low_pass senses motor",

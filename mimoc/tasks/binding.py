@@ -12,8 +12,7 @@ from mimoc.kinds import check_custom_object, function_of
 from mimoc.model_fields import ModelField
 from mimoc.senses.sense import Observation
 from mimoc.tasks import TASKS
-from mimoc.tasks.judgement import Judgement
-from mimoc.tasks.task import Task
+from mimoc.tasks.task import Judgement, Task
 
 
 def bind_task(bundle: Bundle, model: mujoco.MjModel, custom: Any = None) -> Task:

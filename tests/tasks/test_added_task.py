@@ -17,9 +17,8 @@ from mimoc.runtime.term import Term
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
 from mimoc.tasks.base import TaskEntry, TaskSpec
-from mimoc.tasks.judgement import Judgement
 from mimoc.tasks.setup import TaskSetup
-from mimoc.tasks.task import SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 
 
 class LiftSpec(TaskSpec):

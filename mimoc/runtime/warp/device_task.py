@@ -18,8 +18,7 @@ from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import IntArray
 from mimoc.tasks.binding import CustomTask
-from mimoc.tasks.judgement import NO_REWARD, Change, Judgement
-from mimoc.tasks.task import Task
+from mimoc.tasks.task import NO_REWARD, Change, Judgement, Task
 
 
 class DeviceTask:

@@ -12,7 +12,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import overflow
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.starts import Starts
-from mimoc.tasks.judgement import Judgement
+from mimoc.tasks.task import Judgement
 
 TOO_MUCH = 1e10
 """Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""

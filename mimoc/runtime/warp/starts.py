@@ -19,7 +19,7 @@ from mimoc.runtime.warp.device_worlds import put_on
 from mimoc.runtime.warp.touch import Feeling
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.tasks.judgement import NOTHING
+from mimoc.tasks.task import NOTHING
 
 STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart")
 """Fields of a state that an episode begins with; the first physics step computes all others."""

@@ -13,10 +13,9 @@ from mimoc.model_fields import ModelField
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.tasks.catch import CatchEntry
 from mimoc.tasks.catch.resizable_ball import ResizableBall
-from mimoc.tasks.catch.spec import CatchEntry
-from mimoc.tasks.judgement import Judgement
-from mimoc.tasks.task import Task
+from mimoc.tasks.task import Judgement, Task
 
 NEITHER, HAND, BALL = -1, 0, 1
 """What geoms belong to."""

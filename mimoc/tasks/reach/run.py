@@ -16,9 +16,8 @@ from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray
 from mimoc.tasks.gaze import Gaze, bind_gaze
-from mimoc.tasks.judgement import Change, Judgement
-from mimoc.tasks.reach.spec import ReachEntry
-from mimoc.tasks.task import Task
+from mimoc.tasks.reach import ReachEntry
+from mimoc.tasks.task import Change, Judgement, Task
 
 STILL_M = 1e-4
 """How far a ball that nobody touches may seem to move."""

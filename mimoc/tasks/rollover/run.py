@@ -12,9 +12,8 @@ from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_contacts
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
-from mimoc.tasks.judgement import Judgement
-from mimoc.tasks.rollover.spec import RolloverEntry
-from mimoc.tasks.task import SquaredCommands, Task, squared_commands
+from mimoc.tasks.rollover import RolloverEntry
+from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 from mimoc.units import to_steps
 
 

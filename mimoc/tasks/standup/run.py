@@ -8,9 +8,8 @@ import mujoco
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Term
 from mimoc.runtime.worlds import Worlds
-from mimoc.tasks.judgement import Judgement
-from mimoc.tasks.standup.spec import StandupEntry
-from mimoc.tasks.task import SquaredCommands, Task, squared_commands
+from mimoc.tasks.standup import StandupEntry
+from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from mimoc.model_fields import ModelField
 from mimoc.runtime.term import Term
 from mimoc.runtime.warp.needs import DeviceError
 from mimoc.tasks.base import TaskEntry, TaskSpec
-from mimoc.tasks.judgement import Change, Judgement
 from mimoc.tasks.setup import TaskSetup
-from mimoc.tasks.task import SquaredCommands, Task, squared_commands
+from mimoc.tasks.task import Change, Judgement, SquaredCommands, Task, squared_commands
 
 STEPS = 6
 SENSES: dict[str, Any] = {
@@ -108,8 +107,8 @@ def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(r
         options = {} if is_plugin else {"task": HoldTask(STEPS)}
         task = {"task": {"kind": "hold", "steps": STEPS}} if is_plugin else {}
         bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}, **task) for age in (9, 12)]
-        many = mimoc.make_vec(bundles, threads=1, **options)
-        device = mimoc.make_vec(bundles, device=DEVICE, starts=2, **options)
+        many: Any = mimoc.make_vec(bundles, threads=1, **options)
+        device: Any = mimoc.make_vec(bundles, device=DEVICE, starts=2, **options)
         alone = [mimoc.InfantEnv(bundle, **({} if is_plugin else {"task": HoldTask(STEPS)})) for bundle in bundles]
         begun = [env.reset(seed=seed)[0]["height"] for seed, env in enumerate(alone)]
         assert np.array_equal(many.reset(seed=0)[0]["height"], begun)
