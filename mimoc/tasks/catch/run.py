@@ -46,7 +46,7 @@ class Catch(Term):
         xp = worlds.xp
         is_touching = worlds.pressing(self.part_of_geom)[:, HAND, BALL]
         held = xp.where(is_touching, memory["held"] + 1, 0)
-        offset_m = worlds.xpos[:, self.ball] - self.palm_place_m(worlds)
+        offset_m = worlds.xpos[:, self.ball, :] - self.palm_place_m(worlds)
         is_away = (offset_m[:, 2] < -self.lost_m) | (xp.hypot(offset_m[:, 0], offset_m[:, 1]) > self.lost_m)
         is_caught = held >= self.held_steps
         is_lost = is_away & ~is_caught
@@ -60,8 +60,8 @@ class Catch(Term):
 
     def palm_place_m(self, worlds: Worlds) -> Any:
         """Return where the palms are in the world, shape (k, 3), [m]."""
-        turned_m = worlds.xp.sum(worlds.xmat[:, self.palm] * self.palm_m[:, None, :], axis=-1)
-        return worlds.xpos[:, self.palm] + turned_m
+        turned_m = worlds.xp.sum(worlds.xmat[:, self.palm, :, :] * self.palm_m[:, None, :], axis=-1)
+        return worlds.xpos[:, self.palm, :] + turned_m
 
 
 class CatchTask(Task):

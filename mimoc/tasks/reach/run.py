@@ -47,11 +47,11 @@ class Reach(Term):
     def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
         """Return the judgement of k infants, whose balls were hung at `start_m`, shape (k, 3), [m]."""
         xp, xpos = worlds.xp, worlds.xpos
-        ball_m = xpos[:, self.ball]
+        ball_m = xpos[:, self.ball, :]
         moved_m = _length(xp, ball_m - memory["start_m"])
         is_touched = moved_m > self.moved_m
         terms = {
-            "distance": -_length(xp, ball_m - xpos[:, self.effector]),
+            "distance": -_length(xp, ball_m - xpos[:, self.effector, :]),
             "touch": xp.where(is_touched, self.success_reward, 0.0),
         }
         turned = Change(moved_m > self.still_m, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)

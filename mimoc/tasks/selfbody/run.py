@@ -57,7 +57,7 @@ class Selfbody(Term):
     def _distance_m(self, worlds: Worlds, is_goal: Any) -> Any:
         """Return how far the fingers are from the nearest of the middles of the solids that are wanted, shape (k,)."""
         xp = worlds.xp
-        offsets_m = xp.take(worlds.geom_xpos, self.geoms, axis=1) - worlds.xpos[:, self.fingers][:, None]
+        offsets_m = xp.take(worlds.geom_xpos, self.geoms, axis=1) - worlds.xpos[:, None, self.fingers, :]
         is_wanted = xp.take(is_goal, self.parts, axis=1)
         return xp.sqrt(xp.min(xp.where(is_wanted, xp.sum(offsets_m * offsets_m, axis=-1), xp.inf), axis=-1))
 
