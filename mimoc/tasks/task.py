@@ -94,9 +94,8 @@ class Task:
 
     term: Term | None = None
     """Judges: `term(worlds, action, memory) -> Judgement` of k infants; None if `judge` does otherwise."""
-    memory: Mapping[str, np.ndarray] = NOTHING
-    """What the task remembers of an infant within an episode, by name: arrays whose shapes and types never change.
-    What has the name of one of its `spaces` is observed."""
+    _rows: Mapping[str, np.ndarray] = NOTHING
+    """What is remembered, with a leading axis of one infant."""
     _bound: "tuple[Term, mujoco.MjData, Any, Worlds] | None" = None
 
     def __init__(self, steps: int | None = None, term: Term | None = None, memory: Mapping[str, Any] = NOTHING):
@@ -109,7 +108,7 @@ class Task:
             memory: What is remembered before the first episode.
         """
         self.steps, self.term = steps, term
-        self.memory = {name: np.asarray(value) for name, value in memory.items()}
+        self.remember(**memory)
 
     def __getstate__(self) -> dict[str, Any]:
         """Support copying and pickling: leave out what is bound to the data of an environment."""
@@ -122,6 +121,14 @@ class Task:
             model: The infant and its world.
             bundle: The `mimoc.Bundle` it comes from; `bundle.manifest` names the parts of the infant.
         """
+
+    @property
+    def memory(self) -> dict[str, np.ndarray]:
+        """What the task remembers of an infant within an episode, by name: arrays whose shapes and types never change.
+
+        What has the name of one of its `spaces` is observed.
+        """
+        return {name: values[0] for name, values in self._rows.items()}
 
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
@@ -144,7 +151,7 @@ class Task:
 
     def observe(self) -> Observation:
         """Return what it adds to the observation, as fresh arrays within `spaces`."""
-        return {name: np.array(self.memory[name], space.dtype) for name, space in self.spaces.items()}
+        return {name: np.array(self._rows[name][0], space.dtype) for name, space in self.spaces.items()}
 
     def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
         """Return the reward of the control step that has just been taken, and whether it ends the episode.
@@ -157,10 +164,9 @@ class Task:
         if self.term is None:
             return NO_REWARD
         term, worlds = self.term_of_one(data)
-        memory = {name: values[None] for name, values in self.memory.items()}
-        judgement: Judgement = term(worlds, np.asarray(action)[None], memory)
+        judgement: Judgement = term(worlds, np.asarray(action)[None], self._rows)
         if judgement.memory:
-            self.remember(**{name: values[0] for name, values in judgement.memory.items()})
+            self._rows = {**self._rows, **judgement.memory}
         for name, change in judgement.changes.items():
             if change.where[0]:
                 self._change(getattr(data.model, name), name, change)
@@ -173,17 +179,17 @@ class Task:
         Raises:
             ValueError: If what is set has another form.
         """
-        return dict(self.memory)
+        return self.memory
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
-        check_form(state, dict(self.memory), "task")
-        self.memory = {name: state[name] for name in self.memory}
+        check_form(state, self.memory, "task")
+        self.remember(**{name: state[name] for name in self._rows})
 
     def remember(self, **values: Any) -> None:
-        """Remember other values from now on, by name; they keep their types."""
-        types = {name: values.dtype for name, values in self.memory.items()}
-        self.memory = {**self.memory, **{name: np.array(value, types.get(name)) for name, value in values.items()}}
+        """Remember other values of an infant from now on, by name; they keep their types."""
+        types = {name: rows.dtype for name, rows in self._rows.items()}
+        self._rows = {**self._rows, **{name: np.array([value], types.get(name)) for name, value in values.items()}}
 
     def term_of_one(self, data: mujoco.MjData) -> tuple[Any, Worlds]:
         """Return the term as it runs on one infant, with its world, for `start` to compute as `judge` does."""

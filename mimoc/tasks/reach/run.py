@@ -37,10 +37,10 @@ class Reach(Term):
 
     effector: int
     ball: int
-    still_m: float
-    """How far a ball moves before head and eyes follow it."""
-    moved_m: float
-    """How far it moves before it counts as touched."""
+    still_m2: float
+    """How far a ball moves before head and eyes follow it, squared, in [m²]."""
+    moved_m2: float
+    """How far it moves before it counts as touched, squared, in [m²]."""
     success_reward: float
     gaze: Gaze
 
@@ -48,13 +48,14 @@ class Reach(Term):
         """Return the judgement of k infants, whose balls were hung at `start_m`, shape (k, 3), [m]."""
         xp, xpos = worlds.xp, worlds.xpos
         ball_m = xpos[:, self.ball, :]
-        moved_m = _length(xp, ball_m - memory["start_m"])
-        is_touched = moved_m > self.moved_m
+        moved_m, away_m = ball_m - memory["start_m"], ball_m - xpos[:, self.effector, :]
+        moved_m2 = xp.vecdot(moved_m, moved_m)
+        is_touched = moved_m2 > self.moved_m2
         terms = {
-            "distance": -_length(xp, ball_m - xpos[:, self.effector, :]),
+            "distance": -xp.sqrt(xp.vecdot(away_m, away_m)),
             "touch": xp.where(is_touched, self.success_reward, 0.0),
         }
-        turned = Change(moved_m > self.still_m, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)
+        turned = Change(moved_m2 > self.still_m2, lambda: self.gaze(worlds, ball_m), LOCK_ANGLE)
         return Judgement(terms, is_touched, is_touched, changes={"eq_data": turned})
 
 
@@ -66,7 +67,7 @@ class ReachTask(Task):
         gaze, self._locks = bind_gaze(entry.gaze, model, constraints)
         bodies = (entry.effector, entry.ball.body, entry.shoulder, entry.trunk)
         effector, ball, self._shoulder, self._trunk = (model.body(name).id for name in bodies)
-        term = Reach(effector, ball, STILL_M, entry.moved_m, entry.success_reward, gaze)
+        term = Reach(effector, ball, STILL_M**2, entry.moved_m**2, entry.success_reward, gaze)
         super().__init__(entry.steps, term, {"start_m": np.zeros(3)})
         self._entry, self._model = entry, model
         self._ball_geom = model.geom(entry.ball.geom).id
@@ -102,11 +103,6 @@ class ReachTask(Task):
         distance_m, azimuth, elevation = (generator.uniform(*ends) for ends in ranges)
         trunk = data.xmat[self._trunk].reshape(3, 3)
         return data.xpos[self._shoulder] + trunk @ (distance_m * direction(azimuth, elevation))
-
-
-def _length(xp: Any, vectors: Any) -> Any:
-    """Return the Euclidean norms of k vectors, shape (k,)."""
-    return xp.sqrt(xp.vecdot(vectors, vectors))
 
 
 def bind(entry: ReachEntry, model: mujoco.MjModel, bundle: Bundle) -> ReachTask:
