@@ -11,7 +11,7 @@ import numpy as np
 
 from mimoc.actuation.commands import command_range
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.model_fields import ModelField
+from mimoc.model_fields import ModelField, rows_by_name
 from mimoc.runtime.term import Term, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, Observation
@@ -200,7 +200,7 @@ class Task:
 
     def _change(self, array: np.ndarray, name: str, change: Change) -> None:
         """Write new values to the declared rows of a field of the model."""
-        rows = np.concatenate([field.rows for field in self.model_fields if field.name == name])
+        rows = rows_by_name(self.model_fields)[name]
         array[rows if change.column is None else (rows, change.column)] = change.values()[0]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 import warp as wp
 
+from mimoc.model_fields import rows_by_name
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term, differing_field, stack_terms
 from mimoc.runtime.warp.arrays import flat
@@ -45,9 +46,7 @@ class DeviceTask:
         """Names of the terms of the reward."""
         self.observed = tuple(first.task.spaces)
         """Names of what is remembered and observed."""
-        fields = first.task.model_fields
-        rows = {name: [field.rows for field in fields if field.name == name] for name in batched_fields()}
-        self._rows = {name: put(np.concatenate(of_name)) for name, of_name in rows.items() if of_name}
+        self._rows = {name: put(rows) for name, rows in rows_by_name(first.task.model_fields).items()}
 
     def judge(self, worlds: Worlds, model: mjw.Model, actions: torch.Tensor) -> Judgement:
         """Return the judgement of a control step of all worlds, with actions of shape (worlds, n)."""
@@ -55,7 +54,7 @@ class DeviceTask:
         for name, values in judgement.memory.items():
             self.memory[name].copy_(values)
         for name, change in judgement.changes.items():
-            if name in self._rows:  # MuJoCo Warp does not read other fields.
+            if name in batched_fields():  # MuJoCo Warp does not read others.
                 self._change(getattr(model, name), self._rows[name], change)
         return judgement
 

@@ -17,6 +17,7 @@ from mimoc.tasks.task import Judgement
 TOO_MUCH = 1e10
 """Position, velocity or acceleration beyond which a simulation is unstable (MuJoCo's mjMAXVAL)."""
 NEVER = 2**31 - 1
+BITS_32 = 2**32 - 1
 
 
 class Ending:
@@ -34,9 +35,9 @@ class Ending:
             max_steps: Control steps after which any episode is truncated.
             seeds: Of each world, shape (worlds,).
         """
-        worlds, self._body, self._names = body.shape[0], body, terms
+        worlds, self._body, self._names = body.shape[0], wp.to_torch(body).long(), terms
         limits = [min(NEVER if limit is None else limit for limit in (env.max_steps, max_steps)) for env in infants]
-        self._limits = wp.to_torch(put(limits, wp.int32))[wp.to_torch(body).long()]
+        self._limits = wp.to_torch(put(limits, wp.int32))[self._body]
         self.terms = wp.zeros((worlds, len(terms)), dtype=float)
         self.reward = wp.zeros(worlds, dtype=float)
         self.success, self.terminated, self.truncated, self.unstable, self.ended, self.steps, self.episode = (
@@ -81,13 +82,18 @@ class Ending:
         self._set(success=is_judged & judgement.success, terminated=terminated, truncated=truncated, steps=steps)
         self._set(unstable=unstable, overflowed=overflowed, finished=finished)
         self._set(ended=finished & (not in_same_step), report=overflow.report(data, actions, unstable, overflowed))
-        self._set(chosen=torch.where(is_waiting | (finished & in_same_step), 0, -1))
-        inputs = [self._body, self.seeds, first.first, first.count]
-        wp.launch(_choose, self.chosen.shape, inputs, [self.episode, self.chosen])
+        begins = is_waiting | (finished & in_same_step)
+        wp.to_torch(self.episode).add_(begins)
+        self._set(chosen=torch.where(begins, self._start_of(first), -1))
 
     def begin(self, chosen: wp.array) -> None:
         """Count from the start again in worlds that begin an episode."""
         wp.to_torch(self.steps).masked_fill_(wp.to_torch(chosen) >= 0, 0)
+
+    def _start_of(self, starts: Starts) -> torch.Tensor:
+        """Return a start for each world by chance, which depends on its seed and the number of its episode alone."""
+        first, count = wp.to_torch(starts.first)[self._body], wp.to_torch(starts.count)[self._body]
+        return first + _hash(_hash(wp.to_torch(self.seeds).long()) + wp.to_torch(self.episode)) % count
 
     def _write(self, is_judged: torch.Tensor, judgement: Judgement) -> None:
         """Write the terms of the reward and their sum, which are zero in worlds that are not judged."""
@@ -108,18 +114,8 @@ def _is_bounded(data: mjw.Data) -> torch.Tensor:
     return torch.cat(fields, dim=1).all(dim=1)
 
 
-@wp.kernel(enable_backward=False)
-def _choose(
-    body: wp.array[int],
-    seeds: wp.array[int],
-    first: wp.array[int],
-    count: wp.array[int],
-    episode: wp.array[int],
-    chosen: wp.array[int],
-):
-    """Choose a start for each world whose number is not -1, by its seed and the number of its episode."""
-    world = wp.tid()
-    if chosen[world] >= 0:
-        episode[world] = episode[world] + 1
-        state = wp.rand_init(seeds[world], episode[world])
-        chosen[world] = first[body[world]] + wp.randi(state, 0, count[body[world]])
+def _hash(numbers: torch.Tensor) -> torch.Tensor:
+    """Return 32 bits that look random for each whole number: the hash RXS-M-XS of PCG (O'Neill 2014)."""
+    state = (numbers * 747796405 + 2891336453) & BITS_32
+    word = (((state >> ((state >> 28) + 4)) ^ state) * 277803737) & BITS_32
+    return (word >> 22) ^ word

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco_warp as mjw
 import numpy as np
@@ -10,9 +10,10 @@ import torch
 import warp as wp
 from gymnasium.utils import seeding
 
-from mimoc.model_fields import ModelField
+from mimoc.model_fields import rows_by_name
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.env import InfantEnv
+from mimoc.runtime.term import Put
 from mimoc.runtime.warp.arrays import flat, put
 from mimoc.runtime.warp.bodies import batched_fields
 from mimoc.runtime.warp.device_worlds import put_on
@@ -25,14 +26,19 @@ STATE = ("qpos", "qvel", "act", "ctrl", "qacc_warmstart")
 """Fields of a state that an episode begins with; the first physics step computes all others."""
 
 
-@dataclass(frozen=True, slots=True)
-class ModelNumbers:
-    """Some numbers of a field of the model that a start sets."""
+class Table(NamedTuple):
+    """Some numbers of a world at each start."""
 
-    columns: torch.Tensor
-    """Which of a world's numbers, shape (n,)."""
-    table: torch.Tensor
-    """Their values at each start, shape (starts, n)."""
+    values: torch.Tensor
+    """Shape (starts, ...)."""
+    columns: Any = ...
+    """Which of a world's numbers these are; by default, all."""
+
+    def write(self, start: torch.Tensor, numbers: torch.Tensor) -> None:
+        """Write to the numbers of the worlds that begin with a start, shape (worlds,); -1 is none."""
+        begins = (start >= 0).reshape(-1, *[1] * (self.values.ndim - 1))
+        values = torch.where(begins, self.values[start.clamp(min=0)], numbers[:, self.columns])
+        numbers[:, self.columns] = values
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,12 +49,10 @@ class Starts:
     """The first one of each body, shape (bodies,)."""
     count: wp.array
     """How many each has, shape (bodies,)."""
-    state: Mapping[str, torch.Tensor]
-    """Fields of the state, shape (starts, n) each."""
-    model: Mapping[str, ModelNumbers]
-    """Fields of the model that episodes change."""
-    memory: Mapping[str, torch.Tensor]
-    """What the task remembers, shape (starts, ...) each."""
+    fields: Mapping[str, Table]
+    """Fields of the state, and of the model where episodes change them."""
+    memory: Mapping[str, Table]
+    """What the task remembers."""
     commands: wp.array
     """The control of each commanded actuator at the start, shape (starts, n)."""
     samples: Mapping[str, wp.array]
@@ -59,19 +63,16 @@ class Starts:
     ) -> None:
         """Put worlds into their starts; -1 leaves a world as it is."""
         start = wp.to_torch(chosen).long()
-        for name, table in self.state.items():
-            if table.shape[1]:
-                _restore(start, table, wp.to_torch(getattr(data, name)))
-        for name, numbers in self.model.items():
-            _restore(start, numbers.table, wp.to_torch(flat(getattr(model, name))), numbers.columns)
+        for name, table in self.fields.items():
+            table.write(start, wp.to_torch(flat(_field(name, model, data))))
         for name, values in memory.items():
-            _restore(start, self.memory[name], values)
+            self.memory[name].write(start, values)
 
 
-def model_fields(infant: InfantEnv) -> list[ModelField]:
-    """Return what episodes change in the model of an infant."""
+def changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
+    """Return which rows of fields of its model an infant's episodes change."""
     constraints = Constraints(infant.manifest.constraints, infant.model)
-    return [*constraints.model_fields, *infant.task.model_fields]
+    return rows_by_name([*constraints.model_fields, *infant.task.model_fields])
 
 
 def drawn(infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.Model, touch: Feeling | None) -> Starts:
@@ -84,27 +85,20 @@ def drawn(infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.
         most: How many starts each has, if there is chance in them.
         pose: The pose, or their own.
         model: The model of all worlds.
-        touch: How touch is told, if there is any.
+        touch: What measures touch, if anything does.
     """
-    rows: list[dict[str, FloatArray]] = []
-    counts = []
-    for infant in infants:
-        found = _starts(infant, most, {} if pose is None else {"pose": pose}, touch)
-        counts.append(len(found))
-        rows += found
-    tables = {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    put_torch = put_on(wp.get_device())
+    options, first = {} if pose is None else {"pose": pose}, infants[0]
+    starts = [_starts(infant, most, options, touch) for infant in infants]
+    rows, counts = [row for each in starts for row in each], [len(each) for each in starts]
+    tables, put_torch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}, put_on(wp.get_device())
+    columns = {name: ... for name in STATE if tables[name].size} | _columns(first, model, put_torch)
     return Starts(
         put(np.cumsum([0, *counts[:-1]]), wp.int32),
         put(counts, wp.int32),
-        {name: put_torch(tables[name]) for name in STATE},
-        {
-            name: ModelNumbers(put_torch(at), put_torch(tables[name]))
-            for name, at in _columns(infants[0], model).items()
-        },
-        {name: put_torch(tables[f"memory {name}"]) for name in infants[0].task.state},
+        {name: Table(put_torch(tables[name]), which) for name, which in columns.items()},
+        {name: Table(put_torch(tables[f"memory {name}"])) for name in first.task.state},
         put(tables["commands"]),
-        {name: put(tables[f"sense {name}"]) for name in _numbers(infants[0])},
+        {name: put(tables[f"sense {name}"]) for name in first.senses if name != VISION},
     )
 
 
@@ -120,7 +114,7 @@ def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Mo
         model: The model of all worlds.
         data: Their states.
     """
-    changed = [getattr(data, name) for name in starts.state] + [getattr(model, name) for name in starts.model]
+    changed = [_field(name, model, data) for name in starts.fields]
     former = [wp.clone(array) for array in changed]
     first, counts = starts.first.numpy()[body_of_world], starts.count.numpy()[body_of_world]
     same = body_of_world[:, None] == body_of_world
@@ -142,51 +136,38 @@ def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Mo
 def _starts(
     infant: InfantEnv, most: int, options: dict[str, Any], touch: Feeling | None
 ) -> list[dict[str, FloatArray]]:
-    found = []
+    starts = []
     for seed in range(most):
         infant.reset(seed=seed, options=options)
-        found.append(_start(infant, touch))
+        starts.append(_start(infant, touch))
         if infant.np_random.bit_generator.state == seeding.np_random(seed)[0].bit_generator.state:
             break  # Nothing was drawn.
-    return found
+    return starts
 
 
 def _start(infant: InfantEnv, touch: Feeling | None) -> dict[str, FloatArray]:
     """Return the numbers of the state that an infant is in, by what they are."""
-    found: dict[str, FloatArray] = {name: getattr(infant.data, name).copy() for name in STATE}
-    found["commands"] = infant.data.ctrl[infant.actuation.actuators]
-    found |= {f"memory {name}": values for name, values in infant.task.state.items()}
-    for name, rows in _changed_rows(infant).items():
-        found[name] = np.asarray(getattr(infant.model, name)[rows], float).ravel()
-    for name in _numbers(infant):
+    numbers: dict[str, FloatArray] = {name: getattr(infant.data, name).copy() for name in STATE}
+    numbers["commands"] = infant.data.ctrl[infant.actuation.actuators]
+    numbers |= {f"memory {name}": values for name, values in infant.task.state.items()}
+    for name, rows in changed_rows(infant).items():
+        numbers[name] = np.asarray(getattr(infant.model, name)[rows], float).ravel()
+    for name in infant.senses.keys() - {VISION}:
         sample = np.array(infant.senses[name](infant.data), float)  # Without noise, which is drawn for each episode.
-        found[f"sense {name}"] = touch.start(sample) if touch and name == "touch" else sample
-    return found
+        numbers[f"sense {name}"] = touch.start(sample) if touch and name == "touch" else sample
+    return numbers
 
 
-def _numbers(infant: InfantEnv) -> list[str]:
-    """Return the senses that are vectors of numbers."""
-    return [name for name in infant.senses if name != VISION]
-
-
-def _changed_rows(infant: InfantEnv) -> dict[str, IntArray]:
-    """Return the rows of fields of the model that episodes change."""
-    fields = model_fields(infant)
-    return {field.name: np.concatenate([each.rows for each in fields if each.name == field.name]) for field in fields}
-
-
-def _columns(infant: InfantEnv, model: mjw.Model) -> dict[str, IntArray]:
+def _columns(infant: InfantEnv, model: mjw.Model, put_torch: Put) -> dict[str, Any]:
     """Return where the numbers of these rows are in each world, without fields that MuJoCo Warp does not read."""
-    columns: dict[str, IntArray] = {}
-    for name, rows in _changed_rows(infant).items():
+    columns: dict[str, Any] = {}
+    for name, rows in changed_rows(infant).items():
         single = getattr(infant.model, name)
         if name in batched_fields() and len(rows):
             stride = flat(getattr(model, name)).shape[1] // len(single)
-            columns[name] = (rows[:, None] * stride + np.arange(single[0].size)).ravel()
+            columns[name] = put_torch((rows[:, None] * stride + np.arange(single[0].size)).ravel())
     return columns
 
 
-def _restore(start: torch.Tensor, table: torch.Tensor, values: torch.Tensor, columns: Any = ...) -> None:
-    """Write rows of a table to columns of values in the worlds that begin with them."""
-    begins = (start >= 0).reshape(-1, *[1] * (table.ndim - 1))
-    values[:, columns] = torch.where(begins, table[start.clamp(min=0)], values[:, columns])
+def _field(name: str, model: mjw.Model, data: mjw.Data) -> wp.array:
+    return getattr(data if name in STATE else model, name)

@@ -23,7 +23,7 @@ from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
 from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
-from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
+from mimoc.runtime.warp.starts import Starts, changed_rows, drawn, seen_at
 from mimoc.runtime.warp.touch import feeling
 from mimoc.runtime.warp.vectors import VectorReader
 from mimoc.runtime.warp.vision.sight import VISION, Sight
@@ -51,7 +51,7 @@ class Worlds:
         self._infants, self._mode, self._most_starts = infants, mode, starts
         manifest, count = infants[0].manifest, len(body_of_world)
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
-        fields = {field.name for infant in infants for field in model_fields(infant)}
+        fields = {name for infant in infants for name in changed_rows(infant)}
         self.model = batched_model([each.model for each in infants], body_of_world, fields)
         self.room = self._first_room(room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
