@@ -128,7 +128,7 @@ class Task:
 
         What has the name of one of its `spaces` is observed.
         """
-        return {name: values[0] for name, values in self._rows.items()}
+        return {name: values[0, ...] for name, values in self._rows.items()}  # Arrays, also of a single number.
 
     @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
