@@ -132,7 +132,7 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 RUN_MODULES = {
     "senses": "binding custom sense term_sense touch.contacts touch.many touch.receptors vision.eyes "
     "vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
-    "tasks": "binding custom task gaze catch.resizable_ball",
+    "tasks": "binding task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "schedule signals jittered timing carried",
     "noise": "streams wander low_pass senses motor",

@@ -18,7 +18,7 @@ from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
-from mimoc.tasks.reach.spec import ReachEntry
+from mimoc.tasks.reach import ReachEntry
 from mimoc.training import evaluate, load_policy, train
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)

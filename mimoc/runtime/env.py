@@ -77,7 +77,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
-            task: Object that replaces the bundle's task; see `tasks.custom.CustomTask`.
+            task: Object that replaces the bundle's task; see `tasks.binding.CustomTask`.
             senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
 
         Raises:

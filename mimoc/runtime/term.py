@@ -38,12 +38,13 @@ Put = Callable[[np.ndarray], Any]
 class Term:
     """A base for terms; a field can also be a term, or a tuple of terms."""
 
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+    def __call__(self, worlds: Worlds, *args: Any, **keywords: Any) -> Any:
         """Return what is measured, an array of shape (k, ...), or what a kind asks of its terms.
 
         Args:
             worlds: The simulations of k infants.
             args: What else a kind gives its terms, each with a leading axis of k.
+            keywords: The same by name.
         """
         raise NotImplementedError
 

@@ -13,7 +13,7 @@ from mimoc.mjcf.furniture import BARE, Furniture
 from mimoc.mjcf.objects import FreeObject
 from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry, TaskSpec
-from mimoc.tasks.free.spec import FreeEntry
+from mimoc.tasks.free import FreeEntry
 
 Side = Literal["right", "left"]
 

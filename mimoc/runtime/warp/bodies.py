@@ -48,7 +48,7 @@ def batched_model(
     """
     put = [_put(model) for model in models] if len(models) > 1 else []
     differing = own_fields(put) if put else set()
-    own = differing | {name for name in changed if name in _batched()}
+    own = differing | {name for name in changed if name in batched_fields()}
     batched = _put(models[0], dict.fromkeys(sorted(own), len(body_of_world)))
     for name in differing:
         values = np.concatenate([getattr(each, name).numpy() for each in put])
@@ -110,8 +110,8 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     fields = [name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)]
     differing = {name for name in fields if not all(_same(getattr(first, name), getattr(each, name)) for each in rest)}
     options = [name for name in _names(mjw.Option) if not all(_same_option(first, each, name) for each in rest)]
-    shared = sorted(differing - _batched() - {*NOT_READ}) + [f"opt.{name}" for name in options]
-    uneven = [name for name in sorted(differing & _batched()) if _uneven(name, models)]
+    shared = sorted(differing - batched_fields() - {*NOT_READ}) + [f"opt.{name}" for name in options]
+    uneven = [name for name in sorted(differing & batched_fields()) if _uneven(name, models)]
     if found := shared + uneven:
         shown = ", ".join(found[:SHOWN]) + (f" and {len(found) - SHOWN} more" if len(found) > SHOWN else "")
         raise WorldsError(
@@ -132,7 +132,7 @@ def _names(kind: Any) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
 
 
-def _batched() -> set[str]:
+def batched_fields() -> set[str]:
     """Return the fields that can be another in each world."""
     shapes = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
     return {name for name, shape in shapes.items() if isinstance(shape, tuple) and shape and shape[0] == "*"}

@@ -11,6 +11,7 @@ import torch
 import warp as wp
 
 from mimoc.runtime.term import Put
+from mimoc.runtime.warp.contacts import PressingGroups
 from mimoc.runtime.worlds import Worlds
 
 
@@ -20,7 +21,7 @@ def device_worlds(data: mjw.Data) -> Worlds:
     def read(field: str) -> Any:
         return wp.to_torch(getattr(data, field))
 
-    return Worlds(array_library, read, pressing=lambda group_of_geom: NotImplemented)
+    return Worlds(array_library, read, PressingGroups(data))
 
 
 def put_on(device: wp.Device) -> Put:

@@ -16,23 +16,20 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
-from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
+from mimoc.runtime.warp.capacity import LARGEST, RARE, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, Room, measured
 from mimoc.runtime.warp.chance import Chance
-from mimoc.runtime.warp.device_worlds import put_on
+from mimoc.runtime.warp.device_task import DeviceTask
+from mimoc.runtime.warp.device_worlds import device_worlds, put_on
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
-from mimoc.runtime.warp.room import RARE, Room
 from mimoc.runtime.warp.signals import DeviceSense, DeviceSetup, delays_of, reader_of, space_of
-from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
-from mimoc.runtime.warp.tasks import device_task
-from mimoc.runtime.warp.tasks.task import Judged
+from mimoc.runtime.warp.starts import Starts, changed_rows, drawn, seen_at
 from mimoc.runtime.warp.vision.sight import VISION
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
-GOAL = "goal"
 NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""
 
@@ -54,7 +51,7 @@ class Worlds:
         self._infants, self._mode, self._most_starts = infants, mode, starts
         manifest, count = infants[0].manifest, len(body_of_world)
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
-        fields = {field.name for infant in infants for field in model_fields(infant)}
+        fields = {name for infant in infants for name in changed_rows(infant)}
         self.model = batched_model([each.model for each in infants], body_of_world, fields)
         self.room = self._first_room(room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
@@ -62,7 +59,8 @@ class Worlds:
         present, models = self.room.present, [each.model for each in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
-        self.task, self._device = device_task(infants, count), wp.get_device()
+        self.task, self._device = DeviceTask(infants, body_of_world), wp.get_device()
+        self._seen_by_terms = device_worlds(self.data)
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
         self._graphs: dict[int, wp.Graph] = {}
@@ -70,17 +68,8 @@ class Worlds:
         self.chance = Chance(put(np.arange(count), wp.int32))
         self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
-        self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
+        self.ended = ending.Ending(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
-        self.memory = wp.zeros((count, self.default_starts.memory.shape[1]), dtype=float)
-        self._judged = Judged(
-            self.body,
-            self.commands.entering,
-            self.memory,
-            self.ended.terms,
-            self.ended.success,
-            self.ended.terminated,
-        )
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
@@ -114,7 +103,7 @@ class Worlds:
     def starts(self, pose: str | None) -> Starts:
         """Return the starts of all bodies in a pose."""
         touch: Any = self.senses["touch"].read if "touch" in self.senses else None
-        starts = drawn(self._infants, self._most_starts, pose, self.model, self.task, touch)
+        starts = drawn(self._infants, self._most_starts, pose, self.model, touch)
         if VISION not in self.senses:
             return starts
         sight: Any = self.senses[VISION].read
@@ -128,7 +117,7 @@ class Worlds:
 
     def begin(self, starts: Starts, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
-        starts.restore(chosen, self.model, self.data, self.memory)
+        starts.restore(chosen, self.model, self.data, self.task.memory)
         start, begin = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
         self.commands.fill(begin, wp.to_torch(starts.commands)[start])
         if self._motor_noise:
@@ -150,9 +139,9 @@ class Worlds:
             self._physics(end - start)
             for sense in self.senses.values():
                 sense.sample(self.model, self.data, self.clock, self.period - end)
-        self.ended.clear()
-        self.task.judge(self.model, self.data, self._judged)
-        self.ended.judge(self.data, self.commands.entering, self._mode, self.default_starts)
+        actions = self.commands.entering
+        judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(actions))
+        self.ended.judge(judgement, self.data, actions, self._mode, self.default_starts)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
             for name, array in self.observation.items():
@@ -189,7 +178,7 @@ class Worlds:
                 raise
             self.room.largest = self.room.present
             return False
-        self.room.present = wanted
+        self.room.present, self._seen_by_terms = wanted, device_worlds(self.data)
         self._graphs = {}  # They have the places of the former arrays in memory.
         return True
 
@@ -206,8 +195,8 @@ class Worlds:
         """Write what has arrived of all senses, and what the task adds."""
         for sense in self.senses.values():
             sense.arrive(self.clock, self.observation)
-        if self.task.goal:
-            self.task.observe(self.memory, self.observation[GOAL])
+        for name in self.task.observed:
+            wp.to_torch(self.observation[name]).copy_(self.task.memory[name])
 
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""

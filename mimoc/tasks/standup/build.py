@@ -16,9 +16,9 @@ from mimoc.geometry.rotations import Vec3, matrix_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
+from mimoc.tasks.standup import StandupEntry, StandupSpec
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
 from mimoc.tasks.standup.rail import Rail, half_span
-from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 from mimoc.units import cm_to_m, deg_to_rad
 
 STEPS = 500
