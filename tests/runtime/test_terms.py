@@ -31,6 +31,7 @@ def test_every_term_of_every_kind_keeps_the_contract(config):
     env = mimoc.InfantEnv(mimoc.build(spec.with_(senses={"vision": None}, body={"skin": False})))
     checked = check_terms(env)
     assert {f"sense {name}" for name in env.senses if name != "touch"} <= set(checked)
+    assert ("task" in checked) == (env.manifest.task.kind != "free")
     env.close()
 
 
