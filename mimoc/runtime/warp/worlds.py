@@ -65,8 +65,9 @@ class Worlds:
         self.task, self._device = device_task(infants, count), wp.get_device()
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
+        self.captures = self._device.is_cuda
+        """Whether physics steps are captured as graphs."""
         self._graphs: dict[int, wp.Graph] = {}
-        """Of some numbers of physics steps."""
         self.chance = Chance(put(np.arange(count), wp.int32))
         self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
@@ -221,16 +222,18 @@ class Worlds:
 
     def _physics(self, steps: int) -> None:
         """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""
-        if steps in self._graphs:
+        if self.captures and steps in self._graphs:
             wp.capture_launch(self._graphs[steps])
             return
-        for _ in range(steps):
-            mjw.step(self.model, self.data)
-        if self._device.is_cuda:
+        self._physics_steps(steps)
+        if self.captures:
             with wp.ScopedCapture(self._device) as capture:
-                for _ in range(steps):
-                    mjw.step(self.model, self.data)
+                self._physics_steps(steps)
             self._graphs[steps] = capture.graph
+
+    def _physics_steps(self, count: int) -> None:
+        for _ in range(count):
+            mjw.step(self.model, self.data)
 
     def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
         """Return the room for contacts and constraints, measured where nothing was said."""
