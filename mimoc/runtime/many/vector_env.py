@@ -17,12 +17,10 @@ from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.control_step import ControlStep
-from mimoc.runtime.many.infos import Infos, joined
+from mimoc.runtime.many.gymnasium_forms import Infos, batch_of, chosen, covering, joined_infos, options_of, seeds_of
 from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.many.options import chosen, options_of, seeds_of
 from mimoc.runtime.many.physics import Physics
 from mimoc.runtime.many.senses import BatchSense
-from mimoc.runtime.many.spaces import batch_of, covering
 from mimoc.senses.sense import FloatArray, Observation
 
 SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
@@ -106,7 +104,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         count = self.num_envs
         which = chosen(options, count)
         observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
-        return observation, joined(infos, self.num_envs)
+        return observation, joined_infos(infos, self.num_envs)
 
     def reset_each(
         self, seeds: Sequence[int | None], options: Sequence[dict[str, Any]], which: Sequence[int] | None = None
@@ -130,7 +128,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
         observation, rewards, terminated, truncated, infos = self.step_each(actions)
-        return observation, rewards, terminated, truncated, joined(infos, self.num_envs)
+        return observation, rewards, terminated, truncated, joined_infos(infos, self.num_envs)
 
     def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
         """Make a step as `step` does, with the info of each infant by itself."""

@@ -51,7 +51,7 @@ class Worlds:
         max_steps: int | None,
     ):
         """Set everything up on Warp's present device; see `WarpInfants`."""
-        self._infants, self._mode, self._most_starts = infants, mode, starts
+        self._infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
         manifest, count = infants[0].manifest, len(body_of_world)
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
         fields = {field.name for infant in infants for field in model_fields(infant)}
@@ -59,15 +59,14 @@ class Worlds:
         self.room = self._first_room(room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
+        self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()
+        """Whether physics steps are captured as graphs, and those of some numbers of steps."""
         present, models = self.room.present, [each.model for each in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
-        self.task, self._device = device_task(infants, count), wp.get_device()
+        self.task = device_task(infants, count)
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
-        self.captures = self._device.is_cuda
-        """Whether physics steps are captured as graphs."""
-        self._graphs: dict[int, wp.Graph] = {}
         self.chance = Chance(put(np.arange(count), wp.int32))
         self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)

@@ -317,9 +317,7 @@ class Tall:
 
 
 def test_a_sense_that_is_no_term_is_told_and_one_that_is_senses_as_on_the_cpu(pair):
-    with pytest.raises(
-        DeviceError, match=r"sense 'tall' is not a term and has no device part: give it one"
-    ):
+    with pytest.raises(DeviceError, match=r"sense 'tall' is not a term and has no device part: give it one"):
         mimoc.make_vec(build(age_months=9), 2, device=DEVICE, senses={"tall": Height()})
     ours, theirs = pair([build(age_months=age) for age in (6, 12)], senses={"tall": Tall()})
     ours.reset(seed=0), theirs.reset(seed=0)
