@@ -97,7 +97,7 @@ class Physics:
     def broke_down(self) -> list[bool]:
         """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
         counts = np.concatenate(self._warnings).reshape(len(self.datas), -1)
-        return [any(each) for each in counts[:, BREAKDOWNS].tolist()]
+        return [any(warnings) for warnings in counts[:, BREAKDOWNS].tolist()]
 
     def replace(self, infant: int, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Put another model and state in place of an infant's, as when it has grown."""

@@ -218,15 +218,15 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Return the start of each infant that is reset, -1 for others."""
         body = np.arange(self.num_envs) % len(self.infants)
         first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
-        found, given = np.full(self.num_envs, -1), {}
+        choices, given = np.full(self.num_envs, -1), {}
         for world in which:
             seed = seeds[world]
             if seed is not None:
                 given[world] = seed
-            own = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
-            found[world] = first[world] + own
+            number = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
+            choices[world] = first[world] + number
         self.worlds.seed(given)
-        return found
+        return choices
 
     def _starts_in(self, pose: str | None) -> Starts:
         """Return the starts in a pose, which are drawn when they are first asked for."""

@@ -55,13 +55,13 @@ class Worlds:
         manifest, count = infants[0].manifest, len(body_of_world)
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
         fields = {field.name for infant in infants for field in model_fields(infant)}
-        self.model = batched_model([each.model for each in infants], body_of_world, fields)
+        self.model = batched_model([infant.model for infant in infants], body_of_world, fields)
         self.room = self._first_room(room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
         self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()
         """Whether physics steps are captured as graphs, and those of some numbers of steps."""
-        present, models = self.room.present, [each.model for each in infants]
+        present, models = self.room.present, [infant.model for infant in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
         self.task = device_task(infants, count)
@@ -236,8 +236,8 @@ class Worlds:
 
     def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
         """Return the room for contacts and constraints, measured where nothing was said."""
-        poses, pairs = [each.manifest.pose for each in self._infants], self.model.nxn_geom_pair_filtered.numpy()
-        needed = measured([each.model for each in self._infants], poses, pairs)
+        poses, pairs = [infant.manifest.pose for infant in self._infants], self.model.nxn_geom_pair_filtered.numpy()
+        needed = measured([infant.model for infant in self._infants], poses, pairs)
         usual, largest = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS), needed.times(LARGEST, LARGEST)
         present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
         return Room(present, largest, worlds)
