@@ -64,6 +64,7 @@ def command(env, seed: int) -> wp.array:
 
 def show_kernels(env) -> None:
     """Print which kernels take how much of a control step that is not captured."""
+    env.worlds.captures = False
     with present(env.device):
         wp.timing_begin(cuda_filter=wp.TIMING_KERNEL)
         env.worlds.step()

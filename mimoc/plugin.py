@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from mimoc.tasks.base import TaskEntry as TaskEntry
     from mimoc.tasks.base import TaskSpec as TaskSpec
     from mimoc.tasks.setup import TaskSetup as TaskSetup
+    from mimoc.tasks.task import Change as Change
+    from mimoc.tasks.task import Judgement as Judgement
     from mimoc.tasks.task import Task as Task
     from mimoc.tasks.task import Verdict as Verdict
 
@@ -43,7 +45,7 @@ _NAMES = {
     "mimoc.senses.term_sense": "TermSense",
     "mimoc.tasks.base": "TaskEntry TaskSpec",
     "mimoc.tasks.setup": "TaskSetup",
-    "mimoc.tasks.task": "Task Verdict",
+    "mimoc.tasks.task": "Change Judgement Task Verdict",
 }
 """The names of each home; `Model` is what a spec and an entry are made of."""
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}

@@ -203,8 +203,7 @@ def _on_device(
     options: dict[str, Any],
 ) -> "WarpInfants":
     """Return infants in worlds of MuJoCo Warp."""
-    from mimoc.runtime.warp.infants import StartingInfant
-    from mimoc.runtime.warp.vector_env import WarpInfants
+    from mimoc.runtime.warp.vector_env import StartingInfant, WarpInfants
 
     known = ["task", "senses", "max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
     for name in options.keys() - known:
