@@ -158,3 +158,17 @@ def test_infants_whose_tasks_differ_in_what_worlds_share_are_refused():
     bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}) for age in (9, 12)]
     with pytest.raises(DeviceError, match="the tasks of these infants differ in 'months'"):
         mimoc.make_vec(bundles, device=DEVICE, task=MonthsTask())
+
+
+class Blinking(MonthsTask):
+    """A task whose observation is made elsewhere."""
+
+    spaces = {"light": gymnasium.spaces.Box(0.0, 1.0, (1,), np.float32)}  # noqa: RUF012
+
+    def observe(self) -> Any:
+        return {"light": np.ones(1, np.float32)}
+
+
+def test_an_observation_that_is_not_remembered_is_refused_instead_of_left_out():
+    with pytest.raises(DeviceError, match="the task observes 'light' without remembering it"):
+        mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 2, device=DEVICE, task=Blinking())
