@@ -137,6 +137,18 @@ def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(r
             env.close()
 
 
+def test_a_single_world_takes_over_what_a_start_sets_in_the_model():
+    env: Any = mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 1, device=DEVICE, task=HoldTask())
+    env.reset(seed=0)
+    lightness = env.worlds.model.body_gravcomp
+    lightness.fill_(0.7)
+    env.reset(seed=0)
+    head = env.infants[0].task.model_fields[0].rows
+    assert lightness.numpy()[0, head] == pytest.approx(0.1)
+    assert (np.delete(lightness.numpy()[0], head) == np.float32(0.7)).all()
+    env.close()
+
+
 @dataclass(frozen=True)
 class Months(Term):
     """A reward that is an address, which it should not be."""
