@@ -84,7 +84,7 @@ def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:
 
 def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
     """Return the parts that belong to a muscle group with its side."""
-    return tuple(body for body, found in body_groups(tree).items() if found == group)
+    return tuple(body for body, of_body in body_groups(tree).items() if of_body == group)
 
 
 def one_armed(

@@ -166,7 +166,7 @@ class Task:
         term, worlds = self.term_of_one(data)
         judgement: Judgement = term(worlds, np.asarray(action)[None], self._rows)
         if judgement.memory:
-            self._rows = {**self._rows, **judgement.memory}
+            self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
         for name, change in judgement.changes.items():
             if change.where[0]:
                 self._change(getattr(data.model, name), name, change)

@@ -107,3 +107,18 @@ def test_a_copy_of_a_task_is_bound_to_no_data(data):
     judged(task, data)
     for copied in (copy.deepcopy(task), pickle.loads(pickle.dumps(task))):
         assert judged(copied, data).reward_terms == judged(task, data).reward_terms
+
+
+@dataclass(frozen=True)
+class Sinking(Term):
+    """How far a body has sunk since the step before."""
+
+    def __call__(self, worlds: Any, action: Any, memory: Any) -> Judgement:
+        places_m = worlds.xpos[:, 1, :]
+        return Judgement({"sunk": (memory["places_m"] - places_m)[:, 2]}, memory={"places_m": places_m})
+
+
+def test_what_is_remembered_of_the_worlds_does_not_change_with_them(data):
+    task = Task(term=Sinking(), memory={"places_m": np.zeros(3)})
+    sunk_m = [judged(task, data, 0.05).reward for _ in range(3)]
+    assert 0.0 < sunk_m[0] < sunk_m[1] < sunk_m[2]

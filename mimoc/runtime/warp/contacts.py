@@ -28,11 +28,11 @@ class Contacts:
 
 def contacts_of(data: mjw.Data) -> Any:
     """Return the contacts of all worlds for kernels."""
-    contact, found = data.contact, Contacts()
-    found.count, found.world, found.geoms = data.nacon, contact.worldid, contact.geom
-    found.dist, found.pos, found.frame = contact.dist, contact.pos, contact.frame
-    found.dim, found.rows, found.force = contact.dim, contact.efc_address, data.efc.force
-    return found
+    contact, contacts = data.contact, Contacts()
+    contacts.count, contacts.world, contacts.geoms = data.nacon, contact.worldid, contact.geom
+    contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
+    contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
+    return contacts
 
 
 @wp.func

@@ -33,7 +33,8 @@ class DeviceTask:
             body_of_world: Which of them lives in each world, shape (worlds,).
 
         Raises:
-            DeviceError: If the task is not a term, or not one that all infants can share.
+            DeviceError: If the task is not a term, not one that all infants can share, or observes what it does not
+                remember.
         """
         terms, first, put = [_term_of(infant) for infant in infants], infants[0], put_on(wp.get_device())
         if field := differing_field(terms):
@@ -46,15 +47,20 @@ class DeviceTask:
         """Names of the terms of the reward."""
         self.observed = tuple(first.task.spaces)
         """Names of what is remembered and observed."""
+        for name in self.observed:
+            if name not in self.memory:
+                raise DeviceError(f"the task observes '{name}' without remembering it; do, or leave out device")
         self._rows = {name: put(rows) for name, rows in rows_by_name(first.task.model_fields).items()}
+        self._writable = frozenset(batched_fields())
 
     def judge(self, worlds: Worlds, model: mjw.Model, actions: torch.Tensor) -> Judgement:
         """Return the judgement of a control step of all worlds, with actions of shape (worlds, n)."""
-        judgement: Judgement = self._term(worlds, actions, self.memory)
+        before = {name: values.clone() for name, values in self.memory.items()}
+        judgement: Judgement = self._term(worlds, actions, before)
         for name, values in judgement.memory.items():
             self.memory[name].copy_(values)
         for name, change in judgement.changes.items():
-            if name in batched_fields():  # MuJoCo Warp does not read others.
+            if name in self._writable:  # MuJoCo Warp does not read others.
                 self._change(getattr(model, name), self._rows[name], change)
         return judgement
 
@@ -70,6 +76,8 @@ class DeviceTask:
 
 @dataclass(frozen=True)
 class _NoGoal(Term):
+    """What judges worlds without a goal."""
+
     def __call__(self, worlds: Worlds, *args: Any) -> Judgement:
         return NO_REWARD
 

@@ -89,7 +89,7 @@ def drawn(infants: Sequence[InfantEnv], most: int, pose: str | None, model: mjw.
     """
     options, first = {} if pose is None else {"pose": pose}, infants[0]
     starts = [_starts(infant, most, options, touch) for infant in infants]
-    rows, counts = [row for each in starts for row in each], [len(each) for each in starts]
+    rows, counts = [row for of_infant in starts for row in of_infant], [len(of_infant) for of_infant in starts]
     tables, put_torch = {name: np.stack([row[name] for row in rows]) for name in rows[0]}, put_on(wp.get_device())
     columns = {name: ... for name in STATE if tables[name].size} | _columns(first, model, put_torch)
     return Starts(

@@ -137,6 +137,18 @@ def test_a_task_from_outside_is_the_same_on_one_infant_on_many_and_on_a_device(r
             env.close()
 
 
+def test_a_single_world_takes_over_what_a_start_sets_in_the_model():
+    env: Any = mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 1, device=DEVICE, task=HoldTask())
+    env.reset(seed=0)
+    lightness = env.worlds.model.body_gravcomp
+    lightness.fill_(0.7)
+    env.reset(seed=0)
+    head = env.infants[0].task.model_fields[0].rows
+    assert lightness.numpy()[0, head] == pytest.approx(0.1)
+    assert (np.delete(lightness.numpy()[0], head) == np.float32(0.7)).all()
+    env.close()
+
+
 @dataclass(frozen=True)
 class Months(Term):
     """A reward that is an address, which it should not be."""
@@ -158,3 +170,17 @@ def test_infants_whose_tasks_differ_in_what_worlds_share_are_refused():
     bundles = [build(age, scene={"kind": "flat", "pose": "sitting"}) for age in (9, 12)]
     with pytest.raises(DeviceError, match="the tasks of these infants differ in 'months'"):
         mimoc.make_vec(bundles, device=DEVICE, task=MonthsTask())
+
+
+class Blinking(MonthsTask):
+    """A task whose observation is made elsewhere."""
+
+    spaces = {"light": gymnasium.spaces.Box(0.0, 1.0, (1,), np.float32)}  # noqa: RUF012
+
+    def observe(self) -> Any:
+        return {"light": np.ones(1, np.float32)}
+
+
+def test_an_observation_that_is_not_remembered_is_refused_instead_of_left_out():
+    with pytest.raises(DeviceError, match="the task observes 'light' without remembering it"):
+        mimoc.make_vec(build(9, scene={"kind": "flat", "pose": "sitting"}), 2, device=DEVICE, task=Blinking())
