@@ -88,11 +88,11 @@ class Physics:
                 future.result()
 
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:
-        """Return a field of `MjData` whose size never changes, such as `qpos`, of some infants: shape (k, size)."""
+        """Return a field of `MjData` whose size never changes, such as `qpos`, of k infants that are alike."""
         if field not in self._views:
             self._views[field] = [getattr(data, field) for data in self.datas]
-        views = self._views[field]
-        return np.concatenate([views[infant] for infant in infants]).reshape(len(infants), *views[0].shape)
+        views = [self._views[field][infant] for infant in infants]
+        return np.concatenate(views).reshape(len(views), *views[0].shape)
 
     def broke_down(self) -> list[bool]:
         """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
