@@ -117,7 +117,7 @@ class Schedule:
         Raises:
             ValueError: If the action is not one number for each actuator.
         """
-        controls = self._actuation(action)
+        controls = self._actuation.controls(action, data)
         for commands in self._commands:
             commands.begin(controls)
         for each in self._jittered:

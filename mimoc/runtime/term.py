@@ -26,6 +26,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.runtime.worlds import Worlds
 
@@ -45,6 +46,20 @@ class Term:
             args: What else a kind gives its terms, each with a leading axis of k.
         """
         raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Field(Term):
+    """Some numbers of a field of `MjData` that has one axis, shape (k, n)."""
+
+    name: str
+    """Of the field, such as `qpos`."""
+    addresses: npt.NDArray[np.intp]
+    """Which of its numbers, shape (n,)."""
+
+    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+        """Return the numbers now."""
+        return worlds.xp.take(getattr(worlds, self.name), self.addresses, axis=1)
 
 
 T = TypeVar("T", bound=Term)

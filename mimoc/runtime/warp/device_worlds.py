@@ -1,5 +1,6 @@
 """Worlds on a device, as terms read them: torch's views of MuJoCo Warp's arrays, which need no copy."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import array_api_compat.torch as array_library
@@ -8,7 +9,8 @@ import numpy as np
 import torch
 import warp as wp
 
-from mimoc.runtime.term import Put
+from mimoc.runtime.many.matching import MixtureError
+from mimoc.runtime.term import Put, Term, differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
 
 
@@ -30,3 +32,18 @@ def put_on(device: wp.Device) -> Put:
         return torch.as_tensor(values, dtype=kind, device=place)
 
     return put
+
+
+def term_of_worlds(terms: Sequence[Term], body_of_world: Sequence[int]) -> Term:
+    """Return the term of all worlds, on Warp's present device.
+
+    Args:
+        terms: Of the different bodies.
+        body_of_world: Which of them lives in each world, shape (worlds,).
+
+    Raises:
+        MixtureError: If they look at different places.
+    """
+    if field := differing_field(terms):
+        raise MixtureError(f"infants cannot share a batch, because they differ in {type(terms[0]).__name__}.{field}")
+    return stack_terms([terms[body] for body in body_of_world], put_on(wp.get_device()))

@@ -12,8 +12,6 @@ from mimoc.runtime.warp import noise
 
 SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
 """Senses that are there on a device."""
-ACTUATIONS = {"torque", "muscle", "position"}
-"""Actuation models that are there: those whose commands are the controls."""
 
 
 class DeviceError(MimocError):
@@ -50,8 +48,6 @@ def _missing(infant: InfantEnv) -> Iterator[tuple[str, str]]:
     manifest = infant.manifest
     for sense in _others(infant.senses, SENSES):
         yield f"the sense '{sense}'", "leave it out"
-    for model in _others([manifest.actuation.model], ACTUATIONS):
-        yield f"the actuation model '{model}'", f"choose from {', '.join(sorted(ACTUATIONS))}"
     noisy = {sense: key for sense, key in noise_keys().items() if getattr(manifest.noise, key)}
     for sense in _others(noisy, noise.SENSES):
         yield f"noise of '{sense}'", f"leave out {noisy[sense]}"

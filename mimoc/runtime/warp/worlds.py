@@ -16,6 +16,7 @@ from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
 from mimoc.runtime.warp.chance import Chance
+from mimoc.runtime.warp.device_worlds import device_worlds, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
@@ -70,7 +71,7 @@ class Worlds:
         self.memory = wp.zeros((count, self.default_starts.memory.shape[1]), dtype=float)
         self._judged = Judged(
             self.body,
-            self.commands.entering,
+            self.actions,
             self.memory,
             self.ended.terms,
             self.ended.success,
@@ -92,6 +93,11 @@ class Worlds:
         self._own_columns = put(np.arange(len(first.actuation.actuators)), wp.int32)
         delays = np.stack([delays_of(infant, MOTOR) for infant in self._infants])
         self.commands = Line(delays, self.period, self.body)
+        self.actions = wp.zeros_like(self.commands.entering)
+        """Of the present control step, shape (worlds, n)."""
+        self._controls_of = first.actuation.command and term_of_worlds(
+            [infant.actuation.command for infant in self._infants], self.body.numpy()
+        )
         self._motor_noise = motor_noise(self._infants, self.body, self.chance)
         spaces: dict[str, Any] = dict(self.spaces[0].items())
         self.observation = {
@@ -136,8 +142,9 @@ class Worlds:
         self.ended.begin(chosen)
 
     def step(self) -> None:
-        """Make a control step of all worlds with `commands.entering`, and begin new episodes as the mode says."""
+        """Make a control step of all worlds with `actions`, and begin new episodes as the mode says."""
         wp.launch(_tick, 1, [], [self.clock])
+        self._take_actions()
         self.commands.send(self.clock, -1)
         for index in range(self.period):
             self._command(index)
@@ -146,7 +153,7 @@ class Worlds:
                 channel.sample(self.model, self.data, self.clock, self.period - 1 - index)
         self.ended.clear()
         self.task.judge(self.model, self.data, self._judged)
-        self.ended.judge(self.data, self.commands.entering, self._mode, self.default_starts)
+        self.ended.judge(self.data, self.actions, self._mode, self.default_starts)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
             for name, array in self.observation.items():
@@ -201,6 +208,14 @@ class Worlds:
             channel.arrive(self.clock, self.observation)
         if self.task.goal:
             self.task.observe(self.memory, self.observation[GOAL])
+
+    def _take_actions(self) -> None:
+        """Let the controls that the actions mean be sent."""
+        if self._controls_of is None:
+            wp.copy(self.commands.entering, self.actions)
+        else:
+            controls = self._controls_of(device_worlds(self.data), wp.to_torch(self.actions))
+            wp.to_torch(self.commands.entering).copy_(controls)
 
     def _command(self, index: int) -> None:
         """Set the controls of a physics step."""

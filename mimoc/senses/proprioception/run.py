@@ -138,10 +138,13 @@ def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: muj
     names = tuple(actuator.name for actuator in actuation.actuators)
     ids = bound.actuators
     gears = model.actuator_gear[ids, 0].copy()
+    drive: Any = bound.drive
 
     def read(data: Any, gears: FloatArray) -> FloatArray:
         """Return what drives each actuator, then the torque that it makes of that."""
-        return np.concatenate([bound.drive(data), data.actuator_force.take(ids, -1) * gears], -1)
+        return np.concatenate(
+            [getattr(data, drive.name).take(drive.addresses, -1), data.actuator_force.take(ids, -1) * gears], -1
+        )
 
     return Component(
         read,
