@@ -13,8 +13,8 @@ from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
-from mimoc.noise.motor import MotorNoise
-from mimoc.noise.senses import noisy
+from mimoc.noise.motor import NoisyMotors, bind_motor_noise
+from mimoc.noise.noise import noisy
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import Observation, Sample, Sense
 from mimoc.state_form import checked_list, demand
@@ -229,11 +229,10 @@ class Schedule:
         )
 
 
-def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> MotorNoise | None:
-    noise = timing.noise
-    if not noise.motor:
+def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> NoisyMotors | None:
+    if not timing.noise.motor:
         return None
-    return MotorNoise(noise.motor, ms_to_s(noise.low_pass_ms), ms_to_s(timing.timestep_ms), actuation, streams)
+    return NoisyMotors(bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms), actuation, streams)
 
 
 def _merged(delayed: Sequence[Samples]) -> Sample:

@@ -6,9 +6,7 @@ from typing import Any
 import warp as wp
 
 from mimoc.errors import MimocError
-from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp import noise
 
 SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
 """Senses that are there on a device."""
@@ -48,9 +46,6 @@ def _missing(infant: InfantEnv) -> Iterator[tuple[str, str]]:
     manifest = infant.manifest
     for sense in _others(infant.senses, SENSES):
         yield f"the sense '{sense}'", "leave it out"
-    noisy = {sense: key for sense, key in noise_keys().items() if getattr(manifest.noise, key)}
-    for sense in _others(noisy, noise.SENSES):
-        yield f"noise of '{sense}'", f"leave out {noisy[sense]}"
     if manifest.noise.delay_jitter_ms:
         yield "delays with jitter", "leave out delay_jitter_ms"
 

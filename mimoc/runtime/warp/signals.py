@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.spaces import Box, Dict
 
@@ -13,7 +14,7 @@ from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.lines import Line, delay_steps
-from mimoc.runtime.warp.noise import DeviceNoise
+from mimoc.runtime.warp.noise import DeviceNoise, take_rows
 from mimoc.runtime.warp.touch import Feeling
 from mimoc.senses.sense import IntArray
 from mimoc.units import ms_to_s
@@ -63,7 +64,7 @@ class Numbers:
         self.line = Line(np.stack([delays_of(infant, name, touch) for infant in infants]), self._period, body)
         self._bounds = [put([getattr(space[name], bound) for space in spaces]) for bound in ("low", "high")]
         self._rests = np.unique(self.line.delays % self._period)
-        self._own = wp.zeros_like(body)
+        self._everyone = torch.arange(body.shape[0], dtype=torch.int32, device=wp.device_to_torch(body.device))
 
     def sample(self, model: mjw.Model, data: mjw.Data, clock: wp.array, rest: int) -> None:
         """Read it, if some of it is sent now."""
@@ -72,7 +73,8 @@ class Numbers:
         self._read(model, data, self.line.entering)
         if self._noise:
             earlier = min((other - rest) % self._period or self._period for other in self._rests)
-            self._noise(self.line.entering, elapsed_s=float(earlier) * self._timestep_s)
+            noisy = self._noise(self.line.entering, float(earlier) * self._timestep_s)
+            wp.to_torch(self.line.entering).copy_(noisy)
         self.line.send(clock, rest)
 
     def arrive(self, clock: wp.array, observation: Mapping[str, wp.array]) -> None:
@@ -82,9 +84,10 @@ class Numbers:
     def refill(self, chosen: wp.array, samples: Mapping[str, wp.array]) -> None:
         """Sense what the starts have, with noise that is drawn anew."""
         if self._noise:
-            wp.launch(_take, self.line.entering.shape, [chosen, samples[self._name]], [self.line.entering, self._own])
-            self._noise(self.line.entering, chosen)
-            self.line.refill(self._own, self.line.entering)
+            entering, begins = self.line.entering, wp.to_torch(chosen) >= 0
+            take_rows(chosen, samples[self._name], entering)
+            wp.to_torch(entering).copy_(self._noise.begin(entering, chosen))
+            self.line.refill(wp.from_torch(torch.where(begins, self._everyone, -1)), entering)
         else:
             self.line.refill(chosen, samples[self._name])
 
@@ -110,11 +113,3 @@ def space_of(infant: InfantEnv, touch: Feeling | None) -> Dict:
         low, high = (getattr(spaces["touch"], bound).flat[0] for bound in ("low", "high"))
         found["touch"] = Box(low, high, (len(touch.bodies),), np.float32)
     return Dict(found)
-
-
-@wp.kernel(enable_backward=False)
-def _take(chosen: wp.array[int], table: wp.array2d[float], entering: wp.array2d[float], own: wp.array[int]):
-    world, number = wp.tid()
-    own[world] = wp.where(chosen[world] >= 0, world, -1)
-    if chosen[world] >= 0:
-        entering[world, number] = table[chosen[world], number]

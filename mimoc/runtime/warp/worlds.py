@@ -10,16 +10,18 @@ import warp as wp
 from gymnasium.vector import AutoresetMode
 
 from mimoc.delays.spec import MOTOR
+from mimoc.noise.motor import bind_motor_noise
+from mimoc.noise.noise import bind_noise, noise_amount
+from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
-from mimoc.runtime.warp.chance import Chance
 from mimoc.runtime.warp.device_worlds import device_worlds, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
-from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
+from mimoc.runtime.warp.noise import Chance, DeviceNoise, NoisyCommands
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
 from mimoc.runtime.warp.room import RARE, Room
 from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
@@ -30,7 +32,7 @@ from mimoc.runtime.warp.touch import feeling
 from mimoc.runtime.warp.vectors import VectorReader
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import IntArray
-from mimoc.units import to_steps
+from mimoc.units import ms_to_s, to_steps
 
 GOAL = "goal"
 NO_MEMORY = "Failed to allocate"
@@ -64,7 +66,6 @@ class Worlds:
         self.body = put(body_of_world, wp.int32)
         self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
         self.chance = Chance(put(np.arange(count), wp.int32))
-        self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
         self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
@@ -80,6 +81,7 @@ class Worlds:
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
+        self._is_noisy = False
         first, count = self._infants[0], self.body.shape[0]
         self._touch = feeling(touch, self._infants, self.body) if "touch" in first.senses else None
         self.spaces = [space_of(infant, self._touch) for infant in self._infants]
@@ -98,7 +100,7 @@ class Worlds:
         self._controls_of = first.actuation.command and term_of_worlds(
             [infant.actuation.command for infant in self._infants], self.body.numpy()
         )
-        self._motor_noise = motor_noise(self._infants, self.body, self.chance)
+        self._motor_noise = self._noisy_commands()
         spaces: dict[str, Any] = dict(self.spaces[0].items())
         self.observation = {
             name: wp.zeros((count, *space.shape), dtype=wp.uint8 if space.dtype == np.uint8 else float)
@@ -108,10 +110,25 @@ class Worlds:
 
     def _channel(self, name: str) -> Numbers:
         """Return a sense of numbers."""
-        width = self._touch.width if self._touch and name == "touch" else 1
         read = self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
-        noise = noise_of(name, self._infants, self.body, self.chance, width)
+        noise, entries = None, [infant.manifest.noise for infant in self._infants]
+        if any(noise_amount(name, entry) for entry in entries):
+            noises = [
+                bind_noise(name, each.senses[name], entry) for each, entry in zip(self._infants, entries, strict=True)
+            ]
+            noise = DeviceNoise(noises, self.body.numpy(), self.chance, list(noise_keys()).index(name))
+        self._is_noisy |= noise is not None
         return Numbers(name, self._infants, self.spaces, self.body, read, noise)
+
+    def _noisy_commands(self) -> NoisyCommands | None:
+        """Return the commands with their noise, or None if no infant has any."""
+        if not any(infant.manifest.noise.motor for infant in self._infants):
+            return None
+        noises = [bind_motor_noise(infant.manifest.noise, infant.actuation) for infant in self._infants]
+        noise = DeviceNoise(noises, self.body.numpy(), self.chance, len(noise_keys()))
+        self._is_noisy, first = True, self._infants[0]
+        timestep_s = ms_to_s(first.manifest.timestep_ms)
+        return NoisyCommands(noise, first.actuation.actuators, self.body.shape[0], timestep_s)
 
     def _sight(self) -> Sight:
         """Return the eyes of all infants."""

@@ -19,7 +19,6 @@ from mimoc.kinds import ActuationKind
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.matching import MixtureError
 from mimoc.runtime.term import Term
-from mimoc.runtime.warp import noise
 from mimoc.runtime.warp.bodies import WorldsError
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants
 
@@ -290,10 +289,3 @@ def test_actuation_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(regi
         for control in controls:
             assert control == pytest.approx(np.full(len(control), 0.2))
             env.close()
-
-
-def test_noise_that_is_not_there_on_a_device_is_refused_instead_of_ignored(monkeypatch):
-    monkeypatch.delitem(noise.SENSES, "touch")
-    noisy = build(age_months=9, senses=SENSES, noise={"touch_n": 0.1})
-    with pytest.raises(DeviceError, match=r"has noise of 'touch', which is not there on a device; leave out touch_n"):
-        mimoc.make_vec(noisy, 2, device=DEVICE)

@@ -1,0 +1,142 @@
+"""Noise as a term: from a signal of k infants, the state of its noise, and random numbers, to the disturbed signal.
+
+    @dataclass(frozen=True)
+    class Tremor(Noise):
+        deviation_rad: float
+        low_pass: LowPass
+
+        def __call__(self, draw, sample, state):
+            state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
+            return sample + self.deviation_rad[:, None] * state, state
+
+It is a term as those of senses are (`mimoc.runtime.term`), so one definition runs on one infant, on many, and on a
+device. On the CPU, each infant draws from its own stream (`mimoc.noise.streams`).
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from mimoc.kinds import function_of
+from mimoc.noise.spec import NoiseEntry, noise_keys
+from mimoc.noise.streams import NoiseStreams
+from mimoc.runtime.array_library import NUMPY
+from mimoc.runtime.term import Term, stack_terms
+from mimoc.senses import SENSES
+from mimoc.senses.sense import FloatArray, Sample, Sense
+from mimoc.units import ms_to_s
+
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """What noise is made of at one time."""
+
+    xp: Any
+    """The array library."""
+    elapsed_s: float
+    """Time since the state; infinite if there is none."""
+    _normals: Callable[[Sequence[int], Any], Any]
+
+    def normals(self, shape: Sequence[int], where: Any = None) -> Any:
+        """Return random numbers with mean 0 and standard deviation 1.
+
+        Args:
+            shape: Their shape, (k, ...).
+            where: Which of them are needed, an array of bool of this shape; others may be anything. None is all.
+        """
+        return self._normals(shape, where)
+
+
+@dataclass(frozen=True)
+class Noise(Term):
+    """A base for noise."""
+
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:  # pyright: ignore[reportIncompatibleMethodOverride] - It reads no worlds.
+        """Return the signal with noise as a new array, and the state of the noise then.
+
+        Args:
+            draw: Random numbers and the time.
+            sample: The signal, shape (k, ...).
+            state: An array of shape (k, ...), or None at the start of an episode, and always for noise without a state.
+        """
+        raise NotImplementedError
+
+
+class SignalNoise:
+    """The noise of one signal of one infant, with its state and its stream of random numbers."""
+
+    def __init__(self, noise: Noise, channel: str, streams: NoiseStreams):
+        """Disturb a signal by the stream of a channel."""
+        self._noise: Noise = stack_terms([noise])
+        self._channel, self._streams = channel, streams
+        self.state: FloatArray | None = None
+        """State of the noise, shape (1, ...), which is never changed in place."""
+
+    def __call__(self, sample: Sample, elapsed_s: float) -> Sample:
+        """Return a signal with noise, as a new array, some time after the last one; infinite begins an episode."""
+        state = None if elapsed_s == math.inf else self.state
+        noisy, self.state = self._noise(Draw(NUMPY, elapsed_s, self._normals), sample[None], state)
+        return noisy[0]
+
+    def _normals(self, shape: Sequence[int], where: BoolArray | None) -> FloatArray:
+        generator = self._streams[self._channel]
+        if where is None:
+            return generator.standard_normal(shape)
+        numbers = np.zeros(shape)
+        numbers[where] = generator.standard_normal(np.count_nonzero(where))
+        return numbers
+
+
+class NoisySense:
+    """A sense as `Sense.__call__`, with noise, which is drawn where and when it is sampled: before its delay."""
+
+    def __init__(self, name: str, sense: Sense, noise: Noise, streams: NoiseStreams):
+        """Disturb a sense by the stream of its name."""
+        self._sense, self._noise, self._time_s = sense, SignalNoise(noise, name, streams), -math.inf
+
+    def reset(self) -> None:
+        """Forget the samples taken so far."""
+        self._time_s = -math.inf
+
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return the sample at this physics step, as a new array."""
+        return self.disturb(self._sense(data), data)
+
+    def disturb(self, sample: Sample, data: mujoco.MjData) -> Sample:
+        """Return the sample that the sense took at this physics step, with noise."""
+        elapsed_s, self._time_s = data.time - self._time_s, data.time
+        return self._noise(sample, elapsed_s)
+
+    @property
+    def state(self) -> list[Any]:
+        """When the last sample was taken, and the state of the noise."""
+        return [self._time_s, self._noise.state]
+
+    @state.setter
+    def state(self, state: list[Any]) -> None:
+        self._time_s, self._noise.state = state
+
+
+def noise_amount(sense: str, entry: NoiseEntry) -> float:
+    """Return how much noise a sense has, in the unit of its key; 0 if it has none, or can have none."""
+    return getattr(entry, noise_keys()[sense]) if sense in noise_keys() else 0.0
+
+
+def bind_noise(name: str, sense: Sense, entry: NoiseEntry) -> Noise:
+    """Return the noise of a sense that can have one; its amount may be 0."""
+    option: Any = SENSES[name].noise
+    return function_of(option.run, "bind")(noise_amount(name, entry), sense, ms_to_s(entry.low_pass_ms))
+
+
+def noisy(name: str, sense: Sense, entry: NoiseEntry, streams: NoiseStreams) -> NoisySense | None:
+    """Return a sense with its noise, or None if it has none."""
+    if not noise_amount(name, entry):
+        return None
+    return NoisySense(name, sense, bind_noise(name, sense, entry), streams)
