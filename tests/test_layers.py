@@ -71,7 +71,11 @@ LAYERS = {
     "milestones": layer("milestones", f"{BUILDING} compiler plots", "mujoco"),
     "drawing": layer("render", f"{BASE} bundle", "mujoco scipy glfw OpenGL PIL"),
     "plots": layer("render.plots", f"{BASE} schema fits body", "matplotlib"),
-    "terms": layer("runtime.worlds runtime.term runtime.array_library", "", "mujoco"),
+    "terms": layer(
+        "runtime.worlds runtime.term runtime.array_library runtime.term_contract",
+        "errors",
+        "mujoco torch array_api_compat array_api_strict",
+    ),
     "run": layer("model_fields state_form", f"{LANGUAGE} bundle drawing terms", "gymnasium mujoco scipy"),
     "runtime": layer("runtime", f"{LANGUAGE} bundle drawing terms run", "gymnasium mujoco scipy"),
     "device": layer(
@@ -126,7 +130,7 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 """Libraries that are part of another."""
 
 RUN_MODULES = {
-    "senses": "binding custom joined sense term_sense nothing touch.contacts touch.many touch.receptors vision.eyes "
+    "senses": "binding custom joined sense term_sense touch.contacts touch.many touch.receptors vision.eyes "
     "vision.many vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
@@ -334,7 +338,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.fits.tables", "import yaml", "yaml belongs to language"),
         ("mimoc.errors", "import pydantic_core", "pydantic belongs to language, composition, spec, schema, bundle"),
         ("mimoc.compiler.explain", "import typer", "typer belongs to cli"),
-        ("mimoc.body.growth", "import numpy, torch", "torch belongs to device, training"),
+        ("mimoc.body.growth", "import numpy, torch", "torch belongs to terms, device, training"),
         ("mimoc.stray", "import math", "the module is in no layer"),
         ("mimoc.body.growth", "from mimoc import stray", "body may not import mimoc"),
     ],

@@ -62,6 +62,17 @@ class Field(Term):
         return worlds.xp.take(getattr(worlds, self.name), self.addresses, axis=1)
 
 
+@dataclass(frozen=True)
+class Concatenated(Term):
+    """What some terms measure, one after the other along the last axis."""
+
+    terms: tuple[Term, ...]
+
+    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+        """Return the numbers of all terms, shape (k, n)."""
+        return worlds.xp.concat([term(worlds, *args) for term in self.terms], axis=-1)
+
+
 T = TypeVar("T", bound=Term)
 
 

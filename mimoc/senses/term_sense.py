@@ -1,11 +1,13 @@
 """Senses that are terms: written once, they run on one infant, on many, and on a device."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 
 from mimoc.runtime.term import Term, stack_terms
-from mimoc.runtime.worlds import worlds_of_one
+from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
 
 
@@ -41,3 +43,17 @@ class TermSense(Vector):
         if data is not self._data:
             self._data, self._worlds = data, worlds_of_one(data)
         return self._measure(self._worlds)[0].copy()
+
+
+@dataclass(frozen=True)
+class Zero(Term):
+    """A zero, shape (k, 1)."""
+
+    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+        """Return zeros."""
+        return worlds.xp.zeros_like(worlds.xpos[:, 0, :1])
+
+
+def nothing() -> TermSense:
+    """Return what an infant without senses observes, a zero: Gymnasium wants at least one number."""
+    return TermSense("nothing", Zero(), layout=("nothing [0]",), low=0.0, high=1.0)

@@ -29,7 +29,7 @@ from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
 from mimoc.runtime.warp.tasks import device_task
 from mimoc.runtime.warp.tasks.task import Judged
 from mimoc.runtime.warp.touch import feeling
-from mimoc.runtime.warp.vectors import VectorReader
+from mimoc.runtime.warp.vectors import TermReader
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import IntArray
 from mimoc.units import ms_to_s, to_steps
@@ -110,7 +110,7 @@ class Worlds:
 
     def _channel(self, name: str) -> Numbers:
         """Return a sense of numbers."""
-        read = self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
+        read = self._touch if name == "touch" else TermReader(name, self._infants, self.body)
         noise, entries = None, [infant.manifest.noise for infant in self._infants]
         if any(noise_amount(name, entry) for entry in entries):
             noises = [
