@@ -46,7 +46,7 @@ class Smooth:
         if values is None:
             return drawn
         (xx, xy), (yx, yy), (first, mixed, second) = smooth_step(elapsed_s / self.time_constant_s)
-        value, rate, one, other = values[:, 0], values[:, 1], drawn[:, 0], drawn[:, 1]
+        value, rate, one, other = values[:, 0, :], values[:, 1, :], drawn[:, 0, :], drawn[:, 1, :]
         changed = [xx * value + xy * rate + first * one, yx * value + yy * rate + (mixed * one + second * other)]
         return xp.stack(changed, axis=1)
 

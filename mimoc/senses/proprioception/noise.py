@@ -28,7 +28,7 @@ class ProprioceptionNoise(Noise):
         """Return a sample with noise, shape (k, size), and its errors with their rates, shape (k, 2, n)."""
         xp = draw.xp
         state = self.low_pass(xp, state, draw.elapsed_s, draw.normals((sample.shape[0], 2, self.count)))
-        errors = [state[:, 0], state[:, 1] / self.low_pass.time_constant_s]
+        errors = [state[:, 0, :], state[:, 1, :] / self.low_pass.time_constant_s]
         errors = [*(self.deviation_rad * error for error in errors), xp.zeros_like(sample[:, :1])]
         return sample + xp.take(xp.concat(errors, axis=1), self.errors, axis=1), state
 
