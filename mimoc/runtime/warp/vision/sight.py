@@ -6,21 +6,33 @@ from typing import Any
 import mujoco
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.runtime.many.matching import MixtureError
-from mimoc.runtime.warp.lines import delay_steps
+from mimoc.runtime.warp.lines import Ring, delay_steps
 from mimoc.runtime.warp.vision.eyes import Eyes
 from mimoc.runtime.warp.vision.filters import Filters
-from mimoc.runtime.warp.vision.line import PictureLine
 from mimoc.senses.sense import IntArray, Observation, Sample, Sense
 from mimoc.senses.vision.spec import VisionEntry
 
 VISION = "vision"
 SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")
 """What must be the same of all infants' vision."""
+
+
+class PictureLine(Ring):
+    """The pictures of all infants on their way, in 8 bits, with one delay for all that an infant sees."""
+
+    def arrive(self, clock: wp.array, pictures: Sequence[wp.array]) -> None:
+        """Write what has arrived to an array of each eye, shape (worlds, height, width, 3)."""
+        lengths, ring = wp.to_torch(self._length)[wp.to_torch(self._body).long(), 0], wp.to_torch(self._ring)
+        slots = (wp.to_torch(clock) + 1) % (lengths + 1)
+        arrived = ring[slots.long(), torch.arange(len(slots), device=slots.device)]
+        for picture, part in zip(pictures, arrived.chunk(len(pictures), dim=1), strict=True):
+            wp.to_torch(picture).copy_(part.reshape(picture.shape))
 
 
 class Sight:
@@ -54,10 +66,10 @@ class Sight:
         self._cameras = first.cameras
         fovy_deg = [float(each.cam_fovy[each.camera(first.cameras[0]).id]) for each in models]
         self._eyes = Eyes(models, first, body_of_world, model)
-        self._filters = Filters(entries, fovy_deg, body)
+        self._filters = Filters(entries, fovy_deg, body_of_world)
         delays = np.stack([delay_steps(manifest, VISION, None, 1) for manifest in manifests])
         numbers = len(first.cameras) * first.height_px * first.width_px * len("rgb")
-        self._line, self._period = PictureLine(delays, period, body, numbers), period
+        self._line, self._period = PictureLine(delays, period, body, numbers, wp.uint8), period
 
     def sample(self, model: mjw.Model, data: mjw.Data, clock: wp.array, rest: int) -> None:
         """Look, if what is seen now arrives *rest* physics steps less than whole control steps later."""
@@ -67,7 +79,7 @@ class Sight:
 
     def look(self, data: mjw.Data) -> wp.array:
         """Return what is seen now, without delay, shape (worlds, n)."""
-        self._filters(self._eyes(data), self._line.entering)
+        wp.to_torch(self._line.entering).copy_(self._filters(self._eyes(data)))
         return self._line.entering
 
     def arrive(self, clock: wp.array, observation: Mapping[str, wp.array]) -> None:
