@@ -28,8 +28,8 @@ class TouchNoise(Noise):
         forces = xp.reshape(sample, (sample.shape[0], -1, self.width))
         sizes_n = xp.sqrt(xp.sum(forces * forces, axis=-1))
         felt = sizes_n > 0
-        noisy_n = xp.maximum(sizes_n + self.deviation_n * draw.normals(sizes_n.shape, felt), xp.zeros_like(sizes_n))
-        factors = noisy_n / xp.where(felt, sizes_n, xp.ones_like(sizes_n))
+        noisy_n = xp.maximum(sizes_n + self.deviation_n * draw.normals(sizes_n.shape, felt), 0.0)
+        factors = noisy_n / xp.where(felt, sizes_n, 1.0)
         return xp.reshape(forces * factors[..., None], sample.shape), None
 
 
