@@ -75,8 +75,8 @@ class SenseKind:
     noise: NoiseOption | None = None
     """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
     many: Code | None = None
-    """`join(senses) -> Joined | None`: what reads many infants at once (`senses.joined.Joined`), or None if it cannot
-    join these senses; those, and senses of a kind without it, are read one after another."""
+    """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
+    it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
 
 
 @dataclass(frozen=True, slots=True)

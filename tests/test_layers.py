@@ -130,11 +130,11 @@ COMES_WITH = {"pydantic_core": "pydantic"}
 """Libraries that are part of another."""
 
 RUN_MODULES = {
-    "senses": "binding custom joined sense term_sense touch.contacts touch.many touch.receptors vision.eyes "
-    "vision.many vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
+    "senses": "binding custom sense term_sense touch.contacts touch.many touch.receptors vision.eyes "
+    "vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding custom task gaze catch.resizable_ball",
     "actuation": "binding commands",
-    "delays": "line schedule signals jittered timing carried",
+    "delays": "schedule signals jittered timing carried",
     "noise": "streams wander low_pass noise motor",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""

@@ -16,7 +16,7 @@ from mimoc.delays.timing import Commands, Samples, Timing
 from mimoc.noise.motor import NoisyMotors, bind_motor_noise
 from mimoc.noise.noise import noisy
 from mimoc.noise.streams import NoiseStreams
-from mimoc.senses.sense import Observation, Sample, Sense
+from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 from mimoc.state_form import checked_list, demand
 from mimoc.units import ms_to_s
 
@@ -100,24 +100,19 @@ class Schedule:
             ValueError: If the action is not one number for each actuator.
             ModelError: If the physics needs more memory than the model has.
         """
-        for segment in self.begin(action, data):
+        for segment in self.begin(self._actuation.controls(action, data)):
             self.command(segment, data)
             try:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
             for name, delayed in segment.samples:
-                sample = self.read(name, data)
+                sample = self._reads[name](data)
                 for each in delayed:
                     each.send(sample)
 
-    def begin(self, action: npt.ArrayLike, data: mujoco.MjData) -> tuple[Segment, ...]:
-        """Take the action of a control step, and return the segments that it consists of.
-
-        Raises:
-            ValueError: If the action is not one number for each actuator.
-        """
-        controls = self._actuation.controls(action, data)
+    def begin(self, controls: FloatArray) -> tuple[Segment, ...]:
+        """Take the controls of an action, and return the segments that the control step consists of."""
         for commands in self._commands:
             commands.begin(controls)
         for each in self._jittered:
@@ -132,23 +127,24 @@ class Schedule:
         if noise:
             noise(data)
 
-    def read(self, name: str, data: mujoco.MjData) -> Sample:
-        """Return the sample of a sense now, with its noise."""
-        return self._reads[name](data)
+    @property
+    def samples(self) -> Mapping[str, Sequence[Samples]]:
+        """The samples of each sense on their way, by their delays."""
+        return self._samples
+
+    def is_noisy(self, name: str) -> bool:
+        """Return whether the samples of a sense have noise."""
+        return name in self._noisy
 
     def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
         """Return a sample that was read without noise, with noise; it may be changed in place."""
         return self._noisy[name].disturb(sample, data) if name in self._noisy else sample
 
-    def arrived(self, name: str) -> Sample:
-        """Return what has arrived of a sense: what is observed now, not to be changed."""
-        return _merged(self._samples[name])
-
     def observe(self) -> Observation:
         """Return the samples that have arrived as an observation of new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe(self.arrived(name)))
+            observation.update(sense.observe(arrived(self._samples[name])))
         return observation
 
     @property
@@ -235,11 +231,11 @@ def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) ->
     return NoisyMotors(bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms), actuation, streams)
 
 
-def _merged(delayed: Sequence[Samples]) -> Sample:
-    """Return what has arrived of all parts of a sense as one sample."""
+def arrived(delayed: Sequence[Samples]) -> Sample:
+    """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
     if len(delayed) == 1:
         return delayed[0].arrived
     merged = delayed[0].arrived.copy()
-    for each in delayed[1:]:
-        merged[each.part] = each.arrived[each.part]
+    for line in delayed[1:]:
+        merged[line.part] = line.arrived[line.part]
     return merged

@@ -38,14 +38,22 @@ OF_CONSTRAINTS = (
 class Worlds:
     """Fields of the simulations of k infants by name, shape (k, ...), and what else terms can ask of them."""
 
-    def __init__(self, xp: Any, read: Callable[[str], Any], pressing: Callable[[Any], Any]):
+    def __init__(
+        self,
+        xp: Any,
+        read: Callable[[str], Any],
+        pressing: Callable[[Any], Any],
+        datas: Sequence[mujoco.MjData] = (),
+    ):
         """Say how to read worlds.
 
         Args:
             xp: The array library.
             read: Returns a field by its name, shape (k, ...).
             pressing: See `pressing`.
+            datas: The simulations themselves, on the CPU, for what is no term.
         """
+        self.datas = datas
         self.xp, self._read, self._pressing = xp, read, pressing
 
     def __getattr__(self, field: str) -> Any:
@@ -94,7 +102,7 @@ def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -
         check_field(field, datas[0])
         return _with_matrices(field, read(field))
 
-    return Worlds(NUMPY, read_checked, pressing)
+    return Worlds(NUMPY, read_checked, pressing, datas)
 
 
 def check_field(field: str, data: mujoco.MjData) -> None:

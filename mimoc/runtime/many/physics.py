@@ -68,7 +68,7 @@ class Physics:
             for future in futures:
                 future.result()
 
-    def each(self, function: Callable[[int], Sample], infants: Sequence[int]) -> list[Sample]:
+    def in_threads(self, function: Callable[[int], Sample], infants: Sequence[int]) -> list[Sample]:
         """Return what a function returns for some infants, called in any thread."""
         waiting, turn, found = iter(infants), Lock(), dict[int, Sample]()
 

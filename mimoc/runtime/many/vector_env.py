@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from mimoc.actuation.binding import numbers_of
+from mimoc.delays.schedule import arrived
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
 from mimoc.runtime.closing import closable
@@ -20,8 +21,8 @@ from mimoc.runtime.many.infos import Infos, joined
 from mimoc.runtime.many.matching import check_mixture
 from mimoc.runtime.many.options import chosen, options_of, seeds_of
 from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.senses import BatchSense
 from mimoc.runtime.many.spaces import batch_of, covering
-from mimoc.senses.joined import join_all
 from mimoc.senses.sense import FloatArray, Observation
 
 SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
@@ -254,9 +255,13 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Join what all infants have now; those of one bundle are worked through one after another."""
         firsts = {id(each.bundle): index for index, each in reversed(list(enumerate(self.infants)))}
         self._order = sorted(range(self.num_envs), key=lambda index: firsts[id(self.infants[index].bundle)])
-        self._senses = join_all([infant.senses for infant in self.infants])
-        self._schedules = [infant.schedule for infant in self.infants]
-        self._control_step = ControlStep(self._schedules, self._physics, self._senses)
+        self._senses = {
+            name: BatchSense(name, [infant.senses[name] for infant in self.infants], self._physics)
+            for name in self.infants[0].senses
+        }
+        schedules = [infant.schedule for infant in self.infants]
+        self._delayed = {name: [schedule.samples[name] for schedule in schedules] for name in self._senses}
+        self._control_step = ControlStep(self.infants, self._physics, self._senses)
 
     def _follow(self) -> None:
         """Take over what infants have now that got another model, in another scene or by growing."""
@@ -287,7 +292,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Return what all infants observe, as new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe([schedule.arrived(name) for schedule in self._schedules]))
+            observation.update(sense.observe([arrived(delayed) for delayed in self._delayed[name]]))
         if self.infants[0].task.spaces:
             own = [infant.task.observe() for infant in self.infants]
             observation |= {name: np.stack([each[name] for each in own]) for name in own[0]}
