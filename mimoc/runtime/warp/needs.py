@@ -1,15 +1,15 @@
 """What infants need of a device: that it is there, and that all that they have can run on it."""
 
-from collections.abc import Collection, Iterator
 from typing import Any
 
 import warp as wp
 
 from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
+from mimoc.senses.term_sense import TermSense
 
-SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
-"""Senses that are there on a device."""
+READERS = {"touch", "vision"}
+"""Senses that a device reads by kernels."""
 
 
 class DeviceError(MimocError):
@@ -31,25 +31,19 @@ def find_device(name: str) -> Any:
 
 
 def check_infant(infant: InfantEnv) -> None:
-    """Check that all that an infant has is there on a device, whoever wrote it: what is not must not be ignored.
+    """Check that all that an infant has can run on a device, whoever wrote it: what cannot must not be ignored.
 
     Raises:
-        DeviceError: If something is not.
+        DeviceError: If something cannot.
     """
     name = infant.manifest.name
-    for what, remedy in _missing(infant):
-        raise DeviceError(f"infant '{name}' has {what}, which is not there on a device; {remedy}, or leave out device")
-
-
-def _missing(infant: InfantEnv) -> Iterator[tuple[str, str]]:
-    """Yield what is not there, and what to do about it."""
-    manifest = infant.manifest
-    for sense in _others(infant.senses, SENSES):
-        yield f"the sense '{sense}'", "leave it out"
-    if manifest.noise.delay_jitter_ms:
-        yield "delays with jitter", "leave out delay_jitter_ms"
-
-
-def _others(names: Collection[str], known: Collection[str]) -> list[str]:
-    """Return the names that are not known."""
-    return sorted(set(names) - set(known))
+    for sense, bound in infant.senses.items():
+        if not isinstance(bound, TermSense) and sense not in READERS:
+            raise DeviceError(
+                f"infant '{name}' has the sense '{sense}', which is not a term and has no device part: give it one "
+                "(docs/own_sense.md), or leave out device"
+            )
+    if infant.manifest.noise.delay_jitter_ms:
+        raise DeviceError(
+            f"infant '{name}' has delays with jitter, which a device does not have; leave out delay_jitter_ms or device"
+        )

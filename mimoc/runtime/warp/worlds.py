@@ -28,7 +28,7 @@ from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
 from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
 from mimoc.runtime.warp.tasks import device_task
 from mimoc.runtime.warp.tasks.task import Judged
-from mimoc.runtime.warp.touch import feeling
+from mimoc.runtime.warp.touch import Feeling
 from mimoc.runtime.warp.vectors import TermReader
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import IntArray
@@ -83,7 +83,7 @@ class Worlds:
         """Find what is sensed and commanded, with its delays and noise."""
         self._is_noisy = False
         first, count = self._infants[0], self.body.shape[0]
-        self._touch = feeling(touch, self._infants, self.body) if "touch" in first.senses else None
+        self._touch = Feeling(touch, self._infants, self.body) if "touch" in first.senses else None
         self.spaces = [space_of(infant, self._touch) for infant in self._infants]
         self.channels: dict[str, Channel] = {
             name: self._channel(name) for name in first.senses if name not in (VISION, "nothing")
