@@ -1,6 +1,6 @@
 """The control step of an infant: commands applied and senses sampled with their delays, in whole physics steps."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -14,14 +14,11 @@ from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
 from mimoc.noise.motor import NoisyMotors, bind_motor_noise
-from mimoc.noise.noise import noisy
+from mimoc.noise.noise import noise_of
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 from mimoc.state_form import checked_list, demand
 from mimoc.units import ms_to_s
-
-Read = Callable[[mujoco.MjData], Sample]
-"""A sense, or one with noise: what returns its sample at a physics step."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +67,9 @@ class Schedule:
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
         self._commands = timing.commands(in_legs[moved], actuation.actuators, streams)
         self._noisy = {
-            name: found for name, sense in senses.items() if (found := noisy(name, sense, timing.noise, streams))
+            name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
         self._motor_noise = _motor_noise(timing, actuation, streams)
-        self._reads: dict[str, Read] = {**senses, **self._noisy}
         self._jittered = [
             each for delayed in self._samples.values() for each in delayed if isinstance(each, JitteredSamples)
         ]
@@ -87,7 +83,7 @@ class Schedule:
         for noise in self._noisy.values():
             noise.reset()
         for name, delayed in self._samples.items():
-            sample = self._reads[name](data)
+            sample = self.disturb(name, self._senses[name](data), data)
             for each in delayed:
                 each.reset(sample)
         for commands in self._commands:
@@ -107,7 +103,7 @@ class Schedule:
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
             for name, delayed in segment.samples:
-                sample = self._reads[name](data)
+                sample = self.disturb(name, self._senses[name](data), data)
                 for each in delayed:
                     each.send(sample)
 
@@ -137,8 +133,8 @@ class Schedule:
         return name in self._noisy
 
     def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
-        """Return a sample that was read without noise, with noise; it may be changed in place."""
-        return self._noisy[name].disturb(sample, data) if name in self._noisy else sample
+        """Return a sample that was read without noise, with noise."""
+        return self._noisy[name].at(data.time, sample) if name in self._noisy else sample
 
     def observe(self) -> Observation:
         """Return the samples that have arrived as an observation of new arrays."""

@@ -58,11 +58,11 @@ class NoisyMotors:
         """Begin anew, with the controls of now as commands."""
         self.commanded = data.ctrl.copy()
         """Control of each actuator of the model without noise, shape (nu,)."""
-        self._noise(self.commanded[self._actuators], math.inf)
+        self._noise(math.inf, self.commanded[self._actuators])
 
     def __call__(self, data: mujoco.MjData) -> None:
         """Set the controls for the next physics step."""
-        data.ctrl[self._actuators] = self._noise(self.commanded[self._actuators], self._timestep_s)
+        data.ctrl[self._actuators] = self._noise(self._timestep_s, self.commanded[self._actuators])
 
     @property
     def state(self) -> list[Any]:

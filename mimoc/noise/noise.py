@@ -18,7 +18,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -76,13 +75,23 @@ class SignalNoise:
         """Disturb a signal by the stream of a channel."""
         self._noise: Noise = stack_terms([noise])
         self._channel, self._streams = channel, streams
-        self.state: FloatArray | None = None
-        """State of the noise, shape (1, ...), which is never changed in place."""
+        self.state: list[Any] = [-math.inf, None]
+        """When the last sample was taken [s], and the state of the noise, which is never changed in place."""
 
-    def __call__(self, sample: Sample, elapsed_s: float) -> Sample:
-        """Return a signal with noise, as a new array, some time after the last one; infinite begins an episode."""
-        state = None if elapsed_s == math.inf else self.state
-        noisy, self.state = self._noise(Draw(NUMPY, elapsed_s, self._normals), sample[None], state)
+    def reset(self) -> None:
+        """Forget the samples taken so far."""
+        self.state = [-math.inf, None]
+
+    def at(self, time_s: float, sample: Sample) -> Sample:
+        """Return the sample of some time with noise, as a new array."""
+        elapsed_s, self.state = time_s - self.state[0], [time_s, self.state[1]]
+        return self(elapsed_s, sample)
+
+    def __call__(self, elapsed_s: float, sample: Sample) -> Sample:
+        """Return a sample with noise, as a new array, some time after the last one; infinite begins an episode."""
+        draw = Draw(NUMPY, elapsed_s, self._normals)
+        noisy, state = self._noise(draw, sample[None], None if elapsed_s == math.inf else self.state[1])
+        self.state = [self.state[0], state]
         return noisy[0]
 
     def _normals(self, shape: Sequence[int], where: BoolArray | None) -> FloatArray:
@@ -92,36 +101,6 @@ class SignalNoise:
         numbers = np.zeros(shape)
         numbers[where] = generator.standard_normal(np.count_nonzero(where))
         return numbers
-
-
-class NoisySense:
-    """A sense as `Sense.__call__`, with noise, which is drawn where and when it is sampled: before its delay."""
-
-    def __init__(self, name: str, sense: Sense, noise: Noise, streams: NoiseStreams):
-        """Disturb a sense by the stream of its name."""
-        self._sense, self._noise, self._time_s = sense, SignalNoise(noise, name, streams), -math.inf
-
-    def reset(self) -> None:
-        """Forget the samples taken so far."""
-        self._time_s = -math.inf
-
-    def __call__(self, data: mujoco.MjData) -> Sample:
-        """Return the sample at this physics step, as a new array."""
-        return self.disturb(self._sense(data), data)
-
-    def disturb(self, sample: Sample, data: mujoco.MjData) -> Sample:
-        """Return the sample that the sense took at this physics step, with noise."""
-        elapsed_s, self._time_s = data.time - self._time_s, data.time
-        return self._noise(sample, elapsed_s)
-
-    @property
-    def state(self) -> list[Any]:
-        """When the last sample was taken, and the state of the noise."""
-        return [self._time_s, self._noise.state]
-
-    @state.setter
-    def state(self, state: list[Any]) -> None:
-        self._time_s, self._noise.state = state
 
 
 def noise_amount(sense: str, entry: NoiseEntry) -> float:
@@ -135,8 +114,6 @@ def bind_noise(name: str, sense: Sense, entry: NoiseEntry) -> Noise:
     return function_of(option.run, "bind")(noise_amount(name, entry), sense, ms_to_s(entry.low_pass_ms))
 
 
-def noisy(name: str, sense: Sense, entry: NoiseEntry, streams: NoiseStreams) -> NoisySense | None:
-    """Return a sense with its noise, or None if it has none."""
-    if not noise_amount(name, entry):
-        return None
-    return NoisySense(name, sense, bind_noise(name, sense, entry), streams)
+def noise_of(name: str, sense: Sense, entry: NoiseEntry, streams: NoiseStreams) -> SignalNoise | None:
+    """Return the noise of a sense of one infant, drawn by the stream of its name, or None if it has none."""
+    return SignalNoise(bind_noise(name, sense, entry), name, streams) if noise_amount(name, entry) else None
