@@ -42,13 +42,14 @@ class Smooth:
     """T."""
 
     def __call__(self, xp: Any, values: Any, elapsed_s: float, drawn: Any) -> Any:
-        """Return the values and T times their rates after some time, shape (k, 2, n); see `LowPass`."""
+        """Return the values, then T times their rates after some time, shape (k, 2 n); see `LowPass`."""
         if values is None:
             return drawn
         (xx, xy), (yx, yy), (first, mixed, second) = smooth_step(elapsed_s / self.time_constant_s)
-        value, rate, one, other = values[:, 0, :], values[:, 1, :], drawn[:, 0, :], drawn[:, 1, :]
+        count = values.shape[1] // 2
+        value, rate, one, other = values[:, :count], values[:, count:], drawn[:, :count], drawn[:, count:]
         changed = [xx * value + xy * rate + first * one, yx * value + yy * rate + (mixed * one + second * other)]
-        return xp.stack(changed, axis=1)
+        return xp.concat(changed, axis=1)
 
 
 def smooth_step(times: float) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float, float]]:

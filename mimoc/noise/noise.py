@@ -33,7 +33,7 @@ from mimoc.units import ms_to_s
 BoolArray = npt.NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)  # Not frozen, which would take three times as long to make.
 class Draw:
     """What noise is made of at one time."""
 
@@ -76,7 +76,7 @@ class SignalNoise:
         self._noise: Noise = stack_terms([noise])
         self._channel, self._streams = channel, streams
         self.state: list[Any] = [-math.inf, None]
-        """When the last sample was taken [s], and the state of the noise, which is never changed in place."""
+        """When the last sample was taken [s], and the state of the noise, an array that is never changed in place."""
 
     def reset(self) -> None:
         """Forget the samples taken so far."""
@@ -84,14 +84,14 @@ class SignalNoise:
 
     def at(self, time_s: float, sample: Sample) -> Sample:
         """Return the sample of some time with noise, as a new array."""
-        elapsed_s, self.state = time_s - self.state[0], [time_s, self.state[1]]
-        return self(elapsed_s, sample)
+        noisy = self(time_s - self.state[0], sample)
+        self.state[0] = time_s
+        return noisy
 
     def __call__(self, elapsed_s: float, sample: Sample) -> Sample:
         """Return a sample with noise, as a new array, some time after the last one; infinite begins an episode."""
-        draw = Draw(NUMPY, elapsed_s, self._normals)
-        noisy, state = self._noise(draw, sample[None], None if elapsed_s == math.inf else self.state[1])
-        self.state = [self.state[0], state]
+        state = None if elapsed_s == math.inf else self.state[1]
+        noisy, self.state[1] = self._noise(Draw(NUMPY, elapsed_s, self._normals), sample[None], state)
         return noisy[0]
 
     def _normals(self, shape: Sequence[int], where: BoolArray | None) -> FloatArray:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimoc.noise.low_pass import LowPass, Smooth
+from mimoc.runtime.array_library import NUMPY
 
 COUNT = 40_000
 TOLERANCE = 5 / math.sqrt(COUNT)
@@ -38,8 +39,8 @@ def test_values_correlate_by_the_time_between_them_however_it_is_divided(elapsed
 @given(times_s, times_s, seeds)
 def test_smooth_noise_keeps_its_deviation_and_that_of_its_rate(elapsed_s, constant_s, seed):
     noise, draws = Smooth(constant_s), generator(seed)
-    before = noise(np, None, math.inf, draws.standard_normal((1, 2, COUNT)))
-    ((values, rates),) = noise(np, before, elapsed_s, draws.standard_normal((1, 2, COUNT)))
+    before = noise(NUMPY, None, math.inf, draws.standard_normal((1, 2 * COUNT)))
+    values, rates = noise(NUMPY, before, elapsed_s, draws.standard_normal((1, 2 * COUNT))).reshape(2, COUNT)
     assert abs(values.mean()) < TOLERANCE
     assert values.var() == pytest.approx(1, abs=2 * TOLERANCE)
     assert rates.var() == pytest.approx(1, abs=2 * TOLERANCE)
@@ -50,8 +51,8 @@ def test_the_rate_of_smooth_noise_is_its_derivative():
     """Over a tenth of a second, by the trapezoidal rule."""
     noise, draws, step_s, state, steps = Smooth(0.06), generator(0), 0.0001, None, []
     for _ in range(1001):
-        state = noise(np, state, step_s, draws.standard_normal((1, 2, 50)))
-        steps.append(state[0])
+        state = noise(NUMPY, state, step_s, draws.standard_normal((1, 2 * 50)))
+        steps.append(state.reshape(2, 50))
     values, rates = np.stack(steps, axis=1)
     walked = step_s / 0.06 * (rates[1:] + rates[:-1]).sum(axis=0) / 2
     assert walked == pytest.approx(values[-1] - values[0], abs=0.01)

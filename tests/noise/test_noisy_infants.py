@@ -202,8 +202,8 @@ def test_the_size_of_a_force_varies_by_the_stated_newtons(library, width):
 def test_angles_vary_by_the_stated_degrees_and_velocities_accordingly(library):
     """Their values, those of the rates, and the correlation of both over time."""
     count = 20_000
-    errors = np.append(np.arange(2 * count), [2 * count] * 5)
-    noise = ProprioceptionNoise(np.array([np.radians(2)]), count, errors, Smooth(0.06))
+    errors, per = np.append(np.arange(2 * count), [0] * 5), np.repeat([1, 0.06, np.inf], [count, count, 5])
+    noise = ProprioceptionNoise(np.array([np.radians(2)]), errors, per, count, Smooth(0.06))
     first, later = (np.degrees(sample) for sample in disturbed(library, noise, [np.zeros(len(errors))] * 2, 0.03))
     for sample in (first, later):
         assert sample[:count].std() == pytest.approx(2, rel=0.02)

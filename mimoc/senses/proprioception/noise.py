@@ -18,19 +18,19 @@ class ProprioceptionNoise(Noise):
 
     deviation_rad: FloatArray
     """Standard deviation of an angle, shape (1,)."""
+    errors: IntArray
+    """Of each number of a sample, the place of its error among those of n angles, then those of their velocities."""
+    per: FloatArray
+    """By what the error there is divided: 1 of angles, the time constant of velocities, and infinity of all else."""
     count: int
     """Number of angles, n."""
-    errors: IntArray
-    """Of each number of a sample, the place of its error among those of n angles, of n velocities, and no error."""
     low_pass: Smooth
 
     def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
-        """Return a sample with noise, shape (k, size), and its errors with their rates, shape (k, 2, n)."""
-        xp = draw.xp
-        state = self.low_pass(xp, state, draw.elapsed_s, draw.normals((sample.shape[0], 2, self.count)))
-        errors = [state[:, 0, :], state[:, 1, :] / self.low_pass.time_constant_s]
-        errors = [*(self.deviation_rad * error for error in errors), xp.zeros_like(sample[:, :1])]
-        return sample + xp.take(xp.concat(errors, axis=1), self.errors, axis=1), state
+        """Return a sample with noise, shape (k, size), and its errors, shape (k, 2 n); see `Smooth`."""
+        drawn = draw.normals((sample.shape[0], 2 * self.count))
+        state = self.low_pass(draw.xp, state, draw.elapsed_s, drawn)
+        return sample + self.deviation_rad * (draw.xp.take(state, self.errors, axis=1) / self.per), state
 
 
 def bind(amount_deg: float, sense: Sense, low_pass_s: float) -> ProprioceptionNoise:
@@ -38,8 +38,7 @@ def bind(amount_deg: float, sense: Sense, low_pass_s: float) -> ProprioceptionNo
     angles, velocities = (
         np.flatnonzero([name.endswith(f"[{unit}]") for name in sense.layout]) for unit in (ANGLE_UNIT, VELOCITY_UNIT)
     )
-    count = len(angles)
-    errors = np.full(len(sense.layout), 2 * count)
-    errors[angles] = np.arange(count)
-    errors[velocities] = count + np.arange(len(velocities))
-    return ProprioceptionNoise(np.array([deg_to_rad(amount_deg)]), count, errors, Smooth(low_pass_s))
+    errors, per = np.zeros(len(sense.layout), np.intp), np.full(len(sense.layout), np.inf)
+    errors[angles], per[angles] = np.arange(len(angles)), 1.0
+    errors[velocities], per[velocities] = len(angles) + np.arange(len(velocities)), low_pass_s
+    return ProprioceptionNoise(np.array([deg_to_rad(amount_deg)]), errors, per, len(angles), Smooth(low_pass_s))
