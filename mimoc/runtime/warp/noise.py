@@ -65,20 +65,17 @@ class DeviceNoise:
         self._first = channel * 2 * PLACES
         self._state: torch.Tensor | None = None
 
-    def __call__(self, signal: wp.array, elapsed_s: float) -> torch.Tensor:
+    def __call__(self, signal: torch.Tensor, elapsed_s: float) -> torch.Tensor:
         """Return a signal of all worlds with noise, shape (worlds, n), some time after the last one."""
-        noisy, state = self._noise(self._draw(self._first, elapsed_s), wp.to_torch(signal), self._state)
+        noisy, state = self._noise(self._draw(self._first, elapsed_s), signal, self._state)
         self._keep(state)
         return noisy
 
-    def begin(self, signal: wp.array, chosen: wp.array) -> torch.Tensor:
-        """Return the signal of worlds that begin an episode, those not chosen by -1, with noise; others keep theirs."""
-        begins, entering = wp.to_torch(chosen) >= 0, wp.to_torch(signal)
-        noisy, state = self._noise(self._draw(self._first + PLACES, math.inf), entering, None)
-        if state is not None and self._state is not None:
-            state = _where(begins, state, self._state)
-        self._keep(state)
-        return _where(begins, noisy, entering)
+    def begin(self, signal: torch.Tensor, begins: torch.Tensor) -> torch.Tensor:
+        """Return the signal with noise of worlds that begin an episode, shape (worlds,); others keep their noise."""
+        noisy, state = self._noise(self._draw(self._first + PLACES, math.inf), signal, None)
+        self._keep(state if state is None or self._state is None else _where(begins, state, self._state))
+        return _where(begins, noisy, signal)
 
     def _draw(self, first: int, elapsed_s: float) -> Draw:
         return Draw(array_library, elapsed_s, lambda shape, where: self._chance.normals(first, shape))
@@ -96,26 +93,18 @@ class NoisyCommands:
 
     def __init__(self, noise: DeviceNoise, actuators: IntArray, worlds: int, timestep_s: float):
         """Disturb the commands of some actuators of the model, shape (n,), in each physics step."""
-        self._noise, self._timestep_s = noise, timestep_s
-        self.commanded = wp.zeros((worlds, len(actuators)), dtype=float)
+        self._noise, self._timestep_s, self._actuators = noise, timestep_s, put_on(wp.get_device())(actuators)
+        self.commanded = torch.zeros((worlds, len(actuators)), device=self._actuators.device)
         """Commands without noise, shape (worlds, n)."""
-        self._actuators = put_on(wp.get_device())(actuators)
 
-    def begin(self, chosen: wp.array, commands: wp.array) -> None:
-        """Begin anew in some worlds, with their rows of a table as commands."""
-        take_rows(chosen, commands, self.commanded)
-        self._noise.begin(self.commanded, chosen)
+    def begin(self, commands: torch.Tensor, begins: torch.Tensor) -> None:
+        """Begin anew in some worlds, shape (worlds,), with their rows of commands, shape (worlds, n)."""
+        self.commanded.copy_(_where(begins, commands, self.commanded))
+        self._noise.begin(self.commanded, begins)
 
-    def __call__(self, controls: wp.array) -> None:
+    def __call__(self, controls: torch.Tensor) -> None:
         """Set the controls of the next physics step, shape (worlds, nu)."""
-        noisy = self._noise(self.commanded, self._timestep_s)
-        wp.to_torch(controls).index_copy_(1, self._actuators, noisy)
-
-
-def take_rows(chosen: wp.array, table: wp.array, rows: wp.array) -> None:
-    """Write rows of a table where they are chosen; -1 is none."""
-    places, kept = wp.to_torch(chosen).long(), wp.to_torch(rows)
-    kept.copy_(_where(places >= 0, wp.to_torch(table)[places.clamp(min=0)], kept))
+        controls.index_copy_(1, self._actuators, self._noise(self.commanded, self._timestep_s))
 
 
 def _where(begins: torch.Tensor, new: torch.Tensor, former: torch.Tensor) -> torch.Tensor:

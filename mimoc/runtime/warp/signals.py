@@ -14,7 +14,7 @@ from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.lines import Line, delay_steps
-from mimoc.runtime.warp.noise import DeviceNoise, take_rows
+from mimoc.runtime.warp.noise import DeviceNoise
 from mimoc.runtime.warp.touch import Feeling
 from mimoc.senses.sense import IntArray
 from mimoc.units import ms_to_s
@@ -73,8 +73,8 @@ class Numbers:
         self._read(model, data, self.line.entering)
         if self._noise:
             earlier = min((other - rest) % self._period or self._period for other in self._rests)
-            noisy = self._noise(self.line.entering, float(earlier) * self._timestep_s)
-            wp.to_torch(self.line.entering).copy_(noisy)
+            entering = wp.to_torch(self.line.entering)
+            entering.copy_(self._noise(entering, float(earlier) * self._timestep_s))
         self.line.send(clock, rest)
 
     def arrive(self, clock: wp.array, observation: Mapping[str, wp.array]) -> None:
@@ -84,10 +84,9 @@ class Numbers:
     def refill(self, chosen: wp.array, samples: Mapping[str, wp.array]) -> None:
         """Sense what the starts have, with noise that is drawn anew."""
         if self._noise:
-            entering, begins = self.line.entering, wp.to_torch(chosen) >= 0
-            take_rows(chosen, samples[self._name], entering)
-            wp.to_torch(entering).copy_(self._noise.begin(entering, chosen))
-            self.line.refill(wp.from_torch(torch.where(begins, self._everyone, -1)), entering)
+            starts, begins = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
+            noisy = self._noise.begin(wp.to_torch(samples[self._name])[starts], begins)
+            self.line.refill(wp.from_torch(torch.where(begins, self._everyone, -1)), wp.from_torch(noisy))
         else:
             self.line.refill(chosen, samples[self._name])
 

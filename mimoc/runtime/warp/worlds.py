@@ -153,7 +153,8 @@ class Worlds:
         starts.restore(chosen, self.model, self.data, self.memory)
         self.commands.refill(chosen, starts.commands)
         if self._motor_noise:
-            self._motor_noise.begin(chosen, starts.commands)
+            rows, begins = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
+            self._motor_noise.begin(wp.to_torch(starts.commands)[rows], begins)
         for channel in self.channels.values():
             channel.refill(chosen, starts.samples)
         self.ended.begin(chosen)
@@ -239,8 +240,8 @@ class Worlds:
         if self._is_noisy:
             self.chance.advance()
         if self._motor_noise:
-            self.commands.apply(self.clock, index, self._own_columns, self._motor_noise.commanded)
-            self._motor_noise(self.data.ctrl)
+            self.commands.apply(self.clock, index, self._own_columns, wp.from_torch(self._motor_noise.commanded))
+            self._motor_noise(wp.to_torch(self.data.ctrl))
         else:
             self.commands.apply(self.clock, index, self._columns, self.data.ctrl)
 
