@@ -77,6 +77,8 @@ class SenseKind:
     many: Code | None = None
     """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
     it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
+    device: Code | None = None
+    """`bind(setup) -> DeviceReader` (`mimoc/runtime/warp/signals.py`): what reads it on a device if it is no term."""
 
 
 @dataclass(frozen=True, slots=True)

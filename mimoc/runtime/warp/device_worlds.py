@@ -1,6 +1,7 @@
 """Worlds on a device, as terms read them: torch's views of MuJoCo Warp's arrays, which need no copy."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import array_api_compat.torch as array_library
@@ -34,16 +35,28 @@ def put_on(device: wp.Device) -> Put:
     return put
 
 
-def term_of_worlds(terms: Sequence[Term], body_of_world: Sequence[int]) -> Term:
-    """Return the term of all worlds, on Warp's present device.
+def term_of_worlds(what: str, terms: Sequence[Term], body: wp.array) -> Term:
+    """Return the term of all worlds, on their device.
 
     Args:
+        what: What it is of, for errors.
         terms: Of the different bodies.
-        body_of_world: Which of them lives in each world, shape (worlds,).
+        body: Which of them lives in each world, shape (worlds,).
 
     Raises:
-        MixtureError: If they look at different places.
+        MixtureError: If they look at different addresses.
     """
-    if field := differing_field(terms):
-        raise MixtureError(f"infants cannot share a batch, because they differ in {type(terms[0]).__name__}.{field}")
-    return stack_terms([terms[body] for body in body_of_world], put_on(wp.get_device()))
+    for number, term in enumerate(terms):
+        if field := differing_field([terms[0], term]):
+            raise MixtureError(
+                f"infants 0 and {number} cannot share a batch, because they differ in the field '{field}' of the term "
+                f"of {what}; make a vector environment of each kind"
+            )
+    return stack_terms([terms[index] for index in body.numpy()], put_on(body.device))
+
+
+@contextmanager
+def present(device: wp.Device) -> Iterator[None]:
+    """Let a device be Warp's present one, where torch works on Warp's stream, so that each waits for the other."""
+    with wp.ScopedDevice(device), torch.cuda.stream(wp.stream_to_torch(device)) if device.is_cuda else nullcontext():
+        yield

@@ -6,10 +6,7 @@ import warp as wp
 
 from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
-from mimoc.senses.term_sense import TermSense
-
-READERS = {"touch", "vision"}
-"""Senses that a device reads by kernels."""
+from mimoc.runtime.warp.signals import device_part
 
 
 class DeviceError(MimocError):
@@ -36,14 +33,14 @@ def check_infant(infant: InfantEnv) -> None:
     Raises:
         DeviceError: If something cannot.
     """
-    name = infant.manifest.name
     for sense, bound in infant.senses.items():
-        if not isinstance(bound, TermSense) and sense not in READERS:
+        if bound.term is None and not device_part(sense, bound):
             raise DeviceError(
-                f"infant '{name}' has the sense '{sense}', which is not a term and has no device part: give it one "
-                "(docs/own_sense.md), or leave out device"
+                f"sense '{sense}' is not a term and has no device part: give it one (docs/own_sense.md), or leave out "
+                "device"
             )
     if infant.manifest.noise.delay_jitter_ms:
         raise DeviceError(
-            f"infant '{name}' has delays with jitter, which a device does not have; leave out delay_jitter_ms or device"
+            f"infant '{infant.manifest.name}' has delays with jitter, which are not there on a device; "
+            "leave out delay_jitter_ms, or device"
         )

@@ -11,9 +11,12 @@ import array_api_compat.torch as array_library
 import torch
 import warp as wp
 
-from mimoc.noise.noise import Draw, Noise
+from mimoc.delays.spec import MOTOR
+from mimoc.noise.motor import bind_motor_noise
+from mimoc.noise.noise import Draw, Noise, bind_noise, noise_amount
+from mimoc.noise.spec import noise_keys
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.device_worlds import put_on, term_of_worlds
-from mimoc.senses.sense import IntArray
 
 PLACES = 1 << 23
 """How many random numbers a channel has at a time."""
@@ -52,17 +55,17 @@ class Chance:
 class DeviceNoise:
     """The noise of one signal of all worlds, with its state."""
 
-    def __init__(self, noises: Sequence[Noise], body_of_world: Sequence[int], chance: Chance, channel: int):
+    def __init__(self, signal: str, noises: Sequence[Noise], body: wp.array, chance: Chance):
         """Disturb a signal.
 
         Args:
+            signal: Its name, by which its random numbers differ from those of others.
             noises: Of the different bodies.
-            body_of_world: Which of them lives in each world, shape (worlds,).
+            body: Which of them lives in each world, shape (worlds,).
             chance: Random numbers.
-            channel: Number of the signal, by which its random numbers differ from those of others.
         """
-        self._noise, self._chance = term_of_worlds(noises, body_of_world), chance
-        self._first = channel * 2 * PLACES
+        self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
+        self._first = [*noise_keys(), MOTOR].index(signal) * 2 * PLACES
         self._state: torch.Tensor | None = None
 
     def __call__(self, signal: torch.Tensor, elapsed_s: float) -> torch.Tensor:
@@ -91,10 +94,12 @@ class DeviceNoise:
 class NoisyCommands:
     """The commands of all worlds, and the noise with which they drive actuators."""
 
-    def __init__(self, noise: DeviceNoise, actuators: IntArray, worlds: int, timestep_s: float):
-        """Disturb the commands of some actuators of the model, shape (n,), in each physics step."""
-        self._noise, self._timestep_s, self._actuators = noise, timestep_s, put_on(wp.get_device())(actuators)
-        self.commanded = torch.zeros((worlds, len(actuators)), device=self._actuators.device)
+    def __init__(self, infants: Sequence[InfantEnv], body: wp.array, chance: Chance):
+        """Disturb the commands in each physics step; see `DeviceNoise`."""
+        noises = [bind_motor_noise(infant.manifest.noise, infant.actuation) for infant in infants]
+        self._noise, self._timestep_s = DeviceNoise(MOTOR, noises, body, chance), infants[0].model.opt.timestep
+        self._actuators = put_on(body.device)(infants[0].actuation.actuators)
+        self.commanded = torch.zeros((body.shape[0], len(self._actuators)), device=self._actuators.device)
         """Commands without noise, shape (worlds, n)."""
 
     def begin(self, commands: torch.Tensor, begins: torch.Tensor) -> None:
@@ -105,6 +110,25 @@ class NoisyCommands:
     def __call__(self, controls: torch.Tensor) -> None:
         """Set the controls of the next physics step, shape (worlds, nu)."""
         controls.index_copy_(1, self._actuators, self._noise(self.commanded, self._timestep_s))
+
+
+def is_noisy(infant: InfantEnv) -> bool:
+    """Return whether an infant has any noise."""
+    entry = infant.manifest.noise
+    return bool(entry.motor) or any(noise_amount(sense, entry) for sense in noise_keys())
+
+
+def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> DeviceNoise | None:
+    """Return the noise of a sense of some different bodies, or None if none has any."""
+    if not any(noise_amount(sense, infant.manifest.noise) for infant in infants):
+        return None
+    noises = [bind_noise(sense, infant.senses[sense], infant.manifest.noise) for infant in infants]
+    return DeviceNoise(sense, noises, body, chance)
+
+
+def motor_noise(infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> NoisyCommands | None:
+    """Return the commands with their noise, or None if no infant has any."""
+    return NoisyCommands(infants, body, chance) if any(infant.manifest.noise.motor for infant in infants) else None
 
 
 def _where(begins: torch.Tensor, new: torch.Tensor, former: torch.Tensor) -> torch.Tensor:

@@ -154,7 +154,7 @@ def _start(infant: InfantEnv, task: DeviceTask, touch: Feeling | None) -> dict[s
         values = np.asarray(getattr(infant.model, field.name)[field.rows], float).ravel()
         found[f"model {field.name}"] = np.concatenate([found[f"model {field.name}"], values])
     for name in _numbers(infant):
-        sample = np.array(infant.senses[name](infant.data), float)  # Without noise, which is drawn for each episode.
+        sample = infant.senses[name](infant.data).astype(float).ravel()  # Noise is drawn for each episode.
         found[f"sense {name}"] = touch.start(sample) if touch and name == "touch" else sample
     return found
 

@@ -1,16 +1,16 @@
 """Touch on a device: one thread for each contact of any infant, which adds its force to the skin that it presses on."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
+from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.contacts import Contacts, contacts_of, force_of, presses
+from mimoc.runtime.warp.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
 
@@ -26,24 +26,26 @@ KINDS = ("bodies", "points")
 class Feeling:
     """Touch of all infants: forces at places on the skin, which share them as `Receptors` does."""
 
-    def __init__(self, kind: str, infants: Sequence[InfantEnv], body_of_world: wp.array):
+    def __init__(self, setup: DeviceSetup):
         """Find the places on each infant: all points, or one on each body, which has all that presses on the body.
 
         Raises:
             UnknownNameError: If there is no such way to tell of touch.
         """
-        if kind not in KINDS:
-            raise UnknownNameError("way to tell of touch", kind, KINDS)
-        touches: list[Any] = [infant.senses["touch"] for infant in infants]
-        model, entry, skin = infants[0].model, infants[0].manifest.senses.touch, touches[0].receptors.bodies
-        self.width, self._body = touches[0].width, body_of_world
+        if setup.touch not in KINDS:
+            raise UnknownNameError("way to tell of touch", setup.touch, KINDS)
+        touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
+        model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
+        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body
         points_m = np.stack([touch.receptors.points_m for touch in touches])
         places, self._place_of_point, is_nearest = skin, np.arange(len(skin)), entry.response == "nearest"
-        if kind == "bodies":
+        if setup.touch == "bodies":
             places, self._place_of_point = np.unique(skin, return_inverse=True)
-            points_m, is_nearest = np.zeros((len(infants), len(places), 3)), True
+            points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
         self.bodies = np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
+        box = touches[0].spaces["touch"]
+        self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
         first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
         self._geoms = put(skin_body_of_geoms(skin, model), wp.int32)
@@ -62,6 +64,9 @@ class Feeling:
         sums = np.zeros((len(self.bodies) // self.width, self.width))
         np.add.at(sums, self._place_of_point, sample.reshape(-1, self.width))
         return sums.ravel()
+
+
+bind = Feeling
 
 
 @wp.func

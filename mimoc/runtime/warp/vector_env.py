@@ -20,6 +20,7 @@ from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
 from mimoc.runtime.many.spaces import batch_of, covering
 from mimoc.runtime.warp.arrays import giver, put, taken
 from mimoc.runtime.warp.capacity import Capacity
+from mimoc.runtime.warp.device_worlds import present
 from mimoc.runtime.warp.needs import DeviceError, check_infant, find_device
 from mimoc.runtime.warp.starts import Starts
 from mimoc.runtime.warp.worlds import Worlds
@@ -87,11 +88,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
         self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
         which = np.arange(self.num_envs) % len(infants)
-        with wp.ScopedDevice(self.device):
+        with present(self.device):
             room = contacts, constraints
             self.worlds = Worlds(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
         self._starts: dict[str | None, Starts] = {None: self.worlds.default_starts}
-        self._graph: wp.Graph | None = None
         self._is_settled = True
         """Whether what the device reports of the last step has been dealt with."""
         self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
@@ -125,7 +125,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         if isinstance(seed, (int, np.integer)):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
         which = chosen(options, self.num_envs)
-        with wp.ScopedDevice(self.device):
+        with present(self.device):
             starts = self._starts_in(options.get("pose"))
             self.worlds.begin(starts, put(self._choices(starts, seeds, which), wp.int32))
             ended = self.worlds.ended.ended.numpy()
@@ -153,9 +153,9 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
         entering = self.worlds.actions
-        with wp.ScopedDevice(self.device):
+        with present(self.device):
             wp.copy(entering, taken(actions, entering.shape))
-            self._step()
+            self.worlds.step()
             self._is_settled = False
             ended = self.worlds.ended
             given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
@@ -203,18 +203,6 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Close the infants that drew the starts."""
         for infant in self.infants:
             infant.close()
-
-    def _step(self) -> None:
-        """Make the control step: on a GPU as one graph, which is captured after a first step has loaded all kernels."""
-        if not self.device.is_cuda:
-            self.worlds.step()
-        elif self._graph is None:
-            self.worlds.step()
-            with wp.ScopedCapture(self.device) as capture:
-                self.worlds.step()
-            self._graph = capture.graph
-        else:
-            wp.capture_launch(self._graph)
 
     def _choices(self, starts: Starts, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
         """Return the start of each infant that is reset, -1 for others."""
@@ -273,6 +261,5 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         if self._is_settled:
             return
         self._is_settled = True
-        with wp.ScopedDevice(self.device):
-            if self.worlds.settle():
-                self._graph = None  # It has the places of the former arrays in memory.
+        with present(self.device):
+            self.worlds.settle()

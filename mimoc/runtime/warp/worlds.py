@@ -2,37 +2,34 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
 from mimoc.delays.spec import MOTOR
-from mimoc.noise.motor import bind_motor_noise
-from mimoc.noise.noise import bind_noise, noise_amount
-from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
-from mimoc.runtime.warp.device_worlds import device_worlds, term_of_worlds
+from mimoc.runtime.warp.device_worlds import device_worlds, put_on, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
-from mimoc.runtime.warp.noise import Chance, DeviceNoise, NoisyCommands
+from mimoc.runtime.warp.noise import Chance, is_noisy, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
 from mimoc.runtime.warp.room import RARE, Room
-from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
+from mimoc.runtime.warp.signals import DeviceSense, DeviceSetup, delays_of, reader_of, space_of
 from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
 from mimoc.runtime.warp.tasks import device_task
 from mimoc.runtime.warp.tasks.task import Judged
-from mimoc.runtime.warp.touch import Feeling
-from mimoc.runtime.warp.vectors import TermReader
-from mimoc.runtime.warp.vision.sight import VISION, Sight
+from mimoc.runtime.warp.vision.sight import VISION
 from mimoc.senses.sense import IntArray
-from mimoc.units import ms_to_s, to_steps
+from mimoc.units import to_steps
 
 GOAL = "goal"
 NO_MEMORY = "Failed to allocate"
@@ -64,8 +61,13 @@ class Worlds:
         present, models = self.room.present, [each.model for each in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
-        self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
+        self.task, self._device = device_task(infants, count), wp.get_device()
+        self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
+        """Control steps so far."""
+        self._graphs: dict[int, wp.Graph] = {}
+        """Of some numbers of physics steps."""
         self.chance = Chance(put(np.arange(count), wp.int32))
+        self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
         self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
@@ -81,26 +83,24 @@ class Worlds:
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
-        self._is_noisy = False
         first, count = self._infants[0], self.body.shape[0]
-        self._touch = Feeling(touch, self._infants, self.body) if "touch" in first.senses else None
-        self.spaces = [space_of(infant, self._touch) for infant in self._infants]
-        self.channels: dict[str, Channel] = {
-            name: self._channel(name) for name in first.senses if name not in (VISION, "nothing")
-        }
-        self.sight = self._sight() if VISION in first.senses else None
-        if self.sight:
-            self.channels[VISION] = self.sight
-        self._columns = put(first.actuation.actuators, wp.int32)
-        self._own_columns = put(np.arange(len(first.actuation.actuators)), wp.int32)
-        delays = np.stack([delays_of(infant, MOTOR) for infant in self._infants])
+        setup = DeviceSetup(self._infants, self.body, self.model, touch)
+        self.senses = {name: self._sense(name, setup) for name in first.senses}
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(self._infants)]
+        actuators = first.actuation.actuators
+        delays = np.stack([delays_of(infant, MOTOR, len(actuators)) for infant in self._infants])
         self.commands = Line(delays, self.period, self.body)
         self.actions = wp.zeros_like(self.commands.entering)
         """Of the present control step, shape (worlds, n)."""
-        self._controls_of = first.actuation.command and term_of_worlds(
-            [infant.actuation.command for infant in self._infants], self.body.numpy()
-        )
-        self._motor_noise = self._noisy_commands()
+        commands: list[Any] = [infant.actuation.command for infant in self._infants]
+        self._controls_of = commands[0] and term_of_worlds("commands", commands, self.body)
+        self._motor_noise = motor_noise(self._infants, self.body, self.chance)
+        columns = np.arange(len(actuators)) if self._motor_noise else actuators
+        self._columns, self._worlds = map(put_on(self._device), (columns, np.arange(count)))
+        sampled = {int(self.period - rest) for sense in self.senses.values() for rest in sense.line.rests}
+        applied = {int(rest) for rest in self.commands.rests}
+        noisy = range(self.period) if self._motor_noise else ()
+        self._segments = tuple(pairwise(sorted({0, self.period, *sampled, *applied, *noisy})))
         spaces: dict[str, Any] = dict(self.spaces[0].items())
         self.observation = {
             name: wp.zeros((count, *space.shape), dtype=wp.uint8 if space.dtype == np.uint8 else float)
@@ -108,40 +108,21 @@ class Worlds:
         }
         self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
 
-    def _channel(self, name: str) -> Numbers:
-        """Return a sense of numbers."""
-        read = self._touch if name == "touch" else TermReader(name, self._infants, self.body)
-        noise, entries = None, [infant.manifest.noise for infant in self._infants]
-        if any(noise_amount(name, entry) for entry in entries):
-            noises = [
-                bind_noise(name, each.senses[name], entry) for each, entry in zip(self._infants, entries, strict=True)
-            ]
-            noise = DeviceNoise(noises, self.body.numpy(), self.chance, list(noise_keys()).index(name))
-        self._is_noisy |= noise is not None
-        return Numbers(name, self._infants, self.spaces, self.body, read, noise)
-
-    def _noisy_commands(self) -> NoisyCommands | None:
-        """Return the commands with their noise, or None if no infant has any."""
-        if not any(infant.manifest.noise.motor for infant in self._infants):
-            return None
-        noises = [bind_motor_noise(infant.manifest.noise, infant.actuation) for infant in self._infants]
-        noise = DeviceNoise(noises, self.body.numpy(), self.chance, len(noise_keys()))
-        self._is_noisy, first = True, self._infants[0]
-        timestep_s = ms_to_s(first.manifest.timestep_ms)
-        return NoisyCommands(noise, first.actuation.actuators, self.body.shape[0], timestep_s)
-
-    def _sight(self) -> Sight:
-        """Return the eyes of all infants."""
-        manifests, models = zip(*((each.manifest, each.model) for each in self._infants), strict=True)
-        return Sight(manifests, models, self.body.numpy(), self.body, self.model, self.period)
+    def _sense(self, name: str, setup: DeviceSetup) -> DeviceSense:
+        """Return a sense of all infants."""
+        read = reader_of(name, setup)
+        noise = noise_of(name, self._infants, self.body, self.chance)
+        return DeviceSense(name, setup, read, noise)
 
     def starts(self, pose: str | None) -> Starts:
         """Return the starts of all bodies in a pose."""
-        found = drawn(self._infants, self._most_starts, pose, self.model, self.task, self._touch)
-        if self.sight is None:
-            return found
-        seen = seen_at(found, self.sight, self.body.numpy(), self.model, self.data)
-        return replace(found, samples={**found.samples, VISION: seen})
+        touch: Any = self.senses["touch"].read if "touch" in self.senses else None
+        starts = drawn(self._infants, self._most_starts, pose, self.model, self.task, touch)
+        if VISION not in self.senses:
+            return starts
+        sight: Any = self.senses[VISION].read
+        seen = seen_at(starts, sight, self.body.numpy(), self.model, self.data)
+        return replace(starts, samples={**starts.samples, VISION: seen})
 
     def seed(self, seeds: Mapping[int, int]) -> None:
         """Give new seeds to some worlds."""
@@ -151,24 +132,28 @@ class Worlds:
     def begin(self, starts: Starts, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
         starts.restore(chosen, self.model, self.data, self.memory)
-        self.commands.refill(chosen, starts.commands)
+        start, begin = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
+        self.commands.fill(begin, wp.to_torch(starts.commands)[start])
         if self._motor_noise:
-            rows, begins = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
-            self._motor_noise.begin(wp.to_torch(starts.commands)[rows], begins)
-        for channel in self.channels.values():
-            channel.refill(chosen, starts.samples)
+            self._motor_noise.begin(wp.to_torch(starts.commands)[start], begin)
+        for sense in self.senses.values():
+            sense.refill(chosen, starts.samples)
         self.ended.begin(chosen)
 
     def step(self) -> None:
-        """Make a control step of all worlds with `actions`, and begin new episodes as the mode says."""
-        wp.launch(_tick, 1, [], [self.clock])
+        """Make a control step of all worlds with `actions`, and begin new episodes as the mode says.
+
+        It is cut wherever commands arrive, noise is drawn or a sense is sampled. On a GPU, the physics steps between
+        two cuts are one graph; terms run between these graphs.
+        """
+        self.clock += 1
         self._take_actions()
-        self.commands.send(self.clock, -1)
-        for index in range(self.period):
-            self._command(index)
-            mjw.step(self.model, self.data)
-            for channel in self.channels.values():
-                channel.sample(self.model, self.data, self.clock, self.period - 1 - index)
+        self.commands.send(self.clock)
+        for start, end in self._segments:
+            self._command(start)
+            self._physics(end - start)
+            for sense in self.senses.values():
+                sense.sample(self.model, self.data, self.clock, self.period - end)
         self.ended.clear()
         self.task.judge(self.model, self.data, self._judged)
         self.ended.judge(self.data, self.actions, self._mode, self.default_starts)
@@ -209,6 +194,7 @@ class Worlds:
             self.room.largest = self.room.present
             return False
         self.room.present = wanted
+        self._graphs = {}  # They have the places of the former arrays in memory.
         return True
 
     def _lack(self, count: int) -> str:
@@ -222,28 +208,39 @@ class Worlds:
 
     def observe(self) -> None:
         """Write what has arrived of all senses, and what the task adds."""
-        for channel in self.channels.values():
-            channel.arrive(self.clock, self.observation)
+        for sense in self.senses.values():
+            sense.arrive(self.clock, self.observation)
         if self.task.goal:
             self.task.observe(self.memory, self.observation[GOAL])
 
     def _take_actions(self) -> None:
         """Let the controls that the actions mean be sent."""
-        if self._controls_of is None:
-            wp.copy(self.commands.entering, self.actions)
-        else:
-            controls = self._controls_of(device_worlds(self.data), wp.to_torch(self.actions))
-            wp.to_torch(self.commands.entering).copy_(controls)
+        actions = wp.to_torch(self.actions)
+        controls = self._controls_of(device_worlds(self.data), actions) if self._controls_of else actions
+        wp.to_torch(self.commands.entering).copy_(controls)
 
     def _command(self, index: int) -> None:
-        """Set the controls of a physics step."""
+        """Set the controls of the physics steps that follow."""
         if self._is_noisy:
             self.chance.advance()
+        controls = self._motor_noise.commanded if self._motor_noise else wp.to_torch(self.data.ctrl)
+        for rows, numbers, values in self.commands.arrive(self.clock, index):
+            controls[self._worlds[rows, None], self._columns[numbers]] = values
         if self._motor_noise:
-            self.commands.apply(self.clock, index, self._own_columns, wp.from_torch(self._motor_noise.commanded))
             self._motor_noise(wp.to_torch(self.data.ctrl))
-        else:
-            self.commands.apply(self.clock, index, self._columns, self.data.ctrl)
+
+    def _physics(self, steps: int) -> None:
+        """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""
+        if steps in self._graphs:
+            wp.capture_launch(self._graphs[steps])
+            return
+        for _ in range(steps):
+            mjw.step(self.model, self.data)
+        if self._device.is_cuda:
+            with wp.ScopedCapture(self._device) as capture:
+                for _ in range(steps):
+                    mjw.step(self.model, self.data)
+            self._graphs[steps] = capture.graph
 
     def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
         """Return the room for contacts and constraints, measured where nothing was said."""
@@ -252,8 +249,3 @@ class Worlds:
         usual, largest = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS), needed.times(LARGEST, LARGEST)
         present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
         return Room(present, largest, worlds)
-
-
-@wp.kernel(enable_backward=False)
-def _tick(clock: wp.array[int]):
-    clock[0] = clock[0] + 1

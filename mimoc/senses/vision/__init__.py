@@ -10,6 +10,7 @@ KIND = SenseKind(
     entry=VisionEntry,
     build="mimoc.senses.vision.build",
     run="mimoc.senses.vision.run",
+    device="mimoc.runtime.warp.vision.sight",
     organs=("left_eye", "right_eye"),
     physiological_delay=AgeTable(AGES_MONTHS, (245, 205, 115, 105, 105, 105)),
 )
