@@ -1,14 +1,24 @@
 """Noise on MuJoCo Warp depends on nothing but the seed of its world; its terms are those of `tests/noise`."""
 
 import math
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+import pytest
 import torch
 import warp as wp
 from support.devices import DEVICE
 
 import mimoc
+from mimoc.kinds import NoiseOption, SenseKind
+from mimoc.mjcf.placed import Placed
+from mimoc.noise.low_pass import LowPass
+from mimoc.noise.noise import Noise
+from mimoc.runtime.term import Field
 from mimoc.runtime.warp.noise import Chance
+from mimoc.schema.base import Model
+from mimoc.senses.term_sense import TermSense
 
 NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "touch_n": 0.5}
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
@@ -73,3 +83,63 @@ def test_noise_depends_on_the_seed_alone_and_leaves_a_still_infant_near_the_trut
         assert 0.5 < errors.std() / math.radians(2) < 1.5
         assert (ours["proprioception"][0] != ours["proprioception"][1]).any()
     noisy.close()
+
+
+class PlaceSpec(Model):
+    """Where the trunk is."""
+
+
+class PlaceEntry(Model):
+    """Where the trunk is."""
+
+    kind: Literal["place"] = "place"
+    """Name of the sense."""
+
+
+@dataclass(frozen=True)
+class Drift(Noise):
+    """Each number is wrong by an error that changes gradually."""
+
+    deviation_m: np.ndarray
+    low_pass: LowPass
+
+    def __call__(self, draw, sample, state):
+        state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
+        return sample + self.deviation_m * state, state
+
+
+def bind_place(entry, model, bundle):
+    return TermSense("place", Field("qpos", np.arange(3)), [f"{axis} [m]" for axis in "xyz"], -10.0, 10.0)
+
+
+def bind_drift(amount_m, sense, low_pass_s):
+    return Drift(np.array([amount_m]), LowPass(low_pass_s))
+
+
+PLACE = SenseKind(
+    "place",
+    PlaceSpec,
+    PlaceEntry,
+    lambda spec, body: Placed(PlaceEntry()),
+    bind_place,
+    noise=NoiseOption("m", "Standard deviation of each number.", most=1.0, run=bind_drift),
+)
+
+
+def test_noise_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):
+    """Over the first observations of 40 seeds, and in the step after each."""
+    with registered(PLACE):
+        bundle = build(senses={"place": {}}, noise={"place_m": 0.1})
+        one, many = mimoc.make(bundle), mimoc.make_vec(bundle, 40, threads=1)
+        device = mimoc.make_vec(bundle, 40, device=DEVICE)
+        true = one.unwrapped.data.qpos[:3]
+        command = np.zeros(one.action_space.shape, np.float32)
+        errors = [np.array([one.reset(seed=seed)[0]["place"] for seed in range(40)]) - true]
+        for envs in (many, device):
+            errors.append(envs.reset(seed=0)[0]["place"] - true)
+            later = envs.step(np.broadcast_to(command, envs.action_space.shape))[0]["place"] - true
+            correlation = np.corrcoef(errors[-1][:, 0], later[:, 0])[0, 1]
+            assert correlation == pytest.approx(math.exp(-10 / 60), abs=0.2)
+        assert np.array_equal(errors[0], errors[1])
+        assert [error.std() for error in errors] == pytest.approx([0.1] * 3, rel=0.25)
+        one.close(), many.close(), device.close()
