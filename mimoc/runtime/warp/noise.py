@@ -1,6 +1,6 @@
 """Noise on a device: the terms of the CPU (`mimoc.noise.noise`), with other random numbers.
 
-Each random number is a function of its world's seed, of the time since that was given, and of a place. So they depend
+Each random number is a function of its world's seed, of a count of the steps since then, and of a place. So they depend
 neither on the other worlds nor on the order in which kernels run.
 """
 
@@ -29,13 +29,14 @@ class Chance:
 
     def __init__(self, seeds: wp.array):
         """Begin with some seeds, shape (worlds,), which may change later."""
-        self.seeds = seeds
+        self.seeds, self.is_used = seeds, False
         self.steps = wp.zeros(seeds.shape[0], dtype=int)
-        """Physics steps of each world since it was seeded."""
+        """How often each world has gone on to other numbers since it was seeded."""
 
     def advance(self) -> None:
-        """Go on to other numbers in the next physics step."""
-        wp.launch(_advance, self.steps.shape, [], [self.steps])
+        """Go on to other numbers."""
+        if self.is_used:
+            wp.launch(_advance, self.steps.shape, [], [self.steps])
 
     def restart(self, seeds: Mapping[int, int]) -> None:
         """Begin again in worlds that get a new seed."""
@@ -65,6 +66,7 @@ class DeviceNoise:
             chance: Random numbers.
         """
         self._noise, self._chance = term_of_worlds(f"noise of {signal}", noises, body), chance
+        chance.is_used = True
         self._first = [*noise_keys(), MOTOR].index(signal) * 2 * PLACES
         self._state: torch.Tensor | None = None
 
@@ -112,12 +114,6 @@ class NoisyCommands:
         controls.index_copy_(1, self._actuators, self._noise(self.commanded, self._timestep_s))
 
 
-def is_noisy(infant: InfantEnv) -> bool:
-    """Return whether an infant has any noise."""
-    entry = infant.manifest.noise
-    return bool(entry.motor) or any(noise_amount(sense, entry) for sense in noise_keys())
-
-
 def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> DeviceNoise | None:
     """Return the noise of a sense of some different bodies, or None if none has any."""
     if not any(noise_amount(sense, infant.manifest.noise) for infant in infants):
@@ -143,7 +139,7 @@ def _advance(steps: wp.array[int]):
 
 @wp.kernel(enable_backward=False)
 def _draw(seeds: wp.array[int], steps: wp.array[int], first: int, numbers: wp.array2d[float]):
-    """Draw numbers; places in which the generators of two worlds coincide now differ at the next step."""
+    """Draw numbers; places in which the generators of two worlds coincide now differ next time."""
     world, number = wp.tid()
     ours = wp.rand_init(seeds[world], steps[world])
     theirs = wp.rand_init(first + number, steps[world])

@@ -20,7 +20,7 @@ from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTAC
 from mimoc.runtime.warp.device_worlds import device_worlds, put_on, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
-from mimoc.runtime.warp.noise import Chance, is_noisy, motor_noise, noise_of
+from mimoc.runtime.warp.noise import Chance, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
 from mimoc.runtime.warp.room import RARE, Room
 from mimoc.runtime.warp.signals import DeviceSense, DeviceSetup, delays_of, reader_of, space_of
@@ -67,7 +67,6 @@ class Worlds:
         self._graphs: dict[int, wp.Graph] = {}
         """Of some numbers of physics steps."""
         self.chance = Chance(put(np.arange(count), wp.int32))
-        self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
         self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
@@ -221,8 +220,7 @@ class Worlds:
 
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""
-        if self._is_noisy:
-            self.chance.advance()
+        self.chance.advance()
         controls = self._motor_noise.commanded if self._motor_noise else wp.to_torch(self.data.ctrl)
         for rows, numbers, values in self.commands.arrive(self.clock, index):
             controls[self._worlds[rows, None], self._columns[numbers]] = values
