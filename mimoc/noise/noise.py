@@ -2,12 +2,12 @@
 
     @dataclass(frozen=True)
     class Tremor(Noise):
-        deviation_rad: float
+        deviation_rad: np.ndarray       # Shape (1,)
         low_pass: LowPass
 
         def __call__(self, draw, sample, state):
             state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
-            return sample + self.deviation_rad[:, None] * state, state
+            return sample + self.deviation_rad * state, state
 
 It is a term as those of senses are (`mimoc.runtime.term`), so one definition runs on one infant, on many, and on a
 device. On the CPU, each infant draws from its own stream (`mimoc.noise.streams`).
@@ -76,7 +76,7 @@ class SignalNoise:
         self._noise: Noise = stack_terms([noise])
         self._channel, self._streams = channel, streams
         self.state: list[Any] = [-math.inf, None]
-        """When the last sample was taken [s], and the state of the noise, an array that is never changed in place."""
+        """When the last sample was taken [s], and the state of the noise; neither is changed in place."""
 
     def reset(self) -> None:
         """Forget the samples taken so far."""
@@ -85,13 +85,15 @@ class SignalNoise:
     def at(self, time_s: float, sample: Sample) -> Sample:
         """Return the sample of some time with noise, as a new array."""
         noisy = self(time_s - self.state[0], sample)
-        self.state[0] = time_s
+        self.state = [time_s, self.state[1]]
         return noisy
 
     def __call__(self, elapsed_s: float, sample: Sample) -> Sample:
         """Return a sample with noise, as a new array, some time after the last one; infinite begins an episode."""
-        state = None if elapsed_s == math.inf else self.state[1]
-        noisy, self.state[1] = self._noise(Draw(NUMPY, elapsed_s, self._normals), sample[None], state)
+        former_s, state = self.state
+        draw = Draw(NUMPY, elapsed_s, self._normals)
+        noisy, state = self._noise(draw, sample[None], None if elapsed_s == math.inf else state)
+        self.state = [former_s, state]
         return noisy[0]
 
     def _normals(self, shape: Sequence[int], where: BoolArray | None) -> FloatArray:

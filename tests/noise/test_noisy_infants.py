@@ -82,8 +82,9 @@ def test_forks_and_copies_have_the_same_noise(quiet, duplicate):
     assert same(act(twin, seed=1), mine)
     fork.set_state(pickle.loads(pickle.dumps(state)))
     assert same(act(fork, seed=1), mine)
-    env.set_state(state)
-    assert same(act(env, seed=1), mine)
+    for _ in range(2):  # A state is not changed by what comes after it.
+        env.set_state(state)
+        assert same(act(env, seed=1), mine)
 
 
 def test_noise_leaves_the_random_numbers_of_the_task_alone(quiet):

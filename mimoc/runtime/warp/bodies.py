@@ -48,10 +48,10 @@ def batched_model(
     """
     put = [_put(model) for model in models] if len(models) > 1 else []
     differing = own_fields(put) if put else set()
-    own = differing | {name for name in changed if name in batched_fields()}
-    batched = _put(models[0], dict.fromkeys(sorted(own), len(body_of_world)))
+    of_world = differing | {name for name in changed if name in batched_fields()}
+    batched = _put(models[0], dict.fromkeys(sorted(of_world), len(body_of_world)))
     for name in differing:
-        values = np.concatenate([getattr(each, name).numpy() for each in put])
+        values = np.concatenate([getattr(model, name).numpy() for model in put])
         getattr(batched, name).assign(values[body_of_world])
     batched.opt.tolerance.fill_(TOLERANCE)
     batched.opt.warn_overflow = 0  # What overflows is reported by `overflow.report` instead of a printed line.

@@ -22,9 +22,9 @@ def find_device(name: str) -> Any:
     try:
         return wp.get_device(name)
     except (ValueError, RuntimeError):
-        there = ", ".join(device.alias for device in wp.get_devices())
+        devices = ", ".join(device.alias for device in wp.get_devices())
         none = "" if wp.is_cuda_available() else " and no NVIDIA GPU with its driver"
-        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {there}{none} on this machine") from None
+        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {devices}{none} on this machine") from None
 
 
 def check_infant(infant: InfantEnv) -> None:

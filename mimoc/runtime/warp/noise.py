@@ -1,7 +1,7 @@
 """Noise on a device: the terms of the CPU (`mimoc.noise.noise`), with other random numbers.
 
-Each random number is a function of its world's seed, of a count of the steps since then, and of a place. So they depend
-neither on the other worlds nor on the order in which kernels run.
+Each random number is a function of the seed of its world, of how often that has gone on to other numbers since, and of
+a place. So they depend neither on the other worlds nor on the order in which kernels run.
 """
 
 import math
@@ -40,10 +40,9 @@ class Chance:
 
     def restart(self, seeds: Mapping[int, int]) -> None:
         """Begin again in worlds that get a new seed."""
-        worlds = list(seeds)
-        ours, steps = self.seeds.numpy(), self.steps.numpy()
-        ours[worlds], steps[worlds] = [seed % SEEDS for seed in seeds.values()], 0
-        self.seeds.assign(ours)
+        values, steps = self.seeds.numpy(), self.steps.numpy()
+        values[list(seeds)], steps[list(seeds)] = [seed % SEEDS for seed in seeds.values()], 0
+        self.seeds.assign(values)
         self.steps.assign(steps)
 
     def normals(self, first: int, shape: Sequence[int]) -> torch.Tensor:
@@ -141,6 +140,6 @@ def _advance(steps: wp.array[int]):
 def _draw(seeds: wp.array[int], steps: wp.array[int], first: int, numbers: wp.array2d[float]):
     """Draw numbers; places in which the generators of two worlds coincide now differ next time."""
     world, number = wp.tid()
-    ours = wp.rand_init(seeds[world], steps[world])
-    theirs = wp.rand_init(first + number, steps[world])
-    numbers[world, number] = wp.randn(wp.rand_init(wp.int32(ours), wp.int32(theirs)))
+    of_world = wp.rand_init(seeds[world], steps[world])
+    of_place = wp.rand_init(first + number, steps[world])
+    numbers[world, number] = wp.randn(wp.rand_init(wp.int32(of_world), wp.int32(of_place)))
