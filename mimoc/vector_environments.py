@@ -203,15 +203,15 @@ def _on_device(
     options: dict[str, Any],
 ) -> "WarpInfants":
     """Return infants in worlds of MuJoCo Warp."""
-    from mimoc.runtime.warp.infants import StartingInfant
-    from mimoc.runtime.warp.vector_env import WarpInfants
+    from mimoc.runtime.warp.vector_env import StartingInfant, WarpInfants
 
-    known = ["max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
+    known = ["max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints", "senses"]
     for name in options.keys() - known:
         raise UnknownNameError(f"option of infants on device '{device}'", name, known)
     if render_mode is not None:
         raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
-    infants = [StartingInfant(**parts) for parts in prepared]
+    senses = options.pop("senses", {})
+    infants = [StartingInfant(**parts, senses=deepcopy(senses)) for parts in prepared]
     return WarpInfants(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
 
 

@@ -109,7 +109,7 @@ LAYERS = {
         "gymnasium mujoco PIL trimesh viser websockets",
     ),
     "mimoc": layer(
-        "__init__ vector_environments registration notebook",
+        "__init__ vector_environments registration notebook plugin",
         f"signals {BUILDING} compiler milestones {RUNNING} device rollout recording training cohorts reporting opening "
         "viewer",
         "gymnasium",

@@ -40,7 +40,6 @@ PAGES = (
     "docs/training.md",
     "docs/container.md",
     "docs/own_reward.md",
-    "docs/own_sense.md",
     "docs/plain_mujoco.md",
     "docs/growth.md",
     "docs/from_mimo.md",

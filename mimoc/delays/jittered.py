@@ -83,8 +83,8 @@ class JitteredSamples:
 
     def send(self, sample: Sample) -> None:
         """Take a new sample, for each observation that is due now."""
-        now = next(taken for taken, earlier in self._due if earlier is None)
-        self._due = deque((taken, sample if taken == now else earlier) for taken, earlier in self._due)
+        now = next(taken for taken, kept in self._due if kept is None)
+        self._due = deque((taken, sample if taken == now else kept) for taken, kept in self._due)
 
     @property
     def state(self) -> list[Any]:

@@ -71,9 +71,9 @@ class Schedule:
         }
         self._motor_noise = _motor_noise(timing, actuation, streams)
         self._jittered = [
-            each for delayed in self._samples.values() for each in delayed if isinstance(each, JitteredSamples)
+            line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
-        is_jittered = self._jittered or any(isinstance(each, JitteredCommands) for each in self._commands)
+        is_jittered = self._jittered or any(isinstance(commands, JitteredCommands) for commands in self._commands)
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:
@@ -84,8 +84,8 @@ class Schedule:
             noise.reset()
         for name, delayed in self._samples.items():
             sample = self.disturb(name, self._senses[name](data), data)
-            for each in delayed:
-                each.reset(sample)
+            for line in delayed:
+                line.reset(sample)
         for commands in self._commands:
             commands.reset()
 
@@ -104,15 +104,15 @@ class Schedule:
                 raise out_of_memory(error) from None
             for name, delayed in segment.samples:
                 sample = self.disturb(name, self._senses[name](data), data)
-                for each in delayed:
-                    each.send(sample)
+                for line in delayed:
+                    line.send(sample)
 
     def begin(self, controls: FloatArray) -> tuple[Segment, ...]:
         """Take the controls of an action, and return the segments that the control step consists of."""
         for commands in self._commands:
             commands.begin(controls)
-        for each in self._jittered:
-            each.begin()
+        for samples in self._jittered:
+            samples.begin()
         return self._segments or self._cut()
 
     def command(self, segment: Segment, data: mujoco.MjData) -> None:
@@ -147,7 +147,7 @@ class Schedule:
     def state(self) -> dict[str, Any]:
         """The samples that have arrived, all signals on their way, and the noise."""
         return {
-            "senses": {name: [each.state for each in delayed] for name, delayed in self._samples.items()},
+            "senses": {name: [line.state for line in delayed] for name, delayed in self._samples.items()},
             "commands": [commands.state for commands in self._commands],
             "noise": {name: noise.state for name, noise in self._noisy.items()},
             "motor_noise": self._motor_noise and self._motor_noise.state,
@@ -156,8 +156,8 @@ class Schedule:
     @state.setter
     def state(self, state: Mapping[str, Any]) -> None:
         for name, delayed in self._samples.items():
-            for each, kept in zip(delayed, state["senses"][name], strict=True):
-                each.state = kept
+            for line, kept in zip(delayed, state["senses"][name], strict=True):
+                line.state = kept
         for commands, kept in zip(self._commands, state["commands"], strict=True):
             commands.state = kept
         for name, noise in self._noisy.items():
@@ -173,8 +173,8 @@ class Schedule:
         """
         for name, delayed in self._samples.items():
             where = f"signals.senses.{name}"
-            for each, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
-                each.check(kept, where)
+            for line, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
+                line.check(kept, where)
         where = "signals.commands"
         on_their_way = checked_list(state["commands"], where, len(self._commands))
         for commands, kept in zip(self._commands, on_their_way, strict=True):
@@ -203,7 +203,7 @@ class Schedule:
 
     def _cut(self) -> tuple[Segment, ...]:
         """Return the segments of a control step; noise of commands is drawn for each physics step."""
-        sampled = {after for delayed in self._samples.values() for each in delayed for after in each.sampled_after}
+        sampled = {after for delayed in self._samples.values() for line in delayed for after in line.sampled_after}
         applied = {after for commands in self._commands for after in commands.applied_after}
         noisy = range(self._period) if self._motor_noise else ()
         cuts = sorted({0, self._period, *sampled, *applied, *noisy})
@@ -212,9 +212,9 @@ class Schedule:
                 commands=tuple(commands for commands in self._commands if start in commands.applied_after),
                 physics_steps=end - start,
                 samples=tuple(
-                    (name, here)
+                    (name, due)
                     for name, delayed in self._samples.items()
-                    if (here := tuple(each for each in delayed if end in each.sampled_after))
+                    if (due := tuple(line for line in delayed if end in line.sampled_after))
                 ),
             )
             for start, end in pairwise(cuts)

@@ -69,12 +69,12 @@ class Timing:
         Raises:
             ValueError: If a delay is not a whole number of physics steps.
         """
-        found: list[Commands] = []
+        delayed: list[Commands] = []
         for steps, part, wander in self._groups(MOTOR, in_legs, streams):
             which = np.arange(len(actuators)) if part is None else np.flatnonzero(part)
             way = steps, self.period, which, actuators[which]
-            found.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
-        return found
+            delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
+        return delayed
 
     def _groups(
         self, signal: str, in_legs: Mask | None, streams: NoiseStreams

@@ -11,6 +11,21 @@ from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
 
 
+class Measure:
+    """Measures by a term of one infant; its worlds are views of the data that it was called with last."""
+
+    def __init__(self, term: Term):
+        """Give the term its axis of infants."""
+        self._term = stack_terms([term])
+        self._data: mujoco.MjData | None = None
+
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return what the term measures now, as a new array without the axis of infants."""
+        if data is not self._data:
+            self._data, self._worlds = data, worlds_of_one(data)
+        return self._term(self._worlds)[0].copy()
+
+
 class TermSense(Vector):
     """A sense of n numbers that a term measures: `term(worlds)` returns them, shape (k, n)."""
 
@@ -34,15 +49,11 @@ class TermSense(Vector):
             bodies: The body in which each is measured, shape (n,).
         """
         super().__init__(name, layout, low, high, bodies)
-        self.term = term
-        self._measure = stack_terms([term])
-        self._data: mujoco.MjData | None = None
+        self.term, self._measure = term, Measure(term)
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the numbers now, as a new array."""
-        if data is not self._data:
-            self._data, self._worlds = data, worlds_of_one(data)
-        return self._measure(self._worlds)[0].copy()
+        return self._measure(data)
 
 
 @dataclass(frozen=True)

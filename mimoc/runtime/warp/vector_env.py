@@ -1,6 +1,7 @@
 """The Gymnasium vector environment of many infants on a device."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 import gymnasium
@@ -15,18 +16,27 @@ from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
+from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, chosen, covering, seeds_of
 from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
-from mimoc.runtime.many.spaces import batch_of, covering
 from mimoc.runtime.warp.arrays import giver, put, taken
 from mimoc.runtime.warp.capacity import Capacity
 from mimoc.runtime.warp.device_worlds import present
 from mimoc.runtime.warp.needs import DeviceError, check_infant, find_device
 from mimoc.runtime.warp.starts import Starts
+from mimoc.runtime.warp.vision.sight import VISION, ClosedEyes
 from mimoc.runtime.warp.worlds import Worlds
+from mimoc.senses.sense import Sense
 
 STARTS = 256
 """Starts that are drawn of each infant whose episodes begin with chance."""
+
+
+class StartingInfant(InfantEnv):
+    """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
+
+    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
+        """Bind everything but vision."""
+        super()._bind({VISION: ClosedEyes(), **former})
 
 
 @closable()
@@ -208,15 +218,15 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """Return the start of each infant that is reset, -1 for others."""
         body = np.arange(self.num_envs) % len(self.infants)
         first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
-        found, given = np.full(self.num_envs, -1), {}
+        choices, given = np.full(self.num_envs, -1), {}
         for world in which:
             seed = seeds[world]
             if seed is not None:
                 given[world] = seed
-            own = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
-            found[world] = first[world] + own
+            number = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
+            choices[world] = first[world] + number
         self.worlds.seed(given)
-        return found
+        return choices
 
     def _starts_in(self, pose: str | None) -> Starts:
         """Return the starts in a pose, which are drawn when they are first asked for."""

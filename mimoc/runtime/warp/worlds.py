@@ -50,22 +50,22 @@ class Worlds:
         max_steps: int | None,
     ):
         """Set everything up on Warp's present device; see `WarpInfants`."""
-        self._infants, self._mode, self._most_starts = infants, mode, starts
+        self._infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
         manifest, count = infants[0].manifest, len(body_of_world)
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
         fields = {field.name for infant in infants for field in model_fields(infant)}
-        self.model = batched_model([each.model for each in infants], body_of_world, fields)
+        self.model = batched_model([infant.model for infant in infants], body_of_world, fields)
         self.room = self._first_room(room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
-        present, models = self.room.present, [each.model for each in infants]
+        self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()
+        """Whether physics steps are captured as graphs, and those of some numbers of steps."""
+        present, models = self.room.present, [infant.model for infant in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
-        self.task, self._device = device_task(infants, count), wp.get_device()
+        self.task = device_task(infants, count)
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
-        self._graphs: dict[int, wp.Graph] = {}
-        """Of some numbers of physics steps."""
         self.chance = Chance(put(np.arange(count), wp.int32))
         self._open_signals(touch)
         self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
@@ -229,21 +229,23 @@ class Worlds:
 
     def _physics(self, steps: int) -> None:
         """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""
-        if steps in self._graphs:
+        if self.captures and steps in self._graphs:
             wp.capture_launch(self._graphs[steps])
             return
-        for _ in range(steps):
-            mjw.step(self.model, self.data)
-        if self._device.is_cuda:
+        self._physics_steps(steps)
+        if self.captures:
             with wp.ScopedCapture(self._device) as capture:
-                for _ in range(steps):
-                    mjw.step(self.model, self.data)
+                self._physics_steps(steps)
             self._graphs[steps] = capture.graph
+
+    def _physics_steps(self, count: int) -> None:
+        for _ in range(count):
+            mjw.step(self.model, self.data)
 
     def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
         """Return the room for contacts and constraints, measured where nothing was said."""
-        poses, pairs = [each.manifest.pose for each in self._infants], self.model.nxn_geom_pair_filtered.numpy()
-        needed = measured([each.model for each in self._infants], poses, pairs)
+        poses, pairs = [infant.manifest.pose for infant in self._infants], self.model.nxn_geom_pair_filtered.numpy()
+        needed = measured([infant.model for infant in self._infants], poses, pairs)
         usual, largest = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS), needed.times(LARGEST, LARGEST)
         present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
         return Room(present, largest, worlds)

@@ -84,13 +84,16 @@ def _joined(datas: Sequence[mujoco.MjData], geoms: int) -> tuple[list[int], Cont
         geoms: Length of the table of geoms of one infant.
     """
     contacts, forces = [data.contact for data in datas], [data.efc_force for data in datas]
-    addresses = [each.efc_address for each in contacts]
-    counts = [len(each) for each in addresses]
+    addresses = [contact.efc_address for contact in contacts]
+    counts = [len(rows) for rows in addresses]
     starts = np.cumsum([0, *map(len, forces[:-1])])
     address, offset = np.concatenate(addresses), np.repeat(starts, counts)
-    geom = np.concatenate([each.geom for each in contacts]) + np.repeat(np.arange(len(datas)) * geoms, counts)[:, None]
+    geom = (
+        np.concatenate([contact.geom for contact in contacts])
+        + np.repeat(np.arange(len(datas)) * geoms, counts)[:, None]
+    )
     frame, dim, dist, pos = (
-        np.concatenate([getattr(each, name) for each in contacts]) for name in ("frame", "dim", "dist", "pos")
+        np.concatenate([getattr(contact, name) for contact in contacts]) for name in ("frame", "dim", "dist", "pos")
     )
     joined = Contacts(geom, np.where(address < 0, -1, address + offset), frame, dim, dist, pos)
     return counts, joined, np.concatenate(forces)

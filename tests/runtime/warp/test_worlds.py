@@ -6,6 +6,7 @@ Warp compiles its kernels once for each kind of model, so these tests share few 
 from dataclasses import dataclass, replace
 from functools import cache
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
@@ -46,7 +47,7 @@ def pair():
     def make(bundles, count=None, **options):
         both = (
             mimoc.make_vec(bundles, count, device=DEVICE, **options),
-            mimoc.make_vec(bundles, count, threads=1),
+            mimoc.make_vec(bundles, count, threads=1, **{name: options[name] for name in options.keys() & {"senses"}}),
         )
         made.extend(both)
         return both
@@ -281,11 +282,49 @@ def test_actuation_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(regi
         for env in (alone, many, device):
             env.reset(seed=0)
             env.step(np.broadcast_to(action, env.action_space.shape))
-        controls = [
-            alone.unwrapped.data.ctrl,
-            *(each.data.ctrl for each in many.infants),
-            *device.worlds.data.ctrl.numpy(),
-        ]
-        for control in controls:
-            assert control == pytest.approx(np.full(len(control), 0.2))
-            env.close()
+        datas = [alone.unwrapped.data, *(infant.data for infant in many.infants)]
+        for controls in (*(data.ctrl for data in datas), *device.worlds.data.ctrl.numpy()):
+            assert controls == pytest.approx(np.full(len(controls), 0.2))
+        alone.close(), many.close(), device.close()
+
+
+class Height:
+    """A sense that is no term."""
+
+    space = gymnasium.spaces.Box(-10.0, 10.0, (1,), np.float32)
+
+    def __call__(self, data):
+        return data.qpos[2:3]
+
+
+@dataclass(frozen=True)
+class Heights(Term):
+    bodies: np.ndarray
+
+    def __call__(self, worlds, *args):
+        return worlds.xp.take(worlds.xpos, self.bodies, axis=1)[..., 2:]
+
+
+class Tall:
+    """A sense that is a term, of a shape and with a delay of its own."""
+
+    space = gymnasium.spaces.Box(-10.0, 10.0, (2, 1), np.float32)
+    delay_ms = 15
+
+    def bind(self, model, bundle):
+        self.term = Heights(np.array([model.body(name).id for name in ("head", "chest")]))
+
+
+def test_a_sense_that_is_no_term_is_told_and_one_that_is_senses_as_on_the_cpu(pair):
+    with pytest.raises(DeviceError, match=r"sense 'tall' is not a term and has no device part: give it one"):
+        mimoc.make_vec(build(age_months=9), 2, device=DEVICE, senses={"tall": Height()})
+    ours, theirs = pair([build(age_months=age) for age in (6, 12)], senses={"tall": Tall()})
+    ours.reset(seed=0), theirs.reset(seed=0)
+    generator, views = np.random.default_rng(4), []
+    for _ in range(4):
+        command = actions(theirs, generator)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+        assert seen["tall"].shape == (2, 2, 1)
+        assert seen["tall"] == pytest.approx(expected["tall"], abs=1e-5)
+        views.append(seen["tall"])
+    assert (views[-1] != views[0]).all()
