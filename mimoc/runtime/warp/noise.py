@@ -29,14 +29,15 @@ class Chance:
 
     def __init__(self, seeds: wp.array):
         """Begin with some seeds, shape (worlds,), which may change later."""
-        self.seeds, self.is_used = seeds, False
+        self.seeds = seeds
+        self.is_used = False
+        """Whether any noise draws from them."""
         self.steps = wp.zeros(seeds.shape[0], dtype=int)
         """How often each world has gone on to other numbers since it was seeded."""
 
     def advance(self) -> None:
         """Go on to other numbers."""
-        if self.is_used:
-            wp.launch(_advance, self.steps.shape, [], [self.steps])
+        wp.launch(_advance, self.steps.shape, [], [self.steps])
 
     def restart(self, seeds: Mapping[int, int]) -> None:
         """Begin again in worlds that get a new seed."""

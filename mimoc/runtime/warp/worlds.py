@@ -220,7 +220,8 @@ class Worlds:
 
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""
-        self.chance.advance()
+        if self.chance.is_used:
+            self.chance.advance()
         controls = self._motor_noise.commanded if self._motor_noise else wp.to_torch(self.data.ctrl)
         for rows, numbers, values in self.commands.arrive(self.clock, index):
             controls[self._worlds[rows, None], self._columns[numbers]] = values
