@@ -49,7 +49,7 @@ class NoiseOption:
     most: float
     """Largest number that makes sense."""
     run: Code
-    """`bind(amount, sense, low_pass_s) -> SenseNoise`: what disturbs its samples; see `mimoc/noise/senses.py`."""
+    """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples; see `mimoc/noise/noise.py`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from mimoc.actuation.binding import Actuation as Actuation
+    from mimoc.actuation.commands import effort_of as effort_of
     from mimoc.kinds import ActuationKind as ActuationKind
     from mimoc.kinds import AgeTable as AgeTable
     from mimoc.kinds import NoiseOption as NoiseOption
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
     from mimoc.kinds import TaskKind as TaskKind
     from mimoc.kinds import ToySource as ToySource
     from mimoc.mjcf.placed import Placed as Placed
+    from mimoc.noise.low_pass import LowPass as LowPass
+    from mimoc.noise.low_pass import Smooth as Smooth
+    from mimoc.noise.noise import Noise as Noise
     from mimoc.plugins import register as register
     from mimoc.runtime.term import Concatenated as Concatenated
     from mimoc.runtime.term import Field as Field
@@ -34,8 +39,12 @@ if TYPE_CHECKING:
     from mimoc.tasks.task import Verdict as Verdict
 
 _NAMES = {
+    "mimoc.actuation.binding": "Actuation",
+    "mimoc.actuation.commands": "effort_of",
     "mimoc.kinds": "ActuationKind AgeTable NoiseOption PolicyKind SceneKind SenseKind TaskKind ToySource",
     "mimoc.mjcf.placed": "Placed",
+    "mimoc.noise.low_pass": "LowPass Smooth",
+    "mimoc.noise.noise": "Noise",
     "mimoc.plugins": "register",
     "mimoc.runtime.term": "Concatenated Field Term",
     "mimoc.runtime.term_contract": "check_term",

@@ -135,7 +135,7 @@ RUN_MODULES = {
     "tasks": "binding task gaze catch.resizable_ball",
     "actuation": "binding commands",
     "delays": "schedule signals jittered timing carried",
-    "noise": "streams wander low_pass senses motor",
+    "noise": "streams low_pass noise motor",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""
 

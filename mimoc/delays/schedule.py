@@ -1,6 +1,6 @@
 """The control step of an infant: commands applied and senses sampled with their delays, in whole physics steps."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -13,15 +13,12 @@ from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
-from mimoc.noise.motor import MotorNoise
-from mimoc.noise.senses import noisy
+from mimoc.noise.motor import NoisyMotors, bind_motor_noise
+from mimoc.noise.noise import noise_of
 from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 from mimoc.state_form import checked_list, demand
 from mimoc.units import ms_to_s
-
-Read = Callable[[mujoco.MjData], Sample]
-"""A sense, or one with noise: what returns its sample at a physics step."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +67,9 @@ class Schedule:
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
         self._commands = timing.commands(in_legs[moved], actuation.actuators, streams)
         self._noisy = {
-            name: noise for name, sense in senses.items() if (noise := noisy(name, sense, timing.noise, streams))
+            name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
         self._motor_noise = _motor_noise(timing, actuation, streams)
-        self._reads: dict[str, Read] = {**senses, **self._noisy}
         self._jittered = [
             line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
@@ -87,7 +83,7 @@ class Schedule:
         for noise in self._noisy.values():
             noise.reset()
         for name, delayed in self._samples.items():
-            sample = self._reads[name](data)
+            sample = self.disturb(name, self._senses[name](data), data)
             for line in delayed:
                 line.reset(sample)
         for commands in self._commands:
@@ -100,14 +96,14 @@ class Schedule:
             ValueError: If the action is not one number for each actuator.
             ModelError: If the physics needs more memory than the model has.
         """
-        for segment in self.begin(self._actuation(action)):
+        for segment in self.begin(self._actuation.controls(action, data)):
             self.command(segment, data)
             try:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
             for name, delayed in segment.samples:
-                sample = self._reads[name](data)
+                sample = self.disturb(name, self._senses[name](data), data)
                 for line in delayed:
                     line.send(sample)
 
@@ -137,8 +133,8 @@ class Schedule:
         return name in self._noisy
 
     def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
-        """Return a sample that was read without noise, with noise; it may be changed in place."""
-        return self._noisy[name].disturb(sample, data) if name in self._noisy else sample
+        """Return a sample that was read without noise, with noise."""
+        return self._noisy[name].at(data.time, sample) if name in self._noisy else sample
 
     def observe(self) -> Observation:
         """Return the samples that have arrived as an observation of new arrays."""
@@ -225,11 +221,10 @@ class Schedule:
         )
 
 
-def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> MotorNoise | None:
-    noise = timing.noise
-    if not noise.motor:
+def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> NoisyMotors | None:
+    if not timing.noise.motor:
         return None
-    return MotorNoise(noise.motor, ms_to_s(noise.low_pass_ms), ms_to_s(timing.timestep_ms), actuation, streams)
+    return NoisyMotors(bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms), actuation, streams)
 
 
 def arrived(delayed: Sequence[Samples]) -> Sample:

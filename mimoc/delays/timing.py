@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.delays.jittered import JitteredCommands, JitteredSamples
+from mimoc.delays.jittered import JitteredCommands, JitteredSamples, Wander
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
 from mimoc.noise.spec import NoiseEntry
 from mimoc.noise.streams import NoiseStreams
-from mimoc.noise.wander import Wander
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 

@@ -181,7 +181,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
         fraction of the peak torque in use or, for muscles, the activation. It is zero for position actuators.
         """
-        return self._act.effort(self.data)
+        return self._act.cost(self.data)
 
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.actuation.commands import Commands
 from mimoc.delays.schedule import Segment
 from mimoc.delays.timing import Samples
 from mimoc.runtime.env import InfantEnv
@@ -56,8 +55,8 @@ class ControlStep:
     def __init__(self, infants: Sequence[InfantEnv], physics: Physics, senses: Mapping[str, BatchSense]):
         """Join the schedules of all infants, which have the same senses and the same control step."""
         self._schedules = [infant.schedule for infant in infants]
-        self._actuations: list[Any] = [infant.actuation for infant in infants]
-        self._is_plain = all(type(actuation).__call__ is Commands.__call__ for actuation in self._actuations)
+        self._actuations = [infant.actuation for infant in infants]
+        self._is_plain = all(actuation.command is None for actuation in self._actuations)
         self._physics, self._senses = physics, senses
         self._segments: dict[int, tuple[Segment, ...]] = {}
         self._stretches: list[Stretch] = []
@@ -86,7 +85,7 @@ class ControlStep:
         controls = actions.astype(np.float64)
         if not self._is_plain:
             for infant in infants:
-                controls[infant] = self._actuations[infant](actions[infant])
+                controls[infant] = self._actuations[infant].controls(actions[infant], self._physics.datas[infant])
         return controls
 
     def _sample(self, samplings: Sequence[Sampling]) -> None:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from mimoc.actuation.commands import numbers
+from mimoc.actuation.binding import numbers_of
 from mimoc.delays.schedule import arrived
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
@@ -278,7 +278,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         Raises:
             ValueError: If they are none of numbers, have the wrong shape or are not finite.
         """
-        actions = numbers(actions)
+        actions = numbers_of(actions)
         if actions.shape != self.action_space.shape:
             raise ValueError(f"expected finite actions of shape {self.action_space.shape}, got shape {actions.shape}")
         if not np.isfinite(actions).all():

@@ -1,6 +1,6 @@
 """Worlds on a device, as terms read them: torch's views of MuJoCo Warp's arrays, which need no copy."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import Any
 
@@ -10,7 +10,8 @@ import numpy as np
 import torch
 import warp as wp
 
-from mimoc.runtime.term import Put
+from mimoc.runtime.many.matching import MixtureError
+from mimoc.runtime.term import Put, Term, differing_field, stack_terms
 from mimoc.runtime.warp.contacts import PressingGroups
 from mimoc.runtime.worlds import Worlds
 
@@ -33,6 +34,31 @@ def put_on(device: wp.Device) -> Put:
         return torch.as_tensor(values, dtype=kind, device=place)
 
     return put
+
+
+def term_of_worlds(what: str, terms: Sequence[Term], body: wp.array) -> Term:
+    """Return the term of all worlds, on their device.
+
+    Args:
+        what: What it is of, for errors.
+        terms: Of the different bodies.
+        body: Which of them lives in each world, shape (worlds,).
+
+    Raises:
+        MixtureError: If they look at different addresses.
+    """
+    for number, term in enumerate(terms):
+        if field := differing_field([terms[0], term]):
+            raise MixtureError(
+                f"infants 0 and {number} cannot share a batch, because they differ in the field '{field}' of the term "
+                f"of {what}; make a vector environment of each kind"
+            )
+    return stack_terms([terms[index] for index in body.numpy()], put_on(body.device))
+
+
+def where_worlds(chosen: torch.Tensor, new: torch.Tensor, former: torch.Tensor) -> torch.Tensor:
+    """Return the new values of chosen worlds, shape (worlds,), and the former ones of others, shape (worlds, ...)."""
+    return torch.where(chosen.reshape(-1, *[1] * (former.ndim - 1)), new, former)
 
 
 @contextmanager

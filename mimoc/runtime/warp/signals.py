@@ -16,10 +16,8 @@ from mimoc.delays.spec import MOTOR
 from mimoc.delays.timing import NO_DELAY
 from mimoc.kinds import Code, function_of
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.many.matching import MixtureError
-from mimoc.runtime.term import differing_field, stack_terms
 from mimoc.runtime.timing import timing_of
-from mimoc.runtime.warp.device_worlds import device_worlds, put_on
+from mimoc.runtime.warp.device_worlds import device_worlds, put_on, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.noise import DeviceNoise
 from mimoc.senses import SENSES
@@ -54,19 +52,9 @@ class TermReader:
     """Reads a sense that is a term."""
 
     def __init__(self, name: str, setup: DeviceSetup):
-        """Stack the terms of the different bodies, by the body that lives in each world.
-
-        Raises:
-            MixtureError: If they look at different addresses.
-        """
+        """Stack the terms of the different bodies, by the body that lives in each world; see `term_of_worlds`."""
         terms: list[Any] = [infant.senses[name].term for infant in setup.infants]
-        for number, term in enumerate(terms):
-            if field := differing_field([terms[0], term]):
-                raise MixtureError(
-                    f"infants 0 and {number} cannot share a batch, because they differ in the field '{field}' of the "
-                    f"term of sense '{name}'; make a vector environment of each kind"
-                )
-        self._term = stack_terms([terms[body] for body in setup.body.numpy()], put_on(setup.body.device))
+        self._term = term_of_worlds(f"sense '{name}'", terms, setup.body)
         self._data: mjw.Data | None = None
 
     def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
@@ -104,7 +92,8 @@ class DeviceSense:
         self.read(model, data, self.line.entering)
         if self._noise:
             earlier = min((other - rest) % self._period or self._period for other in self.line.rests)
-            self._noise(self.line.entering, elapsed_s=float(earlier) * self._timestep_s)
+            entering = wp.to_torch(self.line.entering)
+            entering.copy_(self._noise(entering, float(earlier) * self._timestep_s))
         self.line.send(clock, rest)
 
     def arrive(self, clock: torch.Tensor, observation: Mapping[str, wp.array]) -> None:
@@ -124,12 +113,7 @@ class DeviceSense:
         """
         start, begin = wp.to_torch(chosen), wp.to_torch(chosen) >= 0
         sample = wp.to_torch(samples[self.name])[start.clamp(min=0).long()]
-        if self._noise:
-            entering = wp.to_torch(self.line.entering)
-            torch.where(begin[:, None], sample, entering, out=entering)
-            self._noise(self.line.entering, chosen)
-            sample = entering
-        self.line.fill(begin, sample)
+        self.line.fill(begin, self._noise.begin(sample, begin) if self._noise else sample)
 
 
 def device_part(name: str, sense: Sense) -> Code | None:

@@ -16,7 +16,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Put
 from mimoc.runtime.warp.arrays import flat, put
 from mimoc.runtime.warp.bodies import batched_fields
-from mimoc.runtime.warp.device_worlds import put_on
+from mimoc.runtime.warp.device_worlds import put_on, where_worlds
 from mimoc.runtime.warp.touch import Feeling
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import FloatArray, IntArray
@@ -36,9 +36,8 @@ class Table(NamedTuple):
 
     def write(self, start: torch.Tensor, numbers: torch.Tensor) -> None:
         """Write to the numbers of the worlds that begin with a start, shape (worlds,); -1 is none."""
-        begins = (start >= 0).reshape(-1, *[1] * (self.values.ndim - 1))
-        values = torch.where(begins, self.values[start.clamp(min=0)], numbers[:, self.columns])
-        numbers[:, self.columns] = values
+        new = self.values[start.clamp(min=0)]
+        numbers[:, self.columns] = where_worlds(start >= 0, new, numbers[:, self.columns])
 
 
 @dataclass(frozen=True, slots=True)

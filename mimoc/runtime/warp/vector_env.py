@@ -162,9 +162,9 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         if self.autoreset_mode == AutoresetMode.DISABLED and self.worlds.ended.ended.numpy().any():
             infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
-        commands = self.worlds.commands.entering
+        entering = self.worlds.actions
         with present(self.device):
-            wp.copy(commands, taken(actions, commands.shape))
+            wp.copy(entering, taken(actions, entering.shape))
             self.worlds.step()
             self._is_settled = False
             ended = self.worlds.ended

@@ -17,12 +17,11 @@ from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.warp.capacity import LARGEST, RARE, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, Room, measured
-from mimoc.runtime.warp.chance import Chance
 from mimoc.runtime.warp.device_task import DeviceTask
-from mimoc.runtime.warp.device_worlds import device_worlds, put_on
+from mimoc.runtime.warp.device_worlds import device_worlds, put_on, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
-from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
+from mimoc.runtime.warp.noise import Chance, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
 from mimoc.runtime.warp.signals import DeviceSense, DeviceSetup, delays_of, reader_of, space_of
 from mimoc.runtime.warp.starts import Starts, changed_rows, drawn, seen_at
@@ -65,7 +64,6 @@ class Worlds:
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
         self.chance = Chance(put(np.arange(count), wp.int32))
-        self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
         self.ended = ending.Ending(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
@@ -79,12 +77,16 @@ class Worlds:
         actuators = first.actuation.actuators
         delays = np.stack([delays_of(infant, MOTOR, len(actuators)) for infant in self._infants])
         self.commands = Line(delays, self.period, self.body)
+        self.actions = wp.zeros_like(self.commands.entering)
+        """Of the present control step, shape (worlds, n)."""
+        commands: list[Any] = [infant.actuation.command for infant in self._infants]
+        self._controls_of = commands[0] and term_of_worlds("commands", commands, self.body)
         self._motor_noise = motor_noise(self._infants, self.body, self.chance)
         columns = np.arange(len(actuators)) if self._motor_noise else actuators
         self._columns, self._worlds = map(put_on(self._device), (columns, np.arange(count)))
         sampled = {int(self.period - rest) for sense in self.senses.values() for rest in sense.line.rests}
         applied = {int(rest) for rest in self.commands.rests}
-        noisy = range(self.period) if self._is_noisy else ()
+        noisy = range(self.period) if self._motor_noise else ()
         self._segments = tuple(pairwise(sorted({0, self.period, *sampled, *applied, *noisy})))
         spaces: dict[str, Any] = dict(self.spaces[0].items())
         self.observation = {
@@ -96,7 +98,7 @@ class Worlds:
     def _sense(self, name: str, setup: DeviceSetup) -> DeviceSense:
         """Return a sense of all infants."""
         read = reader_of(name, setup)
-        noise = noise_of(name, self._infants, self.body, self.chance, getattr(read, "width", 1))
+        noise = noise_of(name, self._infants, self.body, self.chance)
         return DeviceSense(name, setup, read, noise)
 
     def starts(self, pose: str | None) -> Starts:
@@ -120,27 +122,27 @@ class Worlds:
         start, begin = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
         self.commands.fill(begin, wp.to_torch(starts.commands)[start])
         if self._motor_noise:
-            self._motor_noise.begin(chosen, starts.commands)
+            self._motor_noise.begin(wp.to_torch(starts.commands)[start], begin)
         for sense in self.senses.values():
             sense.refill(chosen, starts.samples)
         self.ended.begin(chosen)
 
     def step(self) -> None:
-        """Make a control step of all worlds with `commands.entering`, and begin new episodes as the mode says.
+        """Make a control step of all worlds with `actions`, and begin new episodes as the mode says.
 
         It is cut wherever commands arrive, noise is drawn or a sense is sampled. On a GPU, the physics steps between
         two cuts are one graph; terms run between these graphs.
         """
         self.clock += 1
+        self._take_actions()
         self.commands.send(self.clock)
         for start, end in self._segments:
             self._command(start)
             self._physics(end - start)
             for sense in self.senses.values():
                 sense.sample(self.model, self.data, self.clock, self.period - end)
-        actions = self.commands.entering
-        judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(actions))
-        self.ended.judge(judgement, self.data, actions, self._mode, self.default_starts)
+        judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(self.actions))
+        self.ended.judge(judgement, self.data, self.actions, self._mode, self.default_starts)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
             for name, array in self.observation.items():
@@ -197,15 +199,21 @@ class Worlds:
         for name in self.task.observed:
             wp.to_torch(self.observation[name]).copy_(self.task.memory[name])
 
+    def _take_actions(self) -> None:
+        """Let the controls that the actions mean be sent."""
+        actions = wp.to_torch(self.actions)
+        controls = self._controls_of(self._seen_by_terms, actions) if self._controls_of else actions
+        wp.to_torch(self.commands.entering).copy_(controls)
+
     def _command(self, index: int) -> None:
         """Set the controls of the physics steps that follow."""
-        if self._is_noisy:
+        if self.chance.is_used:
             self.chance.advance()
-        controls = wp.to_torch(self._motor_noise.commanded if self._motor_noise else self.data.ctrl)
+        controls = self._motor_noise.commanded if self._motor_noise else wp.to_torch(self.data.ctrl)
         for rows, numbers, values in self.commands.arrive(self.clock, index):
             controls[self._worlds[rows, None], self._columns[numbers]] = values
         if self._motor_noise:
-            self._motor_noise(self.data.ctrl)
+            self._motor_noise(wp.to_torch(self.data.ctrl))
 
     def _physics(self, steps: int) -> None:
         """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""

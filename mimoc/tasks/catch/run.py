@@ -110,29 +110,4 @@ def parts_of_geoms(entry: CatchEntry, model: mujoco.MjModel) -> IntArray:
 
 def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> CatchTask:
     """Find what *entry* names in *model*."""
-    return CatchTask(entry, model, bind_effort(bundle.manifest.actuation, model))
-
-
-def bind_effort(entry: Any, model: mujoco.MjModel) -> Term:
-    """Return the effort of an infant's actuators as a term."""
-    actuation: Any = bind_actuation(entry, model)
-    if isinstance(actuation.effort, Term):
-        return actuation.effort
-    ids, largest_nm = actuation.actuators, np.abs(actuation.limits_nm).max(axis=1)
-    share = largest_nm / max(len(ids) * largest_nm.sum(), 1e-12)
-    if entry.model == "muscle":
-        return _Effort("act", model.actuator_actadr[ids].astype(np.intp), share)
-    if entry.model == "position":
-        share = np.divide(share, largest_nm**2, out=np.zeros(len(ids)), where=largest_nm > 0)
-    return _Effort("actuator_force", ids, share)
-
-
-@dataclass(frozen=True)
-class _Effort(Term):
-    field: str
-    addresses: IntArray
-    weights: FloatArray
-
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
-        used = worlds.xp.take(getattr(worlds, self.field), self.addresses, axis=1)
-        return worlds.xp.sum(used * used * self.weights, axis=-1)
+    return CatchTask(entry, model, bind_actuation(bundle.manifest.actuation, model).effort)

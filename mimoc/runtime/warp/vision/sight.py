@@ -36,12 +36,12 @@ class Sight:
         models = [infant.model for infant in setup.infants]
         fovy_deg = [float(model.cam_fovy[model.camera(first.cameras[0]).id]) for model in models]
         self._model, self._eyes = setup.model, Eyes(models, first, setup.body.numpy(), setup.model)
-        self._filters = Filters(entries, fovy_deg, setup.body)
+        self._filters = Filters(entries, fovy_deg, setup.body.numpy())
         self._shape = setup.body.shape[0], len(first.cameras) * first.height_px * first.width_px * len("rgb")
 
     def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
         """Write what is seen now, shape (worlds, n), in 8 bits."""
-        self._filters(self._eyes(data), sample)
+        wp.to_torch(sample).copy_(self._filters(self._eyes(data)))
 
     def look(self, data: mjw.Data) -> wp.array:
         """Return what is seen now, without delay, shape (worlds, n)."""
