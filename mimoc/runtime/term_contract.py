@@ -61,7 +61,7 @@ def _check_strict(terms: list[Term], datas: list[mujoco.MjData], args: Any) -> N
     try:
         import array_api_strict as xp
     except ImportError:
-        raise MissingExtraError("array-api-strict", "test") from None
+        raise MissingExtraError("array-api-strict", "gpu") from None
     with warnings.catch_warnings(), xp.ArrayAPIStrictFlags(boolean_indexing=False, data_dependent_shapes=False):
         warnings.simplefilter("ignore")  # Which version of the standard it is.
         put = xp.asarray
