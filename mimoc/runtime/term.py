@@ -93,14 +93,14 @@ def differing_field(terms: Sequence[Term]) -> str | None:
     if len({type(term) for term in terms}) > 1:
         return "kind"
     for name, values in _fields(terms).items():
-        nested = [value if isinstance(value, tuple) else (value,) for value in values]
+        nested: list[tuple[Any, ...]] = [value if isinstance(value, tuple) else (value,) for value in values]
         if len({len(items) for items in nested}) > 1:
             return name
         for items in zip(*nested, strict=True):
             if isinstance(items[0], Term):
                 if within := differing_field(items):
                     return f"{name}.{within}"
-            elif _is_amount(items[0]):
+            elif is_amount(items[0]):
                 if len({np.shape(item) for item in items}) > 1:
                     return name
             elif any(not np.array_equal(item, items[0]) for item in items):
@@ -119,11 +119,12 @@ def _stacked(values: Sequence[Any], put: Put) -> Any:
         return stack_terms(values, put)
     if isinstance(first, tuple):
         return tuple(_stacked(items, put) for items in zip(*values, strict=True))
-    if _is_amount(first):
+    if is_amount(first):
         return put(np.stack([np.asarray(value, np.float64) for value in values]))
-    return put(first) if isinstance(first, np.ndarray) else first
+    return put(first) if hasattr(first, "dtype") else first
 
 
-def _is_amount(value: Any) -> bool:
+def is_amount(value: Any) -> bool:
     """Return whether a field says how much, and differs between infants; those of bool and text do not."""
-    return isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind == "f")
+    dtype: Any = getattr(value, "dtype", None)
+    return isinstance(value, float) or (dtype is not None and dtype.kind == "f")

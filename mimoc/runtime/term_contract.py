@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from mimoc.errors import KindError, MissingExtraError
-from mimoc.runtime.term import Put, Term, stack_terms
+from mimoc.runtime.term import Put, Term, is_amount, stack_terms
 from mimoc.runtime.worlds import Worlds, worlds_of_many, worlds_of_one
 
 INFANTS = 7
@@ -61,7 +61,7 @@ def _check_strict(terms: list[Term], datas: list[mujoco.MjData], args: Any) -> N
     try:
         import array_api_strict as xp
     except ImportError:
-        raise MissingExtraError("array-api-strict", "test") from None
+        raise MissingExtraError("array-api-strict", "gpu") from None
     with warnings.catch_warnings(), xp.ArrayAPIStrictFlags(boolean_indexing=False, data_dependent_shapes=False):
         warnings.simplefilter("ignore")  # Which version of the standard it is.
         put = xp.asarray
@@ -74,14 +74,13 @@ def _check_strict(terms: list[Term], datas: list[mujoco.MjData], args: Any) -> N
 def _check_torch(terms: list[Term], datas: list[mujoco.MjData], args: Any, expected: Mapping[str, np.ndarray]) -> None:
     try:
         import array_api_compat.torch as xp
-        from torch import float32, from_numpy
+        from torch import as_tensor, float32
         from torch._subclasses.fake_tensor import FakeTensorMode
     except ImportError:
         raise MissingExtraError("torch", "gpu") from None
 
     def put(values: np.ndarray) -> Any:
-        tensor = from_numpy(np.ascontiguousarray(values))
-        return tensor.to(float32) if values.dtype.kind == "f" else tensor
+        return as_tensor(np.ascontiguousarray(values), dtype=float32 if values.dtype.kind == "f" else None)
 
     result = _call(terms, _worlds_in(xp, datas, put), _mapped(args, put), "torch", put)
     for name, array in result.items():
@@ -114,7 +113,7 @@ def _call(terms: list[Term], worlds: Worlds, args: Any, library: str, put: Put) 
 
 def _states(model: mujoco.MjModel) -> list[mujoco.MjData]:
     """Return seven different states of a model."""
-    generator, datas = np.random.default_rng(0), []
+    generator, datas = np.random.default_rng(0), list[mujoco.MjData]()
     for index in range(INFANTS):
         data = mujoco.MjData(model)
         if model.nkey:
@@ -141,30 +140,37 @@ def _worlds_in(
 def _varied(term: Any, index: int) -> Any:
     """Return a term with other amounts, as another infant has them: those of infant i are i % larger."""
     if isinstance(term, tuple):
-        return tuple(_varied(item, index) for item in term)
+        items: tuple[Any, ...] = term
+        return tuple(_varied(item, index) for item in items)
     if isinstance(term, Term):
         return replace(term, **{field.name: _varied(getattr(term, field.name), index) for field in fields(term)})
-    is_amount = isinstance(term, float) or (isinstance(term, np.ndarray) and term.dtype.kind == "f")
-    return term * (1.0 + index / 100) if is_amount else term
+    return term * (1.0 + index / 100) if is_amount(term) else term
 
 
 def _mapped(values: Any, function: Callable[[Any], Any]) -> Any:
+    """Return a nest of tuples and dictionaries with a function of each of its values."""
     if isinstance(values, tuple):
-        return tuple(_mapped(value, function) for value in values)
-    if isinstance(values, Mapping):
-        return {name: _mapped(value, function) for name, value in values.items()}
+        items: tuple[Any, ...] = values
+        return tuple(_mapped(value, function) for value in items)
+    if isinstance(values, dict):
+        mapping: dict[str, Any] = values
+        return {name: _mapped(value, function) for name, value in mapping.items()}
     return function(values)
 
 
 def _arrays(name: str, result: Any) -> list[tuple[str, Any]]:
     """Return the arrays in what a term returned, by name."""
-    if isinstance(result, Mapping):
-        return [item for key, value in result.items() for item in _arrays(str(key), value)]
-    if isinstance(result, tuple):
-        return [item for index, value in enumerate(result) for item in _arrays(f"{name}[{index}]", value)]
-    if is_dataclass(result):
-        return [item for field in fields(result) for item in _arrays(field.name, getattr(result, field.name))]
-    return [] if result is None else [(name, result)]
+    parts: dict[str, Any] = {}
+    if isinstance(result, dict):
+        parts = result
+    elif isinstance(result, tuple):
+        items: tuple[Any, ...] = result
+        parts = {f"{name}[{index}]": value for index, value in enumerate(items)}
+    elif is_dataclass(result):
+        parts = {field.name: getattr(result, field.name) for field in fields(result)}
+    elif result is not None:
+        return [(name, result)]
+    return [item for key, value in parts.items() for item in _arrays(key, value)]
 
 
 def _name(term: Term) -> str:

@@ -15,8 +15,10 @@ from mimoc.senses.sense import Observation, Sample, Sense, Vector
 
 Read = Callable[[Worlds], Sequence[Sample]]
 """Returns the samples of the k infants that it is for, from their worlds: new arrays, or rows of one."""
-SIZES = ("nq", "nv", "na", "nu", "nbody", "njnt", "ngeom", "nsite", "ncam", "nlight", "ntendon", "nmocap")
-SIZES += ("nsensordata", "nuserdata", "neq")
+SIZES = (
+    *("nq", "nv", "na", "nu", "nbody", "njnt", "ngeom", "nsite", "ncam", "nlight", "ntendon", "nmocap", "neq"),
+    *("nsensordata", "nuserdata"),
+)
 """On which the shapes of the fields of `MjData` depend."""
 
 
