@@ -28,7 +28,7 @@ class Effort(Term):
     strength_nm: float
     """n Σ T, or 1 if that is zero."""
 
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+    def __call__(self, worlds: Worlds) -> Any:
         """Return what they cost now."""
         return worlds.xp.vecdot((self.used(worlds) / self.full) ** 2, self.torques_nm) / self.strength_nm
 

@@ -23,7 +23,7 @@ infants, whose bits differ with k. So one infant equals row i of many to the bit
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -36,17 +36,13 @@ Put = Callable[[np.ndarray], Any]
 
 @dataclass(frozen=True)
 class Term:
-    """A base for terms; a field can also be a term, or a tuple of terms."""
+    """A base for terms; a field can also be a term, or a tuple of terms.
 
-    def __call__(self, worlds: Worlds, *args: Any, **keywords: Any) -> Any:
-        """Return what is measured, an array of shape (k, ...), or what a kind asks of its terms.
+    `term(worlds, ...)` returns what is measured of k infants, an array of shape (k, ...), or what a kind asks of its
+    terms; what else a kind gives them has a leading axis of k, too.
+    """
 
-        Args:
-            worlds: The simulations of k infants.
-            args: What else a kind gives its terms, each with a leading axis of k.
-            keywords: The same by name.
-        """
-        raise NotImplementedError
+    __call__: ClassVar[Callable[..., Any]]
 
 
 @dataclass(frozen=True)
@@ -58,7 +54,7 @@ class Field(Term):
     addresses: npt.NDArray[np.intp]
     """Which of its numbers, shape (n,)."""
 
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+    def __call__(self, worlds: Worlds) -> Any:
         """Return the numbers now."""
         return worlds.xp.take(getattr(worlds, self.name), self.addresses, axis=1)
 

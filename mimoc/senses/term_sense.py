@@ -60,7 +60,7 @@ class TermSense(Vector):
 class Zero(Term):
     """A zero, shape (k, 1)."""
 
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+    def __call__(self, worlds: Worlds) -> Any:
         """Return zeros."""
         return worlds.xp.zeros_like(worlds.xpos[:, 0, :1])
 

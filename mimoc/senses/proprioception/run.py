@@ -41,7 +41,7 @@ class Limits(Term):
     middle_rad: FloatArray
     reach_rad: FloatArray
 
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+    def __call__(self, worlds: Worlds) -> Any:
         """Return the proximity of the limits now."""
         xp = worlds.xp
         beyond = xp.abs(xp.take(worlds.qpos, self.addresses, axis=1) - self.middle_rad) - self.reach_rad
@@ -55,7 +55,7 @@ class ActuatorTorques(Term):
     actuators: IntArray
     gears: FloatArray
 
-    def __call__(self, worlds: Worlds, *args: Any) -> Any:
+    def __call__(self, worlds: Worlds) -> Any:
         """Return the torques of the last physics step."""
         return worlds.xp.take(worlds.actuator_force, self.actuators, axis=1) * self.gears
 
