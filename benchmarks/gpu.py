@@ -13,6 +13,7 @@ import numpy as np
 import warp as wp
 
 import mimoc
+from mimoc.runtime.warp.device_worlds import present
 
 AGES_MONTHS = (0, 3, 6, 9, 12, 18, 24)
 SENSES = {
@@ -63,7 +64,8 @@ def command(env, seed: int) -> wp.array:
 
 def show_kernels(env) -> None:
     """Print which kernels take how much of a control step that is not captured."""
-    with wp.ScopedDevice(env.device):
+    env.worlds.captures = False
+    with present(env.device):
         wp.timing_begin(cuda_filter=wp.TIMING_KERNEL)
         env.worlds.step()
         taken_ms: dict[str, float] = {}

@@ -31,10 +31,11 @@ if TYPE_CHECKING:
     from mimoc.runtime.growing_env import Growing
     from mimoc.runtime.growth_schedule import growth_schedule
     from mimoc.runtime.limits import torque_limits
+    from mimoc.runtime.term import Term
     from mimoc.schema.infant import InfantSpec
     from mimoc.studies.experiments import run_experiment
     from mimoc.studies.milestones import validate_milestones
-    from mimoc.tasks.task import Task, Verdict
+    from mimoc.tasks.task import Judgement, Task, Verdict
     from mimoc.training import evaluate, load_policy, train
     from mimoc.vector_environments import make_vec, sb3_vec_env
     from mimoc.viewer.viewing import View, view
@@ -48,12 +49,14 @@ _HOMES = {
     "InfantEnv": "mimoc.runtime.env",
     "InfantSpec": "mimoc.schema.infant",
     "InverseDynamics": "mimoc.control",
+    "Judgement": "mimoc.tasks.task",
     "LookAt": "mimoc.control",
     "MimocError": "mimoc.errors",
     "Posture": "mimoc.control",
     "Reach": "mimoc.control",
     "Recorder": "mimoc.recording.recorder",
     "Task": "mimoc.tasks.task",
+    "Term": "mimoc.runtime.term",
     "Verdict": "mimoc.tasks.task",
     "View": "mimoc.viewer.viewing",
     "build": "mimoc.compiler.pipeline",
@@ -90,12 +93,14 @@ __all__ = [
     "InfantEnv",
     "InfantSpec",
     "InverseDynamics",
+    "Judgement",
     "LookAt",
     "MimocError",
     "Posture",
     "Reach",
     "Recorder",
     "Task",
+    "Term",
     "Verdict",
     "View",
     "__version__",

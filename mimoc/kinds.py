@@ -50,7 +50,7 @@ class NoiseOption:
     most: float
     """Largest number that makes sense."""
     run: Code
-    """`bind(amount, sense, low_pass_s) -> SenseNoise`: what disturbs its samples; see `mimoc/noise/senses.py`."""
+    """`bind(amount, sense, low_pass_s) -> Noise`: a term that disturbs its samples; see `mimoc/noise/noise.py`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +76,10 @@ class SenseKind:
     noise: NoiseOption | None = None
     """Noise of its samples; None if it can have none. Its delay can jitter all the same."""
     many: Code | None = None
-    """`join(senses) -> Joined | None`: what reads many infants at once (`senses.joined.Joined`), or None if it cannot
-    join these senses; those, and senses of a kind without it, are read one after another."""
+    """`join(senses) -> Read | None`: from the worlds of many infants on the CPU to a sample of each, or None if
+    it cannot read these at once. Senses that are terms need none; others without it are read one after another."""
+    device: Code | None = None
+    """`bind(setup) -> DeviceReader` (`mimoc/runtime/warp/signals.py`): what reads it on a device if it is no term."""
 
 
 @dataclass(frozen=True, slots=True)

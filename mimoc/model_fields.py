@@ -22,6 +22,14 @@ class ModelField:
     """Indices of the rows, shape (n,)."""
 
 
+def rows_by_name(fields: Iterable[ModelField]) -> dict[str, npt.NDArray[np.intp]]:
+    """Return the rows of each array that some fields declare, one declaration after another."""
+    rows: dict[str, npt.NDArray[np.intp]] = {}
+    for field in fields:
+        rows[field.name] = np.concatenate([rows.get(field.name, field.rows[:0]), field.rows])
+    return rows
+
+
 class ModelFields:
     """All that episodes change in a model."""
 

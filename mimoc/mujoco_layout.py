@@ -59,6 +59,4 @@ class AffineBias(NamedTuple):
 
 
 MUSCLE_FORCE = MuscleParameters._fields.index("force")
-MUSCLE_PASSIVE = MuscleParameters._fields.index("passive")
-MUSCLE_LENGTHENING = MuscleParameters._fields.index("lengthening")
-"""Columns of `actuator_gainprm` of a muscle."""
+"""Column of `actuator_gainprm` with the largest isometric force of a muscle."""

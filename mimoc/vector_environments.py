@@ -67,8 +67,8 @@ def make_vec(
         autoreset_mode: When an infant whose episode has ended is reset: in the next step (Gymnasium's default), in the
             same one (`SameStep`), or by the caller (`Disabled`).
         options: Others of `mimoc.make`: `width` and `height` of the picture of one infant; `task` and `senses`, of
-            which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides the last:
-            `arrays`, `touch`, `starts`, `contacts` and `constraints` of `WarpInfants`.
+            which each infant gets a copy; and `max_episode_steps`. On other devices instead, besides `task` and
+            the last: `arrays`, `touch`, `starts`, `contacts` and `constraints` of `WarpInfants`.
 
     Raises:
         SpecError: If a spec cannot be built.
@@ -221,15 +221,15 @@ def _on_device(
     options: dict[str, Any],
 ) -> "WarpInfants":
     """Return infants in worlds of MuJoCo Warp."""
-    from mimoc.runtime.warp.infants import StartingInfant
-    from mimoc.runtime.warp.vector_env import WarpInfants
+    from mimoc.runtime.warp.vector_env import StartingInfant, WarpInfants
 
-    known = ["max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
+    known = ["task", "senses", "max_episode_steps", "arrays", "touch", "starts", "contacts", "constraints"]
     for name in options.keys() - known:
         raise UnknownNameError(f"option of infants on device '{device}'", name, known)
     if render_mode is not None:
         raise MimocError(f"infants on device '{device}' cannot be rendered; leave out render_mode")
-    infants = [StartingInfant(**parts) for parts in prepared]
+    objects = {name: options.pop(name) for name in ("task", "senses") if name in options}
+    infants = [StartingInfant(**parts, **deepcopy(objects)) for parts in prepared]
     return WarpInfants(infants, count, device.removeprefix("warp:"), autoreset_mode, **options)
 
 

@@ -13,7 +13,7 @@ from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS, all_limb_bodies, 
 ROOT = Path(mimoc.__file__).parent
 RUNNING = (
     *("runtime/*.py", "control/*.py", "policies/*.py", "tasks/*.py", "tasks/*/run.py", "actuation/*.py"),
-    *("actuation/*/run.py", "senses/*/run.py", "delays/line.py", "delays/schedule.py", "recording/*.py"),
+    *("actuation/*/run.py", "senses/*/run.py", "delays/signals.py", "delays/schedule.py", "recording/*.py"),
 )
 FILES = sorted(path for pattern in RUNNING for path in ROOT.glob(pattern))
 OF_BUILDING = {"ball.py", "setup.py", "base.py"}

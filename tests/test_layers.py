@@ -182,7 +182,8 @@ def imports(module: str, source: str, *, is_package: bool = False) -> list[Impor
     """Return every import of a module, wherever it stands, but for those that only a type checker sees in the cli.
 
     A string that is the name of a module of mimoc, or that `import_module` gets, counts as an import. Only the record
-    of a kind names the code in its own folder without importing it, which is what a record is for.
+    of a kind names the code in its own folder, and what runs on a device, without importing it, which is what a record
+    is for.
     """
     tree = ast.parse(source)
     for_types = set(_under_type_checking(tree)) if layer_of(module) == "cli" else set()
@@ -249,10 +250,10 @@ def _named(node: ast.AST) -> Iterator[str]:
 
 
 def _is_code_of_record(item: Import) -> bool:
-    """Return whether a kind's record names the code of the kind, such as `mimoc.senses.touch.run`."""
+    """Return whether a kind's record names code of the kind, such as `mimoc.senses.touch.run`, or its device part."""
     folder = item.module.removeprefix("mimoc.").partition(".")[0]
-    package = f"mimoc.{folder}.run_" if folder == "quantities" else f"{item.module}."
-    return item.by_string and folder in (*KIND_FOLDERS, "quantities") and item.name.startswith(package)
+    packages = (f"mimoc.{folder}.run_",) if folder == "quantities" else (f"{item.module}.", "mimoc.runtime.warp.")
+    return item.by_string and folder in (*KIND_FOLDERS, "quantities") and item.name.startswith(packages)
 
 
 def _under_type_checking(tree: ast.AST) -> Iterator[ast.AST]:

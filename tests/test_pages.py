@@ -21,6 +21,8 @@ from support.commands import Outcome
 from support.full import FULL
 
 import mimoc
+from mimoc.plugins import KINDS
+from mimoc.schema.composition import recompose
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 PAGES = (
@@ -41,7 +43,6 @@ PAGES = (
     "docs/training.md",
     "docs/container.md",
     "docs/own_reward.md",
-    "docs/own_sense.md",
     "docs/own_measure.md",
     "docs/plain_mujoco.md",
     "docs/growth.md",
@@ -100,7 +101,7 @@ class Reader:
         self.folder, self._invoke = folder, invoke
         self.said = ""
         """All that was printed so far."""
-        self._session: dict[str, Any] = {}
+        self._session: dict[str, Any] = {"__name__": "page"}  # Sections of a spec have a module.
         self._spec: dict[str, Any] = {}
         """The page's first spec, of which those after it have some keys."""
 
@@ -191,6 +192,10 @@ def reader(checkout, monkeypatch, invoke) -> Iterator[Reader]:
     found = Reader(checkout, invoke)
     found.said = invoke("build", "my_infant.yaml", "-o", "out/mine").err
     yield found
+    for _, table in KINDS.values():
+        for name in [name for name in table if not table.distribution(name)]:
+            table.remove(name)
+    recompose()
     rmtree(checkout / "out", ignore_errors=True)
 
 

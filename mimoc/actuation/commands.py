@@ -1,89 +1,54 @@
-"""Conversion of an action to controls of MuJoCo's actuators."""
+"""What actuation models are made of: the actuators that take commands, their limits, and terms for what they cost."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.actuation.spec import ActuationEntry, ActuatorEntry
+from mimoc.runtime.term import Field, Term
+from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
 
 
-def numbers(actions: npt.ArrayLike) -> npt.NDArray[Any]:
-    """Return what may be one action or several as an array of real numbers.
+@dataclass(frozen=True)
+class Effort(Term):
+    """Effort E = Σ u² T / (n Σ T) of n actuators (MIMo), with the largest torque T of each and its share u in use.
 
-    Raises:
-        ValueError: If it is none.
+    E is between 0 and 1 / n, and 0 if all T are zero; shape (k,).
     """
-    try:
-        given = np.asarray(actions)
-    except ValueError:  # Lists of different lengths.
-        given = np.array(None)
-    if given.dtype.kind not in "fiub":
-        raise ValueError(f"expected an action of numbers, got {actions!r:.60}")
-    return given
+
+    used: Term
+    """Measures what is in use of each actuator, shape (k, n)."""
+    full: FloatArray
+    """What it measures of an actuator that uses all of its strength, shape (n,)."""
+    torques_nm: FloatArray
+    """T, shape (n,)."""
+    strength_nm: float
+    """n Σ T, or 1 if that is zero."""
+
+    def __call__(self, worlds: Worlds) -> Any:
+        """Return what they cost now."""
+        return worlds.xp.vecdot((self.used(worlds) / self.full) ** 2, self.torques_nm) / self.strength_nm
 
 
-@dataclass(frozen=True)
-class Commands:
-    """One command for each of n actuators, used directly as MuJoCo's control, which MuJoCo clips to its range."""
+def effort_of(used: Term, limits_nm: FloatArray, in_newton_metres: bool = False) -> Effort:
+    """Return what n actuators cost.
 
-    actuators: IntArray
-    """Index of each actuator in the model, shape (n,)."""
-    low: FloatArray
-    """Smallest command, shape (n,)."""
-    high: FloatArray
-    """Largest command, shape (n,)."""
-    limits_nm: FloatArray
-    """Largest torque about the joint towards negative and positive angles, shape (n, 2)."""
-
-    def __call__(self, action: npt.ArrayLike) -> FloatArray:
-        """Return the control of each actuator as a new array, shape (n,).
-
-        Raises:
-            ValueError: If the action is none of numbers, has the wrong shape, or contains a NaN or an infinity.
-        """
-        given = numbers(action)
-        if given.shape != self.low.shape:
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got shape {given.shape}")
-        controls = given.astype(np.float64)
-        if not np.isfinite(controls).all():
-            wrong = controls[~np.isfinite(controls)][0]
-            raise ValueError(f"expected a finite action of shape {self.low.shape}, got {wrong}")
-        return controls
-
-    @property
-    def drive_name(self) -> str:
-        """What `drive` is: `command` or `activation`."""
-        return "command"
-
-    def drive(self, data: mujoco.MjData) -> FloatArray:
-        """Return what each actuator is driven by now, shape (n,)."""
-        return data.ctrl.take(self.actuators, -1)
-
-    @property
-    def bounds_nm(self) -> FloatArray:
-        """What the torque of each actuator never exceeds, either way, shape (n,)."""
-        return np.abs(self.limits_nm).max(axis=1)
+    Args:
+        used: Measures what is in use of each, shape (k, n).
+        limits_nm: Largest torque of each towards negative and positive angles, shape (n, 2).
+        in_newton_metres: Whether *used* measures torques, and not shares of the largest one.
+    """
+    torques_nm = np.abs(limits_nm).max(axis=1)
+    full = np.where(torques_nm > 0, torques_nm, np.inf) if in_newton_metres else np.ones(len(torques_nm))
+    return Effort(used, full, torques_nm, float(len(torques_nm) * torques_nm.sum()) or 1.0)
 
 
-@dataclass(frozen=True)
-class Activated(Commands):
-    """Commands that the activations of n actuators follow; these drive the actuators."""
-
-    activations: IntArray
-    """Index of each actuator's activation in the state, shape (n,)."""
-
-    @property
-    def drive_name(self) -> str:
-        """What `drive` is."""
-        return "activation"
-
-    def drive(self, data: mujoco.MjData) -> FloatArray:
-        """Return the activation of each actuator now, shape (n,)."""
-        return data.act.take(self.activations, -1)
+def activations(model: mujoco.MjModel, ids: IntArray) -> Field:
+    """Return a term for the activations of n actuators, shape (k, n)."""
+    return Field("act", model.actuator_actadr[ids].astype(np.intp))
 
 
 def all_commanded(entry: ActuationEntry) -> ActuationEntry:
@@ -113,14 +78,3 @@ def command_range(entry: ActuationEntry) -> tuple[FloatArray, FloatArray]:
 def limits_of_motors(model: mujoco.MjModel, ids: IntArray) -> FloatArray:
     """Return the largest torque of n motors towards negative and positive angles, shape (n, 2), in [N m]."""
     return model.actuator_gear[ids, :1] * model.actuator_forcerange[ids]
-
-
-def mean_effort(shares: FloatArray, torques_nm: FloatArray) -> float:
-    """Return the sum of u² T divided by n times the sum of T (MIMo), between 0 and 1 / n; 0 if all T are zero.
-
-    Args:
-        shares: Fraction u of its strength that each actuator uses, shape (n,).
-        torques_nm: Largest torque T of each actuator, shape (n,).
-    """
-    strength_nm = len(shares) * torques_nm.sum()
-    return float(shares**2 @ torques_nm / strength_nm) if strength_nm else 0.0

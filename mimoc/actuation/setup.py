@@ -39,5 +39,5 @@ class ActuationSetup:
 def build_actuation(spec: ActuationSpec, tree: BodyTree, timestep_s: float) -> ActuationSetup:
     """Return what the actuation model of a spec makes of a body."""
     kind = ACTUATIONS[spec.model]
-    own = getattr(spec, kind.name) if kind.spec else None
-    return function_of(kind.build, "build")(own, tree, timestep_s)
+    section = getattr(spec, kind.name) if kind.spec else None
+    return function_of(kind.build, "build")(section, tree, timestep_s)

@@ -28,7 +28,7 @@ from mimoc.schema.entries import (
 )
 from mimoc.senses.spec import SensesEntry
 from mimoc.tasks.base import TaskEntry
-from mimoc.tasks.free.spec import FreeEntry
+from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.spec import task_entry_field
 from mimoc.units import to_steps
 

@@ -21,7 +21,7 @@ def carry_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
         groups: The samples by their new delays.
         former: The same samples by their former delays, which are left as they are.
     """
-    plain = [each for each in former if isinstance(each, DelayedSamples)]
+    plain = [group for group in former if isinstance(group, DelayedSamples)]
     history = _history(plain) if len(plain) == len(former) else []
     for index, group in enumerate(groups):
         before = former[min(index, len(former) - 1)]

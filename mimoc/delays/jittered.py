@@ -4,9 +4,37 @@ from collections import deque
 from typing import Any
 
 from mimoc.delays.signals import Mask, check_controls
-from mimoc.noise.wander import Wander
+from mimoc.noise.streams import NoiseStreams
+from mimoc.random_streams import whole_between
 from mimoc.senses.sense import FloatArray, IntArray, Sample
 from mimoc.state_form import check_form, checked_list, demand
+
+
+class Wander:
+    """The deviation of a delay, which grows by a physics step, shrinks by one or stays, each with probability 1/3.
+
+    At the bounds it stays instead of leaving them. All values from -most to most are equally likely at any time, so
+    that the mean deviation is 0 and the standard deviation is the root of most (most + 1) / 3. As a delay never grows
+    faster than time passes, no signal overtakes an earlier one.
+    """
+
+    def __init__(self, most: int, streams: NoiseStreams, channel: str):
+        """Wander between -most and most physics steps, by the stream of a channel."""
+        self._most, self._streams, self._channel = most, streams, channel
+        self.steps = 0
+        """The present deviation, in physics steps."""
+
+    def reset(self) -> None:
+        """Begin at any value."""
+        self.steps = whole_between(self._streams[self._channel], -self._most, self._most)
+
+    def advance(self, physics_steps: int) -> list[int]:
+        """Return the deviation after each of some physics steps."""
+        deviations = []
+        for drawn in self._streams[self._channel].random(physics_steps).tolist():
+            self.steps = max(-self._most, min(self._most, self.steps + int(3 * drawn) - 1))
+            deviations.append(self.steps)
+        return deviations
 
 
 class JitteredSamples:
@@ -55,8 +83,8 @@ class JitteredSamples:
 
     def send(self, sample: Sample) -> None:
         """Take a new sample, for each observation that is due now."""
-        now = next(taken for taken, found in self._due if found is None)
-        self._due = deque((taken, sample if taken == now else found) for taken, found in self._due)
+        now = next(taken for taken, kept in self._due if kept is None)
+        self._due = deque((taken, sample if taken == now else kept) for taken, kept in self._due)
 
     @property
     def state(self) -> list[Any]:

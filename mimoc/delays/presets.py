@@ -31,9 +31,9 @@ def delays(spec: InfantSpec, tree: BodyTree) -> DelaysEntry:
 
     Delays of a preset are rounded to whole physics steps; those that a spec gives are whole already.
     """
-    here = {body.name for body in tree.bodies}
-    found = {signal: _delay(spec, signal) for signal in signals()}
-    return DelaysEntry(**found, legs=tuple(leg for leg in LEGS if leg in here))
+    bodies = {body.name for body in tree.bodies}
+    delays = {signal: _delay(spec, signal) for signal in signals()}
+    return DelaysEntry(**delays, legs=tuple(leg for leg in LEGS if leg in bodies))
 
 
 def _delay(spec: InfantSpec, signal: str) -> DelayEntry:

@@ -1,6 +1,6 @@
 """The control step of an infant: commands applied and senses sampled with their delays, in whole physics steps."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -13,15 +13,12 @@ from mimoc.bundle.model import in_subtrees, out_of_memory
 from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
-from mimoc.noise.motor import MotorNoise
-from mimoc.noise.senses import noisy
+from mimoc.noise.motor import NoisyMotors, bind_motor_noise
+from mimoc.noise.noise import noise_of
 from mimoc.noise.streams import NoiseStreams
-from mimoc.senses.sense import Observation, Sample, Sense
+from mimoc.senses.sense import FloatArray, Observation, Sample, Sense
 from mimoc.state_form import checked_list, demand
 from mimoc.units import ms_to_s
-
-Read = Callable[[mujoco.MjData], Sample]
-"""A sense, or one with noise: what returns its sample at a physics step."""
 
 
 @dataclass(frozen=True)
@@ -70,14 +67,13 @@ class Schedule:
         moved = model.jnt_bodyid[model.actuator_trnid[actuation.actuators, 0]]
         self._commands = timing.commands(in_legs[moved], actuation.actuators, streams)
         self._noisy = {
-            name: found for name, sense in senses.items() if (found := noisy(name, sense, timing.noise, streams))
+            name: noise for name, sense in senses.items() if (noise := noise_of(name, sense, timing.noise, streams))
         }
         self._motor_noise = _motor_noise(timing, actuation, streams)
-        self._reads: dict[str, Read] = {**senses, **self._noisy}
         self._jittered = [
-            each for delayed in self._samples.values() for each in delayed if isinstance(each, JitteredSamples)
+            line for delayed in self._samples.values() for line in delayed if isinstance(line, JitteredSamples)
         ]
-        is_jittered = self._jittered or any(isinstance(each, JitteredCommands) for each in self._commands)
+        is_jittered = self._jittered or any(isinstance(commands, JitteredCommands) for commands in self._commands)
         self._segments = None if is_jittered else self._cut()
 
     def reset(self, data: mujoco.MjData) -> None:
@@ -87,9 +83,9 @@ class Schedule:
         for noise in self._noisy.values():
             noise.reset()
         for name, delayed in self._samples.items():
-            sample = self._reads[name](data)
-            for each in delayed:
-                each.reset(sample)
+            sample = self.disturb(name, self._senses[name](data), data)
+            for line in delayed:
+                line.reset(sample)
         for commands in self._commands:
             commands.reset()
 
@@ -100,28 +96,23 @@ class Schedule:
             ValueError: If the action is not one number for each actuator.
             ModelError: If the physics needs more memory than the model has.
         """
-        for segment in self.begin(action, data):
+        for segment in self.begin(self._actuation.controls(action, data)):
             self.command(segment, data)
             try:
                 mujoco.mj_step(self._model, data, segment.physics_steps)
             except mujoco.FatalError as error:
                 raise out_of_memory(error) from None
             for name, delayed in segment.samples:
-                sample = self.read(name, data)
-                for each in delayed:
-                    each.send(sample)
+                sample = self.disturb(name, self._senses[name](data), data)
+                for line in delayed:
+                    line.send(sample)
 
-    def begin(self, action: npt.ArrayLike, data: mujoco.MjData) -> tuple[Segment, ...]:
-        """Take the action of a control step, and return the segments that it consists of.
-
-        Raises:
-            ValueError: If the action is not one number for each actuator.
-        """
-        controls = self._actuation(action)
+    def begin(self, controls: FloatArray) -> tuple[Segment, ...]:
+        """Take the controls of an action, and return the segments that the control step consists of."""
         for commands in self._commands:
             commands.begin(controls)
-        for each in self._jittered:
-            each.begin()
+        for samples in self._jittered:
+            samples.begin()
         return self._segments or self._cut()
 
     def command(self, segment: Segment, data: mujoco.MjData) -> None:
@@ -132,30 +123,31 @@ class Schedule:
         if noise:
             noise(data)
 
-    def read(self, name: str, data: mujoco.MjData) -> Sample:
-        """Return the sample of a sense now, with its noise."""
-        return self._reads[name](data)
+    @property
+    def samples(self) -> Mapping[str, Sequence[Samples]]:
+        """The samples of each sense on their way, by their delays."""
+        return self._samples
+
+    def is_noisy(self, name: str) -> bool:
+        """Return whether the samples of a sense have noise."""
+        return name in self._noisy
 
     def disturb(self, name: str, sample: Sample, data: mujoco.MjData) -> Sample:
-        """Return a sample that was read without noise, with noise; it may be changed in place."""
-        return self._noisy[name].disturb(sample, data) if name in self._noisy else sample
-
-    def arrived(self, name: str) -> Sample:
-        """Return what has arrived of a sense: what is observed now, not to be changed."""
-        return _merged(self._samples[name])
+        """Return a sample that was read without noise, with noise."""
+        return self._noisy[name].at(data.time, sample) if name in self._noisy else sample
 
     def observe(self) -> Observation:
         """Return the samples that have arrived as an observation of new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe(self.arrived(name)))
+            observation.update(sense.observe(arrived(self._samples[name])))
         return observation
 
     @property
     def state(self) -> dict[str, Any]:
         """The samples that have arrived, all signals on their way, and the noise."""
         return {
-            "senses": {name: [each.state for each in delayed] for name, delayed in self._samples.items()},
+            "senses": {name: [line.state for line in delayed] for name, delayed in self._samples.items()},
             "commands": [commands.state for commands in self._commands],
             "noise": {name: noise.state for name, noise in self._noisy.items()},
             "motor_noise": self._motor_noise and self._motor_noise.state,
@@ -164,8 +156,8 @@ class Schedule:
     @state.setter
     def state(self, state: Mapping[str, Any]) -> None:
         for name, delayed in self._samples.items():
-            for each, kept in zip(delayed, state["senses"][name], strict=True):
-                each.state = kept
+            for line, kept in zip(delayed, state["senses"][name], strict=True):
+                line.state = kept
         for commands, kept in zip(self._commands, state["commands"], strict=True):
             commands.state = kept
         for name, noise in self._noisy.items():
@@ -181,8 +173,8 @@ class Schedule:
         """
         for name, delayed in self._samples.items():
             where = f"signals.senses.{name}"
-            for each, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
-                each.check(kept, where)
+            for line, kept in zip(delayed, checked_list(state["senses"][name], where, len(delayed)), strict=True):
+                line.check(kept, where)
         where = "signals.commands"
         on_their_way = checked_list(state["commands"], where, len(self._commands))
         for commands, kept in zip(self._commands, on_their_way, strict=True):
@@ -211,7 +203,7 @@ class Schedule:
 
     def _cut(self) -> tuple[Segment, ...]:
         """Return the segments of a control step; noise of commands is drawn for each physics step."""
-        sampled = {after for delayed in self._samples.values() for each in delayed for after in each.sampled_after}
+        sampled = {after for delayed in self._samples.values() for line in delayed for after in line.sampled_after}
         applied = {after for commands in self._commands for after in commands.applied_after}
         noisy = range(self._period) if self._motor_noise else ()
         cuts = sorted({0, self._period, *sampled, *applied, *noisy})
@@ -220,27 +212,26 @@ class Schedule:
                 commands=tuple(commands for commands in self._commands if start in commands.applied_after),
                 physics_steps=end - start,
                 samples=tuple(
-                    (name, here)
+                    (name, due)
                     for name, delayed in self._samples.items()
-                    if (here := tuple(each for each in delayed if end in each.sampled_after))
+                    if (due := tuple(line for line in delayed if end in line.sampled_after))
                 ),
             )
             for start, end in pairwise(cuts)
         )
 
 
-def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> MotorNoise | None:
-    noise = timing.noise
-    if not noise.motor:
+def _motor_noise(timing: Timing, actuation: Actuation, streams: NoiseStreams) -> NoisyMotors | None:
+    if not timing.noise.motor:
         return None
-    return MotorNoise(noise.motor, ms_to_s(noise.low_pass_ms), ms_to_s(timing.timestep_ms), actuation, streams)
+    return NoisyMotors(bind_motor_noise(timing.noise, actuation), ms_to_s(timing.timestep_ms), actuation, streams)
 
 
-def _merged(delayed: Sequence[Samples]) -> Sample:
-    """Return what has arrived of all parts of a sense as one sample."""
+def arrived(delayed: Sequence[Samples]) -> Sample:
+    """Return what has arrived of all parts of a sense as one sample: what is observed now, not to be changed."""
     if len(delayed) == 1:
         return delayed[0].arrived
     merged = delayed[0].arrived.copy()
-    for each in delayed[1:]:
-        merged[each.part] = each.arrived[each.part]
+    for line in delayed[1:]:
+        merged[line.part] = line.arrived[line.part]
     return merged

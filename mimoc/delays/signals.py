@@ -1,11 +1,11 @@
 """Signals with a delay: the samples of senses, and commands to actuators."""
 
+from collections import deque
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.delays.line import DelayLine
 from mimoc.senses.sense import FloatArray, IntArray, Sample
 from mimoc.state_form import check_finite, check_form, checked_list, demand
 
@@ -43,21 +43,21 @@ class DelayedSamples:
     def reset(self, sample: Sample) -> None:
         """Forget all samples; this one is observed until a later one arrives."""
         self.arrived = sample
-        self._line = DelayLine(self.length, sample)
+        self._line = deque([sample] * self.length)
 
     def send(self, sample: Sample) -> None:
         """Take a new sample; an earlier one arrives."""
-        self.arrived = self._line.shift(sample)
+        self._line.append(sample)
+        self.arrived = self._line.popleft()
 
     @property
     def state(self) -> list[Sample]:
         """The sample that has arrived, then those on their way."""
-        return [self.arrived, *self._line.held]
+        return [self.arrived, *self._line]
 
     @state.setter
     def state(self, samples: list[Sample]) -> None:
-        self.reset(samples[0])
-        self._line.held = samples[1:]
+        self.arrived, self._line = samples[0], deque(samples[1:])
 
     def check(self, state: object, where: str) -> None:
         """Check a state; see `check_form`."""
@@ -80,33 +80,40 @@ class DelayedCommands:
         """Physics steps of a control step after which commands arrive."""
         self.length = delay_steps // control_steps
         """Number of commands on their way."""
-        self._part, self._actuators = part, actuators
+        self._part, self._columns, self._actuators = part, _as_slice(part), _as_slice(actuators)
         self.reset()
 
     def reset(self) -> None:
         """Forget all commands; the actuators keep their controls until a new one arrives."""
-        self._line: DelayLine[FloatArray | None] = DelayLine(self.length, None)
+        self._line: deque[FloatArray | None] = deque([None] * self.length)
 
     def begin(self, controls: FloatArray) -> None:
         """Take the controls of all actuators for the next control step; earlier ones arrive during it."""
-        self._arrived = self._line.shift(controls)
+        self._line.append(controls)
+        self._arrived = self._line.popleft()
 
     def apply(self, controls: FloatArray) -> None:
         """Write the commands that arrive into the controls of the model, shape (nu,)."""
         if self._arrived is not None:
-            controls[self._actuators] = self._arrived[self._part]
+            controls[self._actuators] = self._arrived[self._columns]
 
     @property
     def state(self) -> list[FloatArray | None]:
         """The controls on their way."""
-        return self._line.held
+        return list(self._line)
 
     @state.setter
     def state(self, controls: list[FloatArray | None]) -> None:
-        self._line.held = controls
+        self._line = deque(controls)
 
     def check(self, state: object, where: str) -> None:
         """Check a state; see `check_form`."""
         for controls in checked_list(state, where, self.length):
             if controls is not None:
                 check_controls(controls, self._part, where)
+
+
+def _as_slice(indices: IntArray) -> IntArray | slice:
+    """Return indices that follow each other as a slice, which is read and written faster."""
+    first = int(indices[0]) if len(indices) else 0
+    return slice(first, first + len(indices)) if (np.diff(indices) == 1).all() else indices

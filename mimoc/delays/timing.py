@@ -5,12 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.delays.jittered import JitteredCommands, JitteredSamples
+from mimoc.delays.jittered import JitteredCommands, JitteredSamples, Wander
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
 from mimoc.noise.spec import NoiseEntry
 from mimoc.noise.streams import NoiseStreams
-from mimoc.noise.wander import Wander
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
@@ -70,12 +69,12 @@ class Timing:
         Raises:
             ValueError: If a delay is not a whole number of physics steps.
         """
-        found: list[Commands] = []
+        delayed: list[Commands] = []
         for steps, part, wander in self._groups(MOTOR, in_legs, streams):
             which = np.arange(len(actuators)) if part is None else np.flatnonzero(part)
             way = steps, self.period, which, actuators[which]
-            found.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
-        return found
+            delayed.append(JitteredCommands(*way, wander) if wander else DelayedCommands(*way))
+        return delayed
 
     def _groups(
         self, signal: str, in_legs: Mask | None, streams: NoiseStreams

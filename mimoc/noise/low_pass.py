@@ -1,73 +1,62 @@
-"""Gaussian noise that changes gradually, with mean 0, standard deviation 1 and a time constant."""
+"""Gaussian noise that changes gradually, with mean 0, standard deviation 1 and a time constant.
+
+The statistics are exact for any interval between values, so they do not depend on the physics step.
+"""
 
 import math
-
-import numpy as np
-
-from mimoc.senses.sense import FloatArray
+from dataclasses import dataclass
+from typing import Any
 
 FORGOTTEN = 700.0
 """Number of time constants after which nothing of a value is left."""
 
 
-class LowPassed:
-    """White noise after a low-pass filter of first order: values correlate by exp(-t / T) over a time t.
+@dataclass(frozen=True, slots=True)
+class LowPass:
+    """White noise after a low-pass filter of first order, whose values correlate by exp(-t / T) over a time t.
 
-    The statistics are exact for any interval between values, so they do not depend on the physics step.
+    With random numbers n, a value x becomes a x + √(1 - a²) n after a time t, where a = exp(-t / T).
     """
 
-    def __init__(self, count: int, time_constant_s: float):
-        """Keep so many independent values."""
-        self.values = np.zeros(count)
-        """The present values, shape (count,)."""
-        self._time_constant_s = time_constant_s
+    time_constant_s: float
+    """T."""
 
-    def advance(self, elapsed_s: float, generator: np.random.Generator) -> FloatArray:
-        """Return the values after some time, shape (count,); after an infinite time they are drawn anew."""
-        kept, added = low_pass_step(elapsed_s, self._time_constant_s)
-        self.values = kept * self.values + added * generator.standard_normal(len(self.values))
-        return self.values
+    def __call__(self, values: Any, elapsed_s: float, drawn: Any) -> Any:
+        """Return the values after some time, shape (k, n); those drawn if there are none before."""
+        if values is None:
+            return drawn
+        kept = math.exp(-elapsed_s / self.time_constant_s)
+        return kept * values + math.sqrt(1 - kept * kept) * drawn
 
 
+@dataclass(frozen=True, slots=True)
 class Smooth:
     """White noise after a critically damped low-pass filter of second order: smooth values, and their rates.
 
-    A value has the standard deviation 1, its rate 1 / T, and the rate is the derivative of the value.
+    A value has the standard deviation 1, its rate 1 / T, and the rate is the derivative of the value. With p = t / T, a
+    value and T times its rate, z = (x, y), become A z + L n after a time t, where A = exp(-p) (1 + p, p; -p, 1 - p),
+    and L is lower triangular with L Lᵀ = 1 - A Aᵀ.
     """
 
-    def __init__(self, count: int, time_constant_s: float):
-        """Keep so many independent values and rates."""
-        self.values = np.zeros((2, count))
-        """The present values, and their rates by the time constant, shape (2, count)."""
-        self._time_constant_s = time_constant_s
+    time_constant_s: float
+    """T."""
 
-    def advance(self, elapsed_s: float, generator: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-        """Return the values and their rates [1/s] after some time, shape (count,) each; see `LowPassed.advance`."""
-        kept, added = smooth_step(elapsed_s, self._time_constant_s)
-        self.values = kept @ self.values + added @ generator.standard_normal(self.values.shape)
-        return self.values[0], self.values[1] / self._time_constant_s
-
-
-def low_pass_step(elapsed_s: float, time_constant_s: float) -> tuple[float, float]:
-    """Return the shares of the present value and of a new random number in the value after some time."""
-    kept = math.exp(-elapsed_s / time_constant_s)
-    return kept, math.sqrt(1 - kept * kept)
+    def __call__(self, xp: Any, values: Any, elapsed_s: float, drawn: Any) -> Any:
+        """Return the values, then T times their rates after some time, shape (k, 2 n); see `LowPass`."""
+        if values is None:
+            return drawn
+        (xx, xy), (yx, yy), (first, mixed, second) = smooth_step(elapsed_s / self.time_constant_s)
+        count = values.shape[1] // 2
+        value, rate, one, other = values[:, :count], values[:, count:], drawn[:, :count], drawn[:, count:]
+        changed = [xx * value + xy * rate + first * one, yx * value + yy * rate + (mixed * one + second * other)]
+        return xp.concat(changed, axis=1)
 
 
-def smooth_step(elapsed_s: float, time_constant_s: float) -> tuple[FloatArray, FloatArray]:
-    """Return the same of a smooth value and its rate by the time constant, shape (2, 2) each."""
-    kept = _transition(min(elapsed_s / time_constant_s, FORGOTTEN))
-    return kept, _root(np.eye(2) - kept @ kept.T)
-
-
-def _transition(past: float) -> FloatArray:
-    """Return what a value and its rate contribute to those that many time constants later, shape (2, 2)."""
-    return math.exp(-past) * np.array([[1 + past, past], [-past, 1 - past]])
-
-
-def _root(covariance: FloatArray) -> FloatArray:
-    """Return the lower triangular matrix that times its transpose is a covariance, shape (2, 2)."""
-    (variance, mixed), (_, other) = covariance.tolist()
-    first = math.sqrt(max(variance, 0.0))
-    second = mixed / first if first else 0.0
-    return np.array([[first, 0.0], [second, math.sqrt(max(other - second * second, 0.0))]])
+def smooth_step(times: float) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float, float]]:
+    """Return both rows of A, and the numbers of L row by row, after some time constants; see `Smooth`."""
+    past = min(times, FORGOTTEN)
+    decay = math.exp(-past)
+    value, rate = (decay * (1 + past), decay * past), (decay * -past, decay * (1 - past))
+    first = math.sqrt(max(1 - value[0] ** 2 - value[1] ** 2, 0.0))
+    mixed = -(value[0] * rate[0] + value[1] * rate[1]) / first if first else 0.0
+    return value, rate, (first, mixed, math.sqrt(max(1 - rate[0] ** 2 - rate[1] ** 2 - mixed * mixed, 0.0)))

@@ -31,7 +31,7 @@ class NoiseStreams:
     @property
     def state(self) -> dict[str, Any]:
         """The seed, and where each stream is."""
-        channels = {channel: found.bit_generator.state for channel, found in self._streams.items()}
+        channels = {channel: generator.bit_generator.state for channel, generator in self._streams.items()}
         return {"seed": self._seed, "channels": channels}
 
     @state.setter

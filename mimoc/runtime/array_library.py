@@ -37,11 +37,16 @@ def _matrix_transpose(array: np.ndarray, /) -> np.ndarray:
     return array.swapaxes(-1, -2)
 
 
+def _vecdot(first: np.ndarray, second: np.ndarray, /) -> np.ndarray:
+    return np.matmul(first[..., None, :], second[..., :, None])[..., 0, 0]
+
+
 def _library() -> Any:
     """Return all public names of NumPy, those of the standard, and the short ways."""
     names = {name: getattr(np, name) for name in np.__all__}
     names |= {name: getattr(np, former) for name, former in NEW_NAMES.items()}
     short = {"take": _take, "sum": _sum, "astype": _astype, "matrix_transpose": _matrix_transpose, "bool": np.bool_}
+    names.setdefault("vecdot", _vecdot)  # NumPy 1.26 has none.
     return SimpleNamespace(**names | short)
 
 

@@ -76,7 +76,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
             width: Width of the images, in pixels.
             height: Height of the images, in pixels.
             variants: Makes the same infant at another age or in the scene of another seed, for `grow` and `reset`.
-            task: Object that replaces the bundle's task; see `tasks.custom.CustomTask`.
+            task: Object that replaces the bundle's task; see `tasks.binding.CustomTask`.
             senses: Objects that are added to the bundle's senses, by name; see `senses.custom.CustomSense`.
 
         Raises:
@@ -180,7 +180,7 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         This is the sum of u² T, divided by n times the sum of T, over n actuators with peak torques T, where u is the
         fraction of the peak torque in use or, for muscles, the activation. It is zero for position actuators.
         """
-        return self._act.effort(self.data)
+        return self._act.cost(self.data)
 
     def keypoints(self) -> npt.NDArray[np.float64]:
         """Return the BODY_25 keypoints in the world frame, shape (25, 3), [m]; those of missing limbs are NaN."""

@@ -23,9 +23,10 @@ infants, whose bits differ with k. So one infant equals row i of many to the bit
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from mimoc.runtime.worlds import Worlds
 
@@ -35,16 +36,38 @@ Put = Callable[[np.ndarray], Any]
 
 @dataclass(frozen=True)
 class Term:
-    """A base for terms; a field can also be a term, or a tuple of terms."""
+    """A base for terms; a field can also be a term, or a tuple of terms.
+
+    `term(worlds, ...)` returns what is measured of k infants, an array of shape (k, ...), or what a kind asks of its
+    terms; what else a kind gives them has a leading axis of k, too.
+    """
+
+    __call__: ClassVar[Callable[..., Any]]
+
+
+@dataclass(frozen=True)
+class Field(Term):
+    """Some numbers of a field of `MjData` that has one axis, shape (k, n)."""
+
+    name: str
+    """Of the field, such as `qpos`."""
+    addresses: npt.NDArray[np.intp]
+    """Which of its numbers, shape (n,)."""
+
+    def __call__(self, worlds: Worlds) -> Any:
+        """Return the numbers now."""
+        return worlds.xp.take(getattr(worlds, self.name), self.addresses, axis=1)
+
+
+@dataclass(frozen=True)
+class Concatenated(Term):
+    """What some terms measure, one after the other along the last axis."""
+
+    terms: tuple[Term, ...]
 
     def __call__(self, worlds: Worlds, *args: Any) -> Any:
-        """Return what is measured, an array of shape (k, ...), or what a kind asks of its terms.
-
-        Args:
-            worlds: The simulations of k infants.
-            args: What else a kind gives its terms, each with a leading axis of k.
-        """
-        raise NotImplementedError
+        """Return the numbers of all terms, shape (k, n)."""
+        return worlds.xp.concat([term(worlds, *args) for term in self.terms], axis=-1)
 
 
 T = TypeVar("T", bound=Term)
@@ -66,14 +89,14 @@ def differing_field(terms: Sequence[Term]) -> str | None:
     if len({type(term) for term in terms}) > 1:
         return "kind"
     for name, values in _fields(terms).items():
-        nested = [value if isinstance(value, tuple) else (value,) for value in values]
+        nested: list[tuple[Any, ...]] = [value if isinstance(value, tuple) else (value,) for value in values]
         if len({len(items) for items in nested}) > 1:
             return name
         for items in zip(*nested, strict=True):
             if isinstance(items[0], Term):
                 if within := differing_field(items):
                     return f"{name}.{within}"
-            elif _is_amount(items[0]):
+            elif is_amount(items[0]):
                 if len({np.shape(item) for item in items}) > 1:
                     return name
             elif any(not np.array_equal(item, items[0]) for item in items):
@@ -92,11 +115,12 @@ def _stacked(values: Sequence[Any], put: Put) -> Any:
         return stack_terms(values, put)
     if isinstance(first, tuple):
         return tuple(_stacked(items, put) for items in zip(*values, strict=True))
-    if _is_amount(first):
+    if is_amount(first):
         return put(np.stack([np.asarray(value, np.float64) for value in values]))
-    return put(first) if isinstance(first, np.ndarray) else first
+    return put(first) if hasattr(first, "dtype") else first
 
 
-def _is_amount(value: Any) -> bool:
+def is_amount(value: Any) -> bool:
     """Return whether a field says how much, and differs between infants; those of bool and text do not."""
-    return isinstance(value, float) or (isinstance(value, np.ndarray) and value.dtype.kind == "f")
+    dtype: Any = getattr(value, "dtype", None)
+    return isinstance(value, float) or (dtype is not None and dtype.kind == "f")

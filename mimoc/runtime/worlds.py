@@ -20,18 +20,40 @@ from mimoc.runtime.array_library import NUMPY
 MATRICES = frozenset(("xmat", "ximat", "geom_xmat", "site_xmat", "cam_xmat"))
 """Fields whose rows are matrices, shape (3, 3), which MuJoCo stores flat."""
 
+OF_CONSTRAINTS = (
+    "dof_island",
+    "efc_",
+    "efm_",
+    "iacc",
+    "iefc_",
+    "ifrc_",
+    "island_",
+    "map_",
+    "tendon_efc",
+    "tree_island",
+)
+"""What the names of arrays begin with whose size depends on the present contacts and other constraints."""
+
 
 class Worlds:
     """Fields of the simulations of k infants by name, shape (k, ...), and what else terms can ask of them."""
 
-    def __init__(self, xp: Any, read: Callable[[str], Any], pressing: Callable[[Any], Any]):
+    def __init__(
+        self,
+        xp: Any,
+        read: Callable[[str], Any],
+        pressing: Callable[[Any], Any],
+        datas: Sequence[mujoco.MjData] = (),
+    ):
         """Say how to read worlds.
 
         Args:
             xp: The array library.
             read: Returns a field by its name, shape (k, ...).
             pressing: See `pressing`.
+            datas: The simulations themselves, on the CPU, for what is no term.
         """
+        self.datas = datas
         self.xp, self._read, self._pressing = xp, read, pressing
 
     def __getattr__(self, field: str) -> Any:
@@ -59,6 +81,7 @@ def worlds_of_one(data: mujoco.MjData) -> Worlds:
     """Return the world of one infant: its arrays are views, which show every later state of the same data."""
 
     def read(field: str) -> Any:
+        check_field(field, data)
         return _with_matrices(field, getattr(data, field)[None])
 
     return Worlds(NUMPY, read, lambda group_of_geom: pressing_groups(data, group_of_geom)[None])
@@ -75,7 +98,21 @@ def worlds_of_many(datas: Sequence[mujoco.MjData], read: Callable[[str], Any]) -
     def pressing(group_of_geom: Any) -> Any:
         return np.stack([pressing_groups(data, group_of_geom) for data in datas])
 
-    return Worlds(NUMPY, lambda field: _with_matrices(field, read(field)), pressing)
+    def read_checked(field: str) -> Any:
+        check_field(field, datas[0])
+        return _with_matrices(field, read(field))
+
+    return Worlds(NUMPY, read_checked, pressing, datas)
+
+
+def check_field(field: str, data: mujoco.MjData) -> None:
+    """Check that a field is an array whose size never changes.
+
+    Raises:
+        AttributeError: If it is not.
+    """
+    if field.startswith(OF_CONSTRAINTS) or not isinstance(getattr(data, field, None), np.ndarray):
+        raise AttributeError(f"worlds have no array '{field}': see MjData for those whose size never changes")
 
 
 def pressing_groups(data: mujoco.MjData, group_of_geom: np.ndarray) -> np.ndarray:

@@ -11,8 +11,8 @@ from mimoc.errors import KindError
 from mimoc.kinds import function_of
 from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense
-from mimoc.senses.nothing import Nothing
 from mimoc.senses.sense import Sense
+from mimoc.senses.term_sense import nothing
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -43,7 +43,7 @@ def bind_senses(
     senses: dict[str, Sense] = {name: kept.get(name) or bind_sense(name, bundle, model) for name in names}
     senses |= {name: CustomSense(name, sense, model, bundle) for name, sense in custom.items()}
     _refuse_same_arrays(senses)
-    return senses or {"nothing": Nothing()}
+    return senses or {"nothing": nothing()}
 
 
 def bind_sense(name: str, bundle: Bundle, model: mujoco.MjModel) -> Any:

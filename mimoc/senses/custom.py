@@ -12,6 +12,7 @@ from mimoc.delays.spec import DelayEntry
 from mimoc.errors import KindError
 from mimoc.kinds import check_custom_object
 from mimoc.senses.sense import Observation, Sample, Sense
+from mimoc.senses.term_sense import Measure
 from mimoc.units import to_steps
 
 
@@ -21,17 +22,25 @@ class CustomSense(Sense):
     The object has `space`, a Gymnasium `Box`, and is called with the simulation's `MjData` for a sample: an array of
     that shape. It can also have `bind(model, bundle)`, called whenever a model was loaded and before `space` is read;
     `delay_ms`, a whole number of physics steps (0 without it); and `close()`.
+
+    In place of being called, it can have a `term` once it is bound, a `Term` that measures the sample with a leading
+    axis of infants: then many infants are read at once, and infants on a device.
     """
 
     def __init__(self, name: str, custom: Any, model: mujoco.MjModel, bundle: Bundle):
         """Bind the object to a model; *name* is that of its observation.
 
         Raises:
-            KindError: If it is a class, cannot be called, has no `space`, or a delay of no whole physics steps.
+            KindError: If it is a class, has no term and cannot be called, has no `space`, or a delay of no whole
+                physics steps.
         """
-        check_custom_object(f"sense '{name}'", custom, "__call__", "an object that is called with MuJoCo's data")
-        if hasattr(custom, "bind"):
+        is_object = not isinstance(custom, type)
+        if is_object and hasattr(custom, "bind"):
             custom.bind(model, bundle)
+        self.term = getattr(custom, "term", None) if is_object else None
+        if self.term is None:
+            check_custom_object(f"sense '{name}'", custom, "__call__", "an object that is called with MuJoCo's data")
+        self._read = custom if self.term is None else Measure(self.term)
         if not isinstance(getattr(custom, "space", None), Box):
             raise KindError(f"sense '{name}' has no attribute 'space', the gymnasium.spaces.Box of what it returns")
         self._name, self._custom, self._space = name, custom, custom.space
@@ -50,7 +59,7 @@ class CustomSense(Sense):
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the sample now, as an array of its own."""
-        return np.array(self._custom(data), dtype=np.float64)
+        return np.array(self._read(data), dtype=np.float64)
 
     def observe(self, sample: Sample) -> Observation:
         """Return a sample within its space, in the type of its space."""

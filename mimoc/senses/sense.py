@@ -22,13 +22,15 @@ sample arrives.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 from gymnasium.spaces import Box
+
+from mimoc.runtime.term import Term
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -45,6 +47,13 @@ class Sense(ABC):
     bodies: IntArray | None = None
     """The body of the model in which each number of a sample is measured, shape (n,): the legs can have a longer delay.
     None where all are in the head or trunk."""
+    term: Term | None = None
+    """What measures it, if it is a term: then many infants are read at once, and infants on a device."""
+
+    @property
+    def reads_in_threads(self) -> bool:
+        """Whether samples of several infants can be taken at the same time, in any threads."""
+        return False
 
     @property
     @abstractmethod
@@ -58,6 +67,11 @@ class Sense(ABC):
     @abstractmethod
     def observe(self, sample: Sample) -> Observation:
         """Return what an agent sees of a sample that has arrived, as new arrays within `spaces`."""
+
+    def write(self, sample: Sample, observation: Observation) -> None:
+        """Write what `observe` returns into arrays that there are already."""
+        for name, array in self.observe(sample).items():
+            observation[name][...] = array
 
     def follow(self, entry: Any, model: mujoco.MjModel) -> bool:
         """Read the same infant at another age or in another scene from now on, or return False: it is bound anew then.
@@ -97,22 +111,10 @@ class Vector(Sense):
         self.low, self.high = (np.broadcast_to(bound, len(self._layout)).astype(np.float64) for bound in (low, high))
         self.spaces = {name: Box(self.low.astype(np.float32), self.high.astype(np.float32), dtype=np.float32)}
 
-    expression: Hashable | None = None
-    """What is the same for all infants that one call of `measure` can read, such as addresses; None if none can."""
-    constants: tuple[FloatArray, ...] = ()
-    """What `measure` needs besides and what differs between infants, arrays of shape (n,) or of any other."""
-
     @property
     def layout(self) -> tuple[str, ...]:
         """What each number is."""
         return self._layout
-
-    def measure(self, data: Any, *constants: FloatArray) -> Sample:
-        """Return the numbers of one infant, or of k: of fields and constants with a leading axis of k, shape (k, n).
-
-        A sense that has it and an `expression` is read for all infants of a vector environment at once.
-        """
-        raise NotImplementedError
 
     def observe(self, sample: Sample) -> Observation:
         """Return the sample within its bounds; two calls here cost less than `np.clip`."""

@@ -1,12 +1,29 @@
 """Senses that are terms: written once, they run on one infant, on many, and on a device."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 
 from mimoc.runtime.term import Term, stack_terms
-from mimoc.runtime.worlds import worlds_of_one
+from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
+
+
+class Measure:
+    """Measures by a term of one infant; its worlds are views of the data that it was called with last."""
+
+    def __init__(self, term: Term):
+        """Give the term its axis of infants."""
+        self._term = stack_terms([term])
+        self._data: mujoco.MjData | None = None
+
+    def __call__(self, data: mujoco.MjData) -> Sample:
+        """Return what the term measures now, as a new array without the axis of infants."""
+        if data is not self._data:
+            self._data, self._worlds = data, worlds_of_one(data)
+        return self._term(self._worlds)[0].copy()
 
 
 class TermSense(Vector):
@@ -32,12 +49,22 @@ class TermSense(Vector):
             bodies: The body in which each is measured, shape (n,).
         """
         super().__init__(name, layout, low, high, bodies)
-        self.term = term
-        self._measure = stack_terms([term])
-        self._data: mujoco.MjData | None = None
+        self.term, self._measure = term, Measure(term)
 
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the numbers now, as a new array."""
-        if data is not self._data:
-            self._data, self._worlds = data, worlds_of_one(data)
-        return self._measure(self._worlds)[0].copy()
+        return self._measure(data)
+
+
+@dataclass(frozen=True)
+class Zero(Term):
+    """A zero, shape (k, 1)."""
+
+    def __call__(self, worlds: Worlds) -> Any:
+        """Return zeros."""
+        return worlds.xp.zeros_like(worlds.xpos[:, 0, :1])
+
+
+def nothing() -> TermSense:
+    """Return what an infant without senses observes, a zero: Gymnasium wants at least one number."""
+    return TermSense("nothing", Zero(), layout=("nothing [0]",), low=0.0, high=1.0)

@@ -12,7 +12,7 @@ from mimoc.mjcf.furniture import BARE, Furniture
 from mimoc.mjcf.objects import FreeObject
 from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry, TaskSpec
-from mimoc.tasks.free.spec import FreeEntry
+from mimoc.tasks.free import FreeEntry
 
 Side = Literal["right", "left"]
 
@@ -83,7 +83,7 @@ def joints_of(tree: BodyTree, *groups: str) -> tuple[str, ...]:
 
 def bodies_of(tree: BodyTree, group: str) -> tuple[str, ...]:
     """Return the parts that belong to a muscle group with its side."""
-    return tuple(body for body, found in tree.body_groups.items() if found == group)
+    return tuple(body for body, of_body in tree.body_groups.items() if of_body == group)
 
 
 def one_armed(

@@ -8,7 +8,7 @@ from pydantic import Field
 from pydantic.fields import FieldInfo
 
 from mimoc.tasks import TASKS
-from mimoc.tasks.free.spec import FreeEntry
+from mimoc.tasks.free import FreeEntry
 
 
 def task_field() -> FieldInfo:

@@ -1,8 +1,9 @@
 """What all tasks have in common while they run."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import gymnasium
 import mujoco
@@ -10,65 +11,98 @@ import numpy as np
 
 from mimoc.actuation.commands import command_range
 from mimoc.actuation.spec import ActuationEntry
-from mimoc.model_fields import ModelField
-from mimoc.senses.sense import Observation
+from mimoc.model_fields import ModelField, rows_by_name
+from mimoc.runtime.term import Term, stack_terms
+from mimoc.runtime.worlds import Worlds, worlds_of_one
+from mimoc.senses.sense import FloatArray, Observation
+from mimoc.state_form import check_form
+
+NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """What a task says of one control step.
+class Change(NamedTuple):
+    """New values of a field of the model, which the task's `model_fields` must declare."""
+
+    where: Any
+    """For which of k infants the field changes, shape (k,)."""
+    values: Callable[[], Any]
+    """Returns the new values of the n declared rows, shape (k, n), or (k, n, ...) for whole rows."""
+    column: int | None = None
+    """The number of each row that changes; None for whole rows."""
+
+
+class Judgement(NamedTuple):
+    """What a task says of a control step: numbers of one infant, or arrays of k infants, shape (k,), from a term.
 
     Example:
         >>> import mimoc
-        >>> verdict = mimoc.Verdict({"height": 0.3, "effort": -0.1}, success=False)
-        >>> round(sum(verdict.reward_terms.values()), 3)  # The reward.
+        >>> judgement = mimoc.Judgement({"height": 0.3, "effort": -0.1}, success=False)
+        >>> round(judgement.reward, 3)
         0.2
     """
 
-    reward_terms: Mapping[str, float]
+    reward_terms: Mapping[str, Any]
     """Terms of the reward, by name; `info` has them as `reward_terms`."""
-    success: bool = False
+    success: Any = False
     """Whether the goal is reached; `info` has it as `is_success`."""
-    terminated: bool = False
+    terminated: Any = False
     """Whether the episode ends with this step."""
-    reward: float = field(init=False)
-    """Sum of the terms."""
+    memory: Mapping[str, Any] = NOTHING
+    """What the task remembers from now on, shape (k, ...), without what stays as it is; only from a term."""
+    changes: Mapping[str, Change] = NOTHING
+    """What changes in the model, by name of the field; only from a term."""
 
-    def __post_init__(self) -> None:
-        """Add up the terms."""
-        object.__setattr__(self, "reward", sum(self.reward_terms.values(), 0.0))
+    @property
+    def reward(self) -> Any:
+        """Sum of the terms."""
+        return sum(self.reward_terms.values(), 0.0)
+
+    def of_one(self) -> "Judgement":
+        """Return a term's judgement of one infant in numbers."""
+        terms = {name: values.item() for name, values in self.reward_terms.items()}
+        return Judgement(terms, bool(self.success), bool(self.terminated))
 
 
-NO_REWARD = Verdict({})
+Verdict = Judgement
+"""The name that tasks of scripts know it by."""
+NO_REWARD = Judgement({})
 
 
 class Task:
     """What starts each episode and judges each control step; by itself, a world without a goal.
 
-    To write a task, override `judge`, and of the rest what it needs:
+    A task judges by a term, which runs on one infant, on many and on a device alike. `bind` sets it:
+
+        @dataclass(frozen=True)
+        class HeadUpTerm(Term):
+            head: int               # Whole numbers say where, real ones how much; see `Term`.
+            goal_m: float
+
+            def __call__(self, worlds, action, memory):
+                height_m = worlds.xpos[:, self.head, 2]
+                return Judgement({"height": height_m}, success=height_m > self.goal_m)
 
         class HeadUp(Task):
             def bind(self, model, bundle):
-                self.head = model.body(bundle.manifest.anatomy.head).id
-
-            def judge(self, data, action, effort):
-                height_m = float(data.xpos[self.head, 2])
-                terms = {"height": height_m, "effort": -0.1 * effort()}
-                return Verdict(terms, success=height_m > 0.4)
+                self.term = HeadUpTerm(model.body(bundle.manifest.anatomy.head).id, 0.4)
 
         env = mimoc.make("configs/nine_months.yaml", task=HeadUp(steps=500))
 
+    The term gets the worlds of k infants, their actions, shape (k, n), before these are clipped, and what the task
+    remembers of each, shape (k, ...) by name. A task that cannot be such an expression overrides `judge` instead, and
+    runs on the CPU only.
+
     In this order, `bind` is called once for each model (at the start, and again when the scene changes); `start` at
     each reset, when the infant is in its pose; `judge` after each control step; then `observe`. Look names up in
-    `bind`, keep indices, and read arrays of *data* in `judge`. Draw random numbers only from the generator that `start`
-    gets, so that a seed determines an episode. An environment is saved by `get_state` and restored by `set_state`:
-    return in `state` what the task remembers within an episode, and in `model_fields` what it changes in the model.
+    `bind` and keep indices. Draw random numbers only from the generator that `start` gets, so that a seed determines
+    an episode. An environment is saved by `get_state` and restored by `set_state`: keep in `memory` what the task
+    remembers within an episode, and declare in `model_fields` what it changes in the model.
 
     Example:
         >>> import mimoc
         >>> class Still(mimoc.Task):
         ...     def judge(self, data, action, effort):
-        ...         return mimoc.Verdict({"speed": -float(abs(data.qvel).max())})
+        ...         return mimoc.Judgement({"speed": -float(abs(data.qvel).max())})
         >>> env = mimoc.make("nine_months.yaml", task=Still(steps=500))
         >>> _ = env.reset(seed=0)
         >>> observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
@@ -76,12 +110,27 @@ class Task:
         True
     """
 
-    def __init__(self, steps: int | None = None):
-        """Make a task whose episodes are truncated after *steps* control steps.
+    term: Term | None = None
+    """Judges: `term(worlds, action, memory) -> Judgement` of k infants; None if `judge` does otherwise."""
+    _rows: Mapping[str, np.ndarray] = NOTHING
+    """What is remembered, with a leading axis of one infant."""
+    _bound: "tuple[Term, mujoco.MjData, Any, Worlds] | None" = None
 
-        None is never; or, for one that is passed as an object, after those that the spec's task has, if any.
+    def __init__(self, steps: int | None = None, term: Term | None = None, memory: Mapping[str, Any] = NOTHING):
+        """Make a task.
+
+        Args:
+            steps: Control steps after which an episode is truncated. None is never; or, for a task that is passed as
+                an object, after those that the spec's task has, if any.
+            term: See `term`.
+            memory: What is remembered before the first episode.
         """
-        self.steps = steps
+        self.steps, self.term = steps, term
+        self.remember(**memory)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Support copying and pickling: leave out what is bound to the data of an environment."""
+        return {name: value for name, value in self.__dict__.items() if name != "_bound"}
 
     def bind(self, model: mujoco.MjModel, bundle: Any) -> None:
         """Look up names in a model; tasks that a bundle names are bound when they are made instead.
@@ -92,9 +141,17 @@ class Task:
         """
 
     @property
+    def memory(self) -> dict[str, np.ndarray]:
+        """What the task remembers of an infant within an episode, by name: arrays whose shapes and types never change.
+
+        What has the name of one of its `spaces` is observed.
+        """
+        return {name: values[0, ...] for name, values in self._rows.items()}  # Arrays, also of a single number.
+
+    @property
     def spaces(self) -> Mapping[str, gymnasium.Space]:
         """Space of each array that it adds to the observation, by name."""
-        return {}
+        return NOTHING
 
     @property
     def model_fields(self) -> Sequence[ModelField]:
@@ -112,9 +169,9 @@ class Task:
 
     def observe(self) -> Observation:
         """Return what it adds to the observation, as fresh arrays within `spaces`."""
-        return {}
+        return {name: np.array(self._rows[name][0], space.dtype) for name, space in self.spaces.items()}
 
-    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
+    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Judgement:
         """Return the reward of the control step that has just been taken, and whether it ends the episode.
 
         Args:
@@ -122,26 +179,64 @@ class Task:
             action: The action, shape (n,), before it is clipped.
             effort: Returns the cost of the actuators' work in the last physics step (`InfantEnv.effort`).
         """
-        return NO_REWARD
+        if self.term is None:
+            return NO_REWARD
+        term, worlds = self.term_of_one(data)
+        judgement: Judgement = term(worlds, np.asarray(action)[None], self._rows)
+        if judgement.memory:
+            self._rows = {**self._rows, **{name: np.array(values) for name, values in judgement.memory.items()}}
+        for name, change in judgement.changes.items():
+            if change.where[0]:
+                self._change(getattr(data.model, name), name, change)
+        return judgement.of_one()
 
     @property
     def state(self) -> dict[str, Any]:
-        """What it remembers within an episode; it can be set."""
-        return {}
+        """What it remembers within an episode; it can be set.
+
+        Raises:
+            ValueError: If what is set has another form.
+        """
+        return self.memory
 
     @state.setter
     def state(self, state: dict[str, Any]) -> None:
-        pass
+        check_form(state, self.memory, "task")
+        self.remember(**{name: state[name] for name in self._rows})
+
+    def remember(self, **values: Any) -> None:
+        """Remember other values of an infant from now on, by name; they keep their types."""
+        types = {name: rows.dtype for name, rows in self._rows.items()}
+        self._rows = {**self._rows, **{name: np.array([value], types.get(name)) for name, value in values.items()}}
+
+    def term_of_one(self, data: mujoco.MjData) -> tuple[Any, Worlds]:
+        """Return the term as it runs on one infant, with its world, for `start` to compute as `judge` does."""
+        assert self.term is not None
+        if self._bound is None or self._bound[0] is not self.term or self._bound[1] is not data:
+            self._bound = self.term, data, stack_terms([self.term]), worlds_of_one(data)
+        return self._bound[2:]
+
+    def _change(self, array: np.ndarray, name: str, change: Change) -> None:
+        """Write new values to the declared rows of a field of the model."""
+        rows = rows_by_name(self.model_fields)[name]
+        array[rows if change.column is None else (rows, change.column)] = change.values()[0]
 
 
-class SquaredCommands:
-    """Sum of squared commands, which are clipped to their ranges first."""
+@dataclass(frozen=True)
+class SquaredCommands(Term):
+    """Sum of squared commands, which are clipped to their ranges first, shape (k,)."""
 
-    def __init__(self, entry: ActuationEntry):
-        """Find the ranges of all commands of an action."""
-        self._low, self._high = command_range(entry)
+    low: FloatArray
+    """Least command of each actuator, shape (n,)."""
+    high: FloatArray
+    """Largest command of each actuator, shape (n,)."""
 
-    def __call__(self, action: np.ndarray) -> float:
-        """Return the sum for an action, shape (n,)."""
-        commands = np.clip(action, self._low, self._high)
-        return float(commands @ commands)
+    def __call__(self, worlds: Worlds, action: Any) -> Any:
+        """Return the sum of each infant for actions of shape (k, n)."""
+        commands = worlds.xp.minimum(worlds.xp.maximum(action, self.low), self.high)
+        return worlds.xp.sum(commands * commands, axis=-1)
+
+
+def squared_commands(entry: ActuationEntry) -> SquaredCommands:
+    """Return the sum of squared commands of an infant's actuators."""
+    return SquaredCommands(*command_range(entry))

@@ -7,12 +7,14 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import mimoc
-from mimoc.actuation.commands import Commands, command_range, find_actuators, limits_of_motors, mean_effort
+from mimoc.actuation.binding import Actuation
+from mimoc.actuation.commands import command_range, effort_of, find_actuators, limits_of_motors
 from mimoc.actuation.setup import ActuationSetup, Origin
 from mimoc.bundle.model import load_model
 from mimoc.compiler.explain import explain
 from mimoc.kinds import ActuationKind
 from mimoc.mjcf.infant import Actuator
+from mimoc.runtime.term import Field
 from mimoc.schema.base import Model
 
 TINY = {"n_steps": 32, "batch_size": 64, "n_epochs": 1, "width": 8, "layers": 1}
@@ -43,28 +45,14 @@ def build(spec, tree, timestep_s):
     return ActuationSetup(motors, defaults, "Euler", tree.joints, origins=origins)
 
 
-class Weak(Commands):
-    """Commands in [-1, 1]."""
-
-    def effort(self, data):
-        return mean_effort(data.actuator_force[self.actuators], np.abs(self.limits_nm).max(axis=1))
-
-
 def bind(entry, model):
+    """Commands in [-1, 1]."""
     ids = find_actuators(entry, model)
-    return Weak(ids, *command_range(entry), limits_of_motors(model, ids))
+    limits_nm, drive = limits_of_motors(model, ids), Field("ctrl", ids)
+    return Actuation(ids, *command_range(entry), limits_nm, effort_of(Field("actuator_force", ids), limits_nm), drive)
 
 
 WEAK = ActuationKind(name="weak", about="Weak motors.", build=build, run=bind, spec=WeakSpec)
-
-
-class Tripled(Commands):
-    """Motors whose gain is not 1."""
-
-    drive_name = "excitation"
-
-    def effort(self, data):
-        return 0.0
 
 
 def build_tripled(spec, tree, timestep_s):
@@ -76,9 +64,11 @@ def build_tripled(spec, tree, timestep_s):
 
 
 def bind_tripled(entry, model):
+    """Motors whose gain is not 1."""
     ids = find_actuators(entry, model)
     strengths_nm = 3 * model.actuator_gear[ids, 0]
-    return Tripled(ids, *command_range(entry), np.stack([-strengths_nm, strengths_nm], axis=1))
+    limits_nm, drive = np.stack([-strengths_nm, strengths_nm], axis=1), Field("ctrl", ids)
+    return Actuation(ids, *command_range(entry), limits_nm, effort_of(drive, limits_nm), drive, "excitation")
 
 
 def infant(model, keys=None, target=None, **actuation):

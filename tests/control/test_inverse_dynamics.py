@@ -12,6 +12,7 @@ import mimoc
 from mimoc.control import Align, InverseDynamics, LookAt, Posture, Reach, ReachGains
 from mimoc.errors import ControlError, UnknownNameError
 from mimoc.policies.reach_errors import reach_errors
+from mimoc.runtime.worlds import worlds_of_one
 
 ARM = [
     *(f"robot:right_shoulder_{name}" for name in ("horizontal", "ad_ab", "rotation")),
@@ -120,7 +121,7 @@ def test_no_torque_is_beyond_the_limits(held_infant, development):
         action = control()
         assert env.action_space.contains(action)
         env.step(action)
-        shares = env.actuation.drive(env.data)
+        shares = env.actuation.drive(worlds_of_one(env.data))[0]
         assert (shares >= limits[:, 0] - 1e-6).all()
         assert (shares <= limits[:, 1] + 1e-6).all()
         reached |= np.isclose(shares, limits[:, 0]) | np.isclose(shares, limits[:, 1])

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mimoc.noise.low_pass import LowPassed, Smooth
+from mimoc.noise.low_pass import LowPass, Smooth
+from mimoc.runtime.array_library import NUMPY
 
 COUNT = 40_000
 TOLERANCE = 5 / math.sqrt(COUNT)
@@ -24,10 +25,10 @@ def generator(seed: int) -> np.random.Generator:
 @settings(max_examples=20)
 @given(times_s, times_s, seeds)
 def test_values_correlate_by_the_time_between_them_however_it_is_divided(elapsed_s, constant_s, seed):
-    noise, draws = LowPassed(COUNT, constant_s), generator(seed)
-    before = noise.advance(math.inf, draws)
-    noise.advance(elapsed_s / 3, draws)
-    after = noise.advance(elapsed_s * 2 / 3, draws)
+    noise, draws = LowPass(constant_s), generator(seed)
+    before = noise(None, math.inf, draws.standard_normal(COUNT))
+    between = noise(before, elapsed_s / 3, draws.standard_normal(COUNT))
+    after = noise(between, elapsed_s * 2 / 3, draws.standard_normal(COUNT))
     for values in (before, after):
         assert abs(values.mean()) < TOLERANCE
         assert values.var() == pytest.approx(1, abs=2 * TOLERANCE)
@@ -37,26 +38,29 @@ def test_values_correlate_by_the_time_between_them_however_it_is_divided(elapsed
 @settings(max_examples=20)
 @given(times_s, times_s, seeds)
 def test_smooth_noise_keeps_its_deviation_and_that_of_its_rate(elapsed_s, constant_s, seed):
-    noise, draws = Smooth(COUNT, constant_s), generator(seed)
-    noise.advance(math.inf, draws)
-    values, rates_per_s = noise.advance(elapsed_s, draws)
+    noise, draws = Smooth(constant_s), generator(seed)
+    before = noise(NUMPY, None, math.inf, draws.standard_normal((1, 2 * COUNT)))
+    values, rates = noise(NUMPY, before, elapsed_s, draws.standard_normal((1, 2 * COUNT))).reshape(2, COUNT)
     assert abs(values.mean()) < TOLERANCE
     assert values.var() == pytest.approx(1, abs=2 * TOLERANCE)
-    assert (constant_s * rates_per_s).var() == pytest.approx(1, abs=2 * TOLERANCE)
-    assert (constant_s * values * rates_per_s).mean() == pytest.approx(0, abs=2 * TOLERANCE)
+    assert rates.var() == pytest.approx(1, abs=2 * TOLERANCE)
+    assert (values * rates).mean() == pytest.approx(0, abs=2 * TOLERANCE)
 
 
 def test_the_rate_of_smooth_noise_is_its_derivative():
     """Over a tenth of a second, by the trapezoidal rule."""
-    noise, draws, step_s = Smooth(50, 0.06), generator(0), 0.0001
-    steps = [noise.advance(math.inf, draws), *(noise.advance(step_s, draws) for _ in range(1000))]
-    values, rates_per_s = (np.array(found) for found in zip(*steps, strict=True))
-    walked = step_s * (rates_per_s[1:] + rates_per_s[:-1]).sum(axis=0) / 2
+    noise, draws, step_s, state, steps = Smooth(0.06), generator(0), 0.0001, None, []
+    for _ in range(1001):
+        state = noise(NUMPY, state, step_s, draws.standard_normal((1, 2 * 50)))
+        steps.append(state.reshape(2, 50))
+    values, rates = np.stack(steps, axis=1)
+    walked = step_s / 0.06 * (rates[1:] + rates[:-1]).sum(axis=0) / 2
     assert walked == pytest.approx(values[-1] - values[0], abs=0.01)
 
 
 def test_every_value_is_independent_of_the_others():
-    noise, draws = LowPassed(4, 0.06), generator(1)
-    noise.advance(math.inf, draws)
-    found = np.array([noise.advance(0.06, draws) for _ in range(COUNT)])
-    assert np.corrcoef(found.T) == pytest.approx(np.eye(4), abs=3 * TOLERANCE)
+    noise, draws, values, steps = LowPass(0.06), generator(1), None, []
+    for _ in range(COUNT):
+        values = noise(values, 0.06, draws.standard_normal(4))
+        steps.append(values)
+    assert np.corrcoef(np.transpose(steps)) == pytest.approx(np.eye(4), abs=3 * TOLERANCE)

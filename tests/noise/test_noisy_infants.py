@@ -2,19 +2,21 @@
 
 import copy
 import dataclasses
+import importlib
 import pickle
-from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
+from mimoc.noise.low_pass import LowPass, Smooth
 from mimoc.noise.motor import MotorNoise
+from mimoc.noise.noise import Draw, Noise
 from mimoc.noise.spec import NoiseEntry
-from mimoc.noise.streams import NoiseStreams
+from mimoc.runtime.array_library import NUMPY
+from mimoc.runtime.term import stack_terms
 from mimoc.senses.proprioception.noise import ProprioceptionNoise
 from mimoc.senses.touch.noise import TouchNoise
 
@@ -80,8 +82,9 @@ def test_forks_and_copies_have_the_same_noise(quiet, duplicate):
     assert same(act(twin, seed=1), mine)
     fork.set_state(pickle.loads(pickle.dumps(state)))
     assert same(act(fork, seed=1), mine)
-    env.set_state(state)
-    assert same(act(env, seed=1), mine)
+    for _ in range(2):  # A state is not changed by what comes after it.
+        env.set_state(state)
+        assert same(act(env, seed=1), mine)
 
 
 def test_noise_leaves_the_random_numbers_of_the_task_alone(quiet):
@@ -114,41 +117,45 @@ def test_noise_of_commands_moves_the_body(quiet, key):
     assert not np.array_equal(silent.data.qpos, loud.data.qpos)
 
 
-# Laws of each noise.
+# Laws of each noise, as a term of NumPy's arrays, which one infant and many have, and of torch's, which a device has.
 
 
-class Levels:
-    """Actuators whose commands differ."""
-
-    actuators, low, high = np.arange(5), np.full(5, -1.0), np.full(5, 1.0)
-
-
-SLIDERS = """<mujoco><worldbody><body>{}<geom size="1"/></body></worldbody><actuator>{}</actuator></mujoco>""".format(
-    "".join(f'<joint name="{index}" type="slide" axis="1 {index} 0"/>' for index in range(5)),
-    "".join(f'<motor joint="{index}"/>' for index in range(5)),
-)
-MODEL = mujoco.MjModel.from_xml_string(SLIDERS)
+@pytest.fixture(scope="module", params=["numpy", "torch"])
+def library(request):
+    """Return an array library, and what moves NumPy's arrays there."""
+    if request.param == "numpy":
+        return NUMPY, np.asarray
+    torch = pytest.importorskip("torch")
+    return importlib.import_module("array_api_compat.torch"), lambda array: torch.as_tensor(
+        array, dtype={"f": torch.float32}.get(array.dtype.kind)
+    )
 
 
-def driven(share: float, low_pass_s: float, timestep_s: float, commands: np.ndarray, steps: int) -> np.ndarray:
-    """Return what drives each actuator in each physics step, shape (steps, 5)."""
-    levels: Any = Levels()
-    noise, data = MotorNoise(share, low_pass_s, timestep_s, levels, NoiseStreams(0)), mujoco.MjData(MODEL)
-    noise.reset(data)
-    noise.commanded[:] = commands
-    found = []
-    for _ in range(steps):
-        noise(data)
-        found.append(data.ctrl.copy())
-    return np.array(found)
+def disturbed(library, noise: Noise, signals: list[np.ndarray], elapsed_s: float, seed: int = 0) -> list[np.ndarray]:
+    """Return signals of one infant with noise, each so long after the one before."""
+    (xp, put), generator = library, np.random.default_rng(seed)
+    stacked: Noise = stack_terms([noise], put)
+    state, results = None, []
+    for signal in signals:
+        draw = Draw(xp, elapsed_s, lambda shape, where: put(generator.standard_normal(tuple(shape))))
+        result, state = stacked(draw, put(signal[None]), state)
+        results.append(np.asarray(result)[0])
+    return results
 
 
-@settings(max_examples=10)
+def driven(library, share: float, low_pass_s: float, timestep_s: float, commands: np.ndarray, steps: int) -> np.ndarray:
+    """Return what drives each actuator in each physics step, shape (steps, n)."""
+    one = np.ones(len(commands))
+    noise = MotorNoise(np.array([share]), -one, one, LowPass(low_pass_s))
+    return np.array(disturbed(library, noise, [commands] * steps, timestep_s))
+
+
+@settings(max_examples=5)
 @given(st.floats(0.01, 0.5), st.sampled_from([0.001, 0.005, 0.02]))
-def test_motor_noise_is_a_share_of_the_command_and_lasts_60_ms(share, timestep_s):
+def test_motor_noise_is_a_share_of_the_command_and_lasts_60_ms(library, share, timestep_s):
     commands = np.array([0.0, 0.1, 0.5, 1.0, -1.0])
     lag = round(0.06 / timestep_s)
-    noise = driven(share, 0.06, timestep_s, commands, 200 * lag) - commands
+    noise = driven(library, share, 0.06, timestep_s, commands, 200 * lag) - commands
     assert not noise[:, 0].any()
     deviations = noise[:, 1:].std(axis=0)
     assert deviations == pytest.approx(share * np.abs(commands[1:]), rel=0.35)
@@ -158,41 +165,52 @@ def test_motor_noise_is_a_share_of_the_command_and_lasts_60_ms(share, timestep_s
     assert np.abs(normed.mean(axis=0)).max() < 0.5
 
 
-def test_a_command_beyond_its_range_is_no_noisier_than_one_at_its_end():
-    beyond, at_the_end = (driven(0.1, 0.06, 0.005, np.full(5, level), 20) for level in (7.0, 1.0))
+def test_a_command_beyond_its_range_is_no_noisier_than_one_at_its_end(library):
+    beyond, at_the_end = (driven(library, 0.1, 0.06, 0.005, np.full(5, level), 20) for level in (7.0, 1.0))
     assert np.array_equal(beyond, at_the_end)
+
+
+def test_motors_begin_with_noise_that_is_as_large_as_later(library):
+    noise = np.stack(driven(library, 0.2, 0.06, 0.005, np.ones(20_000), 13)) - 1
+    assert (noise[0].std(), noise[-1].std()) == pytest.approx((0.2, 0.2), rel=0.02)
+    assert (noise[0] * noise[-1]).mean() / 0.04 == pytest.approx(np.exp(-0.06 / 0.06), abs=0.02)
 
 
 @settings(max_examples=30)
 @given(st.floats(0, 5), st.sampled_from([1, 3]), st.integers(0, 2**32))
-def test_touch_keeps_the_direction_of_forces_and_feels_nothing_where_nothing_touches(deviation_n, width, seed):
+def test_touch_keeps_the_direction_of_forces_and_feels_nothing_where_nothing_touches(library, deviation_n, width, seed):
     draws = np.random.default_rng(seed)
     forces = draws.normal(size=(200, width)) * draws.integers(0, 2, size=(200, 1))
     forces = np.abs(forces) if width == 1 else forces
-    found = TouchNoise(deviation_n, width)(forces.flatten(), 0.01, draws).reshape(-1, width)
-    assert not found[~forces.any(axis=1)].any()
-    along = (found * forces).sum(axis=1)
+    noise = TouchNoise(np.array([deviation_n]), width)
+    felt = disturbed(library, noise, [forces.flatten()], 0.01, seed)[0].reshape(-1, width)
+    assert not felt[~forces.any(axis=1)].any()
+    along = (felt * forces).sum(axis=1)
     assert (along >= 0).all()
-    sizes = np.linalg.norm(found, axis=1) * np.linalg.norm(forces, axis=1)
-    assert along == pytest.approx(sizes)
+    sizes = np.linalg.norm(felt, axis=1) * np.linalg.norm(forces, axis=1)
+    assert along == pytest.approx(sizes, rel=1e-5, abs=1e-6)
 
 
 @pytest.mark.parametrize("width", [1, 3])
-def test_the_size_of_a_force_varies_by_the_stated_newtons(width):
+def test_the_size_of_a_force_varies_by_the_stated_newtons(library, width):
     forces = np.tile([3.0, 0.0, 4.0][:width], 20_000)
-    found = np.linalg.norm(TouchNoise(0.2, width)(forces, 0.0, np.random.default_rng(0)).reshape(-1, width), axis=1)
-    assert found.mean() == pytest.approx(5.0 if width == 3 else 3.0, abs=0.01)
-    assert found.std() == pytest.approx(0.2, rel=0.02)
+    (felt,) = disturbed(library, TouchNoise(np.array([0.2]), width), [forces], 0.01)
+    sizes = np.linalg.norm(felt.reshape(-1, width), axis=1)
+    assert sizes.mean() == pytest.approx(5.0 if width == 3 else 3.0, abs=0.01)
+    assert sizes.std() == pytest.approx(0.2, rel=0.02)
 
 
-def test_angles_vary_by_the_stated_degrees_and_velocities_accordingly():
+def test_angles_vary_by_the_stated_degrees_and_velocities_accordingly(library):
+    """Their values, those of the rates, and the correlation of both over time."""
     count = 20_000
-    places = np.arange(count)
-    noise = ProprioceptionNoise(np.radians(2), places, count + places, 0.06)
-    found = np.degrees(noise(np.zeros(2 * count + 5), np.inf, np.random.default_rng(0)))
-    assert found[:count].std() == pytest.approx(2, rel=0.02)
-    assert found[count : 2 * count].std() == pytest.approx(2 / 0.06, rel=0.02)
-    assert not found[2 * count :].any()
+    errors, per = np.append(np.arange(2 * count), [0] * 5), np.repeat([1, 0.06, np.inf], [count, count, 5])
+    noise = ProprioceptionNoise(np.array([np.radians(2)]), errors, per, count, Smooth(0.06))
+    first, later = (np.degrees(sample) for sample in disturbed(library, noise, [np.zeros(len(errors))] * 2, 0.03))
+    for sample in (first, later):
+        assert sample[:count].std() == pytest.approx(2, rel=0.02)
+        assert sample[count : 2 * count].std() == pytest.approx(2 / 0.06, rel=0.02)
+        assert not sample[2 * count :].any()
+    assert (first * later)[:count].mean() / 4 == pytest.approx(np.exp(-0.5) * 1.5, abs=0.03)
 
 
 def test_angles_and_velocities_of_an_infant_are_noisy_and_its_torques_are_not(quiet):

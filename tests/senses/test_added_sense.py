@@ -1,5 +1,6 @@
 """A sense is one folder and one line: here a tiny one is registered as others would, and used like mimoc's own."""
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import mujoco
@@ -16,6 +17,7 @@ from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.mjcf.infant import Sensor, Site
 from mimoc.mjcf.placed import Placed
+from mimoc.noise.noise import Noise
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real
 from mimoc.senses.sense import Sample, Vector
@@ -68,17 +70,19 @@ def bind(entry: HeightEntry, model: mujoco.MjModel, bundle: Bundle) -> Height:
     return Height(model.site(entry.site).id, entry.max_m)
 
 
-class Blur:
+@dataclass(frozen=True)
+class Blur(Noise):
     """As much too high or too low as drawn."""
 
-    state = None
+    deviation_m: np.ndarray
 
-    def __init__(self, deviation_m: float, sense: Height, low_pass_s: float):
-        assert (sense.name, low_pass_s) == ("height", 0.06)
-        self._deviation_m = deviation_m
+    def __call__(self, draw, sample, state):
+        return sample + self.deviation_m * draw.xp.sign(draw.normals(sample.shape)), None
 
-    def __call__(self, sample: Sample, elapsed_s: float, generator: np.random.Generator) -> Sample:
-        return sample + self._deviation_m * generator.choice((-1, 1))
+
+def bind_blur(deviation_m: float, sense: Height, low_pass_s: float) -> Blur:
+    assert (sense.name, low_pass_s) == ("height", 0.06)
+    return Blur(np.array([deviation_m]))
 
 
 KIND = SenseKind(
@@ -88,7 +92,7 @@ KIND = SenseKind(
     build=build,
     run=bind,
     physiological_delay=AgeTable((0.0, 24.0), ms=(60.0, 20.0), legs_ms=(80.0, 40.0)),
-    noise=NoiseOption("m", "Error of the height, either way.", most=1.0, run=Blur),
+    noise=NoiseOption("m", "Error of the height, either way.", most=1.0, run=bind_blur),
 )
 
 

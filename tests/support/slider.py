@@ -1,9 +1,10 @@
 """Two bodies that slide, a trunk and a leg, each with a motor whose control is its command: a model for delays."""
 
-from typing import Any
-
 import mujoco
 import numpy as np
+
+from mimoc.actuation.binding import Actuation
+from mimoc.runtime.term import Field
 
 MODEL = mujoco.MjModel.from_xml_string("""
 <mujoco>
@@ -17,14 +18,13 @@ MODEL = mujoco.MjModel.from_xml_string("""
 """)
 
 
-class Motors:
-    """Every command is its control."""
-
-    actuators = np.arange(2)
-    low, high = np.full(2, -1e6), np.full(2, 1e6)
-
-    def __call__(self, action):
-        return np.array(action, float)
-
-
-MOTORS: Any = Motors()
+SLIDERS = np.arange(2)
+MOTORS = Actuation(
+    SLIDERS,
+    np.full(2, -1e6),
+    np.full(2, 1e6),
+    np.tile([-1e6, 1e6], (2, 1)),
+    Field("ctrl", SLIDERS),
+    Field("ctrl", SLIDERS),
+)
+"""Every command is its control."""

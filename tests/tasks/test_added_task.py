@@ -1,6 +1,7 @@
 """A task that is added is a record, a spec, an entry, `build` and `bind`: nothing else knows of it."""
 
 import json
+from dataclasses import dataclass
 from typing import Literal
 
 import gymnasium
@@ -12,11 +13,12 @@ import mimoc
 from mimoc.compiler.explain import explain
 from mimoc.kinds import TaskKind
 from mimoc.model_fields import ModelField
+from mimoc.runtime.term import Term
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse
 from mimoc.tasks.base import TaskEntry, TaskSpec
 from mimoc.tasks.setup import TaskSetup
-from mimoc.tasks.task import SquaredCommands, Task, Verdict
+from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 
 
 class LiftSpec(TaskSpec):
@@ -39,14 +41,27 @@ class LiftEntry(TaskEntry):
     """Height of success."""
 
 
+@dataclass(frozen=True)
+class Height(Term):
+    """The reward is the height of a body, less what the commands cost."""
+
+    body: int
+    success_m: float
+    cost: SquaredCommands
+
+    def __call__(self, worlds, action, memory):
+        height_m = worlds.xpos[:, self.body, 2]
+        terms = {"height": height_m, "effort": -self.cost(worlds, action)}
+        return Judgement(terms, success=height_m > self.success_m)
+
+
 class Lift(Task):
-    """The reward is the height of a body."""
+    """Gravity is another in each episode."""
 
     def __init__(self, entry, model, bundle):
-        super().__init__(entry.steps)
-        self._entry, self._model = entry, model
-        self._body = model.body(entry.body).id
-        self._cost = SquaredCommands(bundle.manifest.actuation)
+        self._model, self._body = model, model.body(entry.body).id
+        cost = squared_commands(bundle.manifest.actuation)
+        super().__init__(entry.steps, Height(self._body, entry.success_m, cost))
 
     @property
     def model_fields(self):
@@ -54,10 +69,6 @@ class Lift(Task):
 
     def start(self, data, generator):
         self._model.body_gravcomp[self._body] = generator.uniform()
-
-    def judge(self, data, action, effort):
-        height_m = float(data.xpos[self._body, 2])
-        return Verdict({"height": height_m, "effort": -self._cost(action)}, success=height_m > self._entry.success_m)
 
 
 LIFT = TaskKind(

@@ -58,8 +58,8 @@ def _sources(tree: BodyTree, motor: Motor) -> tuple[str, ...]:
 
 def _moved(tree: BodyTree, joint: str) -> list[str]:
     """Return the bodies that a joint moves."""
-    found: list[str] = []
+    moved: list[str] = []
     for body in tree.bodies:
-        if body.parent in found or joint in [hinge.name for hinge in body.joints]:
-            found.append(body.name)
-    return found
+        if body.parent in moved or joint in [hinge.name for hinge in body.joints]:
+            moved.append(body.name)
+    return moved

@@ -1,27 +1,16 @@
-"""Position actuation: the command is the angle that each servo goes to, as fast as its strength allows."""
-
-from dataclasses import dataclass
+"""Position actuation: commands in [-1, 1], the angle that each servo goes to, from end to end of its joint's range."""
 
 import mujoco
-import numpy as np
 
-from mimoc.actuation.commands import Commands, command_range, find_actuators, limits_of_motors, mean_effort
+from mimoc.actuation.binding import Actuation
+from mimoc.actuation.commands import command_range, effort_of, find_actuators, limits_of_motors
 from mimoc.actuation.spec import ActuationEntry
+from mimoc.runtime.term import Field
 
 
-@dataclass(frozen=True)
-class Position(Commands):
-    """Commands in [-1, 1]; from one end of the joint's range to the other."""
-
-    def effort(self, data: mujoco.MjData) -> float:
-        """Return what the torques of the last physics step cost; see `mean_effort`."""
-        largest_nm = np.abs(self.limits_nm).max(axis=1)
-        torques_nm = data.actuator_force[self.actuators]
-        shares = np.divide(torques_nm, largest_nm, out=np.zeros(len(largest_nm)), where=largest_nm > 0)
-        return mean_effort(shares, largest_nm)
-
-
-def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Position:
+def bind(entry: ActuationEntry, model: mujoco.MjModel) -> Actuation:
     """Find the servos of *entry* in *model*."""
     ids = find_actuators(entry, model)
-    return Position(ids, *command_range(entry), limits_of_motors(model, ids))
+    limits_nm = limits_of_motors(model, ids)
+    effort = effort_of(Field("actuator_force", ids), limits_nm, in_newton_metres=True)
+    return Actuation(ids, *command_range(entry), limits_nm, effort, Field("ctrl", ids))

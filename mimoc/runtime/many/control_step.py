@@ -4,22 +4,36 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.delays.schedule import Schedule, Segment
+from mimoc.delays.schedule import Segment
 from mimoc.delays.timing import Samples
+from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.physics import Physics
-from mimoc.senses.joined import Joined
+from mimoc.runtime.many.senses import BatchSense, Read
+from mimoc.runtime.worlds import worlds_of_many
+from mimoc.senses.sense import FloatArray
 
-Due = list[tuple[int, tuple[Samples, ...]]]
-"""Infants whose sense is sampled, with the delays that the sample of each goes into."""
 GROUPS, LEAST = 2, 8
 """Into how many groups infants are cut, at most, and how many are in each, at least: one group is sampled while others
 make their physics steps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """A sense that is sampled of some infants at once."""
+
+    name: str
+    infants: tuple[int, ...]
+    read: Read
+    delayed: Sequence[tuple[Samples, ...]]
+    """The delays that the sample of each infant goes into."""
+    is_noisy: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,16 +45,19 @@ class Stretch:
     physics_steps: int
     groups: Sequence[Sequence[int]]
     """All infants."""
-    samples: Sequence[Mapping[str, Due]]
-    """Senses of each group to be sampled at its end, by name."""
+    samplings: Sequence[Sequence[Sampling]]
+    """What is sampled of each group at its end."""
 
 
 class ControlStep:
     """Goes through control steps of some of n infants."""
 
-    def __init__(self, schedules: Sequence[Schedule], physics: Physics, senses: Mapping[str, Joined]):
+    def __init__(self, infants: Sequence[InfantEnv], physics: Physics, senses: Mapping[str, BatchSense]):
         """Join the schedules of all infants, which have the same senses and the same control step."""
-        self._schedules, self._physics, self._senses = schedules, physics, senses
+        self._schedules = [infant.schedule for infant in infants]
+        self._actuations = [infant.actuation for infant in infants]
+        self._is_plain = all(actuation.command is None for actuation in self._actuations)
+        self._physics, self._senses = physics, senses
         self._segments: dict[int, tuple[Segment, ...]] = {}
         self._stretches: list[Stretch] = []
 
@@ -52,50 +69,74 @@ class ControlStep:
             infants: Those that make a step; who is alike should stand side by side.
         """
         schedules, datas = self._schedules, self._physics.datas
-        segments = {infant: schedules[infant].begin(actions[infant], datas[infant]) for infant in infants}
+        controls = self._controls(actions, infants)
+        segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}
         if segments != self._segments:  # Without jitter, they are the same objects in each control step.
-            self._segments, self._stretches = segments, side_by_side(segments, self._physics.threads)
+            self._segments, self._stretches = segments, self._side_by_side(segments)
         for stretch in self._stretches:
             for infant, segment in stretch.begun:
                 schedules[infant].command(segment, datas[infant])
             with closing(self._physics.step(stretch.groups, stretch.physics_steps)) as stepped:
-                for samples, _ in zip(stretch.samples, stepped, strict=True):
-                    for name, due in samples.items():
-                        self._sample(name, due)
+                for samplings, _ in zip(stretch.samplings, stepped, strict=True):
+                    self._sample(samplings)
 
-    def _sample(self, name: str, due: Due) -> None:
-        """Sample a sense of some infants."""
-        datas = self._physics.datas
-        samples = self._senses[name].read(self._physics, [infant for infant, _ in due])
-        for (infant, delayed), sample in zip(due, samples, strict=True):
-            disturbed = self._schedules[infant].disturb(name, sample, datas[infant])
-            for each in delayed:
-                each.send(disturbed)
+    def _controls(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> FloatArray:
+        """Return the controls of all infants, shape (n, actuators), of which those of some are needed."""
+        controls = actions.astype(np.float64)
+        if not self._is_plain:
+            for infant in infants:
+                controls[infant] = self._actuations[infant].controls(actions[infant], self._physics.datas[infant])
+        return controls
 
+    def _sample(self, samplings: Sequence[Sampling]) -> None:
+        """Sample senses; infants that are read by several share what is read of their worlds."""
+        datas, array, worlds = self._physics.datas, self._physics.array, {}
+        for sampling in samplings:
+            infants = sampling.infants
+            if infants not in worlds:
+                worlds[infants] = worlds_of_many([datas[infant] for infant in infants], partial(array, infants=infants))
+            samples = sampling.read(worlds[infants])
+            if sampling.is_noisy:
+                samples = [
+                    self._schedules[infant].disturb(sampling.name, sample.copy(), datas[infant])
+                    for infant, sample in zip(infants, samples, strict=True)
+                ]
+            for delayed, sample in zip(sampling.delayed, samples, strict=True):
+                for line in delayed:
+                    line.send(sample)
 
-def side_by_side(segments: Mapping[int, Sequence[Segment]], threads: int) -> list[Stretch]:
-    """Return the segments of some infants, cut wherever one of any infant ends."""
-    begun: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
-    due: defaultdict[int, dict[str, Due]] = defaultdict(dict)
-    for infant, own in segments.items():
-        now = 0
-        for segment in own:
-            begun[now].append((infant, segment))
-            now += segment.physics_steps
+    def _side_by_side(self, segments: Mapping[int, Sequence[Segment]]) -> list[Stretch]:
+        """Return the segments of some infants, cut wherever one of any infant ends."""
+        begun: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
+        due: defaultdict[int, list[tuple[int, Segment]]] = defaultdict(list)
+        for infant, parts in segments.items():
+            time = 0
+            for segment in parts:
+                begun[time].append((infant, segment))
+                time += segment.physics_steps
+                due[time].append((infant, segment))
+        stretches = []
+        for start, end in pairwise(sorted({*begun, *due})):
+            are_sampled = any(segment.samples for _, segment in due[end])
+            count = min(GROUPS, len(segments) // LEAST) if self._physics.threads > 1 and are_sampled else 1
+            groups = [part.tolist() for part in np.array_split(list(segments), max(count, 1))]
+            samplings = [self._samplings([item for item in due[end] if item[0] in set(group)]) for group in groups]
+            stretches.append(Stretch(begun[start], end - start, groups, samplings))
+        return stretches
+
+    def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
+        """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""
+        parts: defaultdict[tuple[str, int], dict[int, tuple[Samples, ...]]] = defaultdict(dict)
+        for infant, segment in due:
             for name, delayed in segment.samples:
-                due[now].setdefault(name, []).append((infant, delayed))
-        begun.setdefault(now, [])
-    everyone = list(segments)
-    stretches = []
-    for start, end in pairwise(sorted(begun)):
-        count = min(GROUPS, len(everyone) // LEAST) if threads > 1 and due[end] else 1
-        groups = [part.tolist() for part in np.array_split(everyone, max(count, 1))]
-        stretches.append(Stretch(begun[start], end - start, groups, [_of_group(due[end], group) for group in groups]))
-    return stretches
-
-
-def _of_group(due: Mapping[str, Due], group: Sequence[int]) -> dict[str, Due]:
-    """Return the senses of some infants that are sampled."""
-    inside = set(group)
-    found = {name: [each for each in infants if each[0] in inside] for name, infants in due.items()}
-    return {name: infants for name, infants in found.items() if infants}
+                parts[name, self._senses[name].kinds[infant]][infant] = delayed
+        return [
+            Sampling(
+                name,
+                tuple(delayed),
+                self._senses[name].reader(list(delayed)),
+                list(delayed.values()),
+                any(self._schedules[infant].is_noisy(name) for infant in delayed),
+            )
+            for (name, _), delayed in parts.items()
+        ]

@@ -22,11 +22,11 @@ def check_mixture(infants: Sequence[InfantEnv]) -> None:
     """
     first = _parts(infants[0])
     for number, infant in enumerate(infants):
-        found = _parts(infant)
+        parts = _parts(infant)
         differences = [
-            f"{part} ({_difference(first.get(part), found.get(part))})"
-            for part in dict.fromkeys([*first, *found])
-            if first.get(part) != found.get(part)
+            f"{part} ({_difference(first.get(part), parts.get(part))})"
+            for part in dict.fromkeys([*first, *parts])
+            if first.get(part) != parts.get(part)
         ]
         if differences:
             who = f"infants 0 ('{infants[0].manifest.name}') and {number} ('{infant.manifest.name}')"

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from queue import SimpleQueue
 from threading import Lock
 
@@ -39,27 +40,45 @@ class Physics:
 
         While the caller works on a group, other threads go on with the next ones.
         """
+        return self._share(partial(self._step_one, steps=steps), groups)
+
+    def in_threads(self, function: Callable[[int], Sample], infants: Sequence[int]) -> list[Sample]:
+        """Return what a function returns for some infants, called in any thread."""
+        samples: dict[int, Sample] = {}
+
+        def call(infant: int) -> None:
+            samples[infant] = function(infant)
+
+        for _ in self._share(call, [infants]):
+            pass
+        return [samples[infant] for infant in infants]
+
+    def _share(
+        self, function: Callable[[int], None], groups: Sequence[Sequence[int]]
+    ) -> Generator[Sequence[int], None, None]:
+        """Call a function for some infants in all threads; yield each group of them as soon as all of it is done."""
         waiting = ((infant, group) for group, infants in enumerate(groups) for infant in infants)
         turn, done = Lock(), [SimpleQueue[int]() for _ in groups]
 
-        def step_next() -> bool:
-            """Step the next infant that no thread has taken yet; return whether there was one."""
+        def call_next() -> bool:
+            """Do the next infant that no thread has taken yet; return whether there was one."""
             with turn:
                 infant, group = next(waiting, (None, 0))
             if infant is not None:
-                self._step_one(infant, steps)
-                done[group].put(infant)
+                try:
+                    function(infant)
+                finally:  # Whoever waits for an infant that failed would wait forever.
+                    done[group].put(infant)
             return infant is not None
 
-        def step_all() -> None:
-            while step_next():
+        def call_all() -> None:
+            while call_next():
                 pass
 
-        helpers = min(self.threads, sum(map(len, groups))) - 1
-        futures = self._help(step_all, helpers)
+        futures = self._help(call_all, min(self.threads, sum(map(len, groups))) - 1)
         try:
             for finished, infants in zip(done, groups, strict=True):
-                while finished.qsize() < len(infants) and step_next():
+                while finished.qsize() < len(infants) and call_next():
                     pass
                 for _ in infants:
                     finished.get()
@@ -68,36 +87,17 @@ class Physics:
             for future in futures:
                 future.result()
 
-    def each(self, function: Callable[[int], Sample], infants: Sequence[int]) -> list[Sample]:
-        """Return what a function returns for some infants, called in any thread."""
-        waiting, turn, found = iter(infants), Lock(), dict[int, Sample]()
-
-        def call_all() -> None:
-            while True:
-                with turn:
-                    infant = next(waiting, None)
-                if infant is None:
-                    return
-                found[infant] = function(infant)
-
-        helpers = min(self.threads, len(infants)) - 1
-        futures = self._help(call_all, helpers)
-        call_all()
-        for future in futures:
-            future.result()
-        return [found[infant] for infant in infants]
-
     def array(self, field: str, infants: Sequence[int]) -> FloatArray:
-        """Return a field of `MjData` whose size never changes, such as `qpos`, of some infants: shape (k, size)."""
+        """Return a field of `MjData` whose size never changes, such as `qpos`, of k infants that are alike."""
         if field not in self._views:
             self._views[field] = [getattr(data, field) for data in self.datas]
-        views = self._views[field]
-        return np.concatenate([views[infant] for infant in infants]).reshape(len(infants), *views[0].shape)
+        views = [self._views[field][infant] for infant in infants]
+        return np.concatenate(views).reshape(len(views), *views[0].shape)
 
     def broke_down(self) -> list[bool]:
         """Return of each infant whether its simulation has become unstable since its reset; see `broke_down`."""
         counts = np.concatenate(self._warnings).reshape(len(self.datas), -1)
-        return [any(each) for each in counts[:, BREAKDOWNS].tolist()]
+        return [any(warnings) for warnings in counts[:, BREAKDOWNS].tolist()]
 
     def replace(self, infant: int, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         """Put another model and state in place of an infant's, as when it has grown."""

@@ -9,19 +9,18 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from mimoc.actuation.commands import numbers
+from mimoc.actuation.binding import numbers_of
+from mimoc.delays.schedule import arrived
 from mimoc.render.picture_grid import Picture, in_rows
 from mimoc.render.shared import SharedRenderers, sharing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.control_step import ControlStep
-from mimoc.runtime.many.infos import Infos, joined
+from mimoc.runtime.many.gymnasium_forms import Infos, batch_of, chosen, covering, joined_infos, options_of, seeds_of
 from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.many.options import chosen, options_of, seeds_of
 from mimoc.runtime.many.physics import Physics
-from mimoc.runtime.many.spaces import batch_of, covering
-from mimoc.senses.joined import join_all
+from mimoc.runtime.many.senses import BatchSense
 from mimoc.senses.sense import FloatArray, Observation
 
 SteppedEach = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.bool_], Infos]
@@ -69,7 +68,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self.single_observation_space = covering(spaces)
         self.observation_space = batch_of(spaces)
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
-        self._physics = Physics([each.model for each in infants], [each.data for each in infants], threads)
+        self._physics = Physics([infant.model for infant in infants], [infant.data for infant in infants], threads)
         self._bind()
         self.closed = False
 
@@ -105,7 +104,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         count = self.num_envs
         which = chosen(options, count)
         observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
-        return observation, joined(infos, self.num_envs)
+        return observation, joined_infos(infos, self.num_envs)
 
     def reset_each(
         self, seeds: Sequence[int | None], options: Sequence[dict[str, Any]], which: Sequence[int] | None = None
@@ -129,7 +128,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ResetNeeded: If an episode has ended, and the autoreset mode leaves it to the caller to reset the infant.
         """
         observation, rewards, terminated, truncated, infos = self.step_each(actions)
-        return observation, rewards, terminated, truncated, joined(infos, self.num_envs)
+        return observation, rewards, terminated, truncated, joined_infos(infos, self.num_envs)
 
     def step_each(self, actions: npt.NDArray[Any]) -> SteppedEach:
         """Make a step as `step` does, with the info of each infant by itself."""
@@ -141,8 +140,8 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         if anew and self.autoreset_mode == AutoresetMode.DISABLED:
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {anew} have ended; reset them")
         going = [infant for infant in self._order if not self._ended[infant]]
-        told = [infant for infant in going if self.infants[infant].journal.keeps]
-        for infant in told:
+        observed = [infant for infant in going if self.infants[infant].journal.keeps]
+        for infant in observed:
             self.infants[infant].journal.stepping()
         self._control_step(actions, going)
         broken = self._physics.broke_down()
@@ -160,7 +159,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         for readings in observation.values():
             for infant in unstable:
                 np.nan_to_num(readings[infant], copy=False)
-        for infant in told:
+        for infant in observed:
             judged = float(rewards[infant]), bool(terminated[infant]), bool(truncated[infant]), infos[infant]
             seen = {name: readings[infant] for name, readings in observation.items()}
             self.infants[infant].journal.stepped(actions[infant], seen, judged)
@@ -198,8 +197,8 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
 
     def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
         """Return what a method of each infant returns, or an attribute of each."""
-        found = [getattr(infant, name) for infant in self.infants]
-        return tuple(each(*arguments, **keywords) if callable(each) else each for each in found)
+        attributes = [getattr(infant, name) for infant in self.infants]
+        return tuple(item(*arguments, **keywords) if callable(item) else item for item in attributes)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
         """Return an attribute of each infant."""
@@ -252,19 +251,25 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
 
     def _bind(self) -> None:
         """Join what all infants have now; those of one bundle are worked through one after another."""
-        firsts = {id(each.bundle): index for index, each in reversed(list(enumerate(self.infants)))}
+        firsts = {id(infant.bundle): index for index, infant in reversed(list(enumerate(self.infants)))}
         self._order = sorted(range(self.num_envs), key=lambda index: firsts[id(self.infants[index].bundle)])
-        self._senses = join_all([infant.senses for infant in self.infants])
-        self._schedules = [infant.schedule for infant in self.infants]
-        self._control_step = ControlStep(self._schedules, self._physics, self._senses)
+        self._senses = {
+            name: BatchSense(name, [infant.senses[name] for infant in self.infants], self._physics)
+            for name in self.infants[0].senses
+        }
+        schedules = [infant.schedule for infant in self.infants]
+        self._delayed = {name: [schedule.samples[name] for schedule in schedules] for name in self._senses}
+        self._control_step = ControlStep(self.infants, self._physics, self._senses)
 
     def _follow(self) -> None:
         """Take over what infants have now that got another model, in another scene or by growing."""
         pairs = enumerate(zip(self.infants, self._physics.models, self._physics.datas, strict=True))
-        found = [index for index, (each, model, data) in pairs if each.data is not data or each.model is not model]
-        for index in found:
+        changed = [
+            index for index, (infant, model, data) in pairs if infant.data is not data or infant.model is not model
+        ]
+        for index in changed:
             self._physics.replace(index, self.infants[index].model, self.infants[index].data)
-        if found:
+        if changed:
             self._bind()
 
     def _checked(self, actions: npt.ArrayLike) -> npt.NDArray[np.float32]:
@@ -273,7 +278,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         Raises:
             ValueError: If they are none of numbers, have the wrong shape or are not finite.
         """
-        actions = numbers(actions)
+        actions = numbers_of(actions)
         if actions.shape != self.action_space.shape:
             raise ValueError(f"expected finite actions of shape {self.action_space.shape}, got shape {actions.shape}")
         if not np.isfinite(actions).all():
@@ -287,10 +292,10 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """Return what all infants observe, as new arrays."""
         observation: Observation = {}
         for name, sense in self._senses.items():
-            observation.update(sense.observe([schedule.arrived(name) for schedule in self._schedules]))
+            observation.update(sense.observe([arrived(delayed) for delayed in self._delayed[name]]))
         if self.infants[0].task.spaces:
-            own = [infant.task.observe() for infant in self.infants]
-            observation |= {name: np.stack([each[name] for each in own]) for name in own[0]}
+            views = [infant.task.observe() for infant in self.infants]
+            observation |= {name: np.stack([view[name] for view in views]) for name in views[0]}
         return observation
 
     def _reset_one(

@@ -48,10 +48,10 @@ def batched_model(
     """
     put = [_put(model) for model in models] if len(models) > 1 else []
     differing = own_fields(put) if put else set()
-    own = differing | {name for name in changed if name in _batched()}
-    batched = _put(models[0], dict.fromkeys(sorted(own), len(body_of_world)))
+    of_world = differing | {name for name in changed if name in batched_fields()}
+    batched = _put(models[0], dict.fromkeys(sorted(of_world), len(body_of_world)))
     for name in differing:
-        values = np.concatenate([getattr(each, name).numpy() for each in put])
+        values = np.concatenate([getattr(model, name).numpy() for model in put])
         getattr(batched, name).assign(values[body_of_world])
     batched.opt.tolerance.fill_(TOLERANCE)
     batched.opt.warn_overflow = 0  # What overflows is reported by `overflow.report` instead of a printed line.
@@ -106,19 +106,20 @@ def own_fields(models: Sequence[mjw.Model]) -> set[str]:
     Raises:
         WorldsError: If one of them must be the same in all worlds.
     """
-    first, rest = models[0], models[1:]
-    fields = [name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)]
-    differing = {name for name in fields if not all(_same(getattr(first, name), getattr(each, name)) for each in rest)}
-    options = [name for name in _names(mjw.Option) if not all(_same_option(first, each, name) for each in rest)]
-    shared = sorted(differing - _batched() - {*NOT_READ}) + [f"opt.{name}" for name in options]
-    uneven = [name for name in sorted(differing & _batched()) if _uneven(name, models)]
-    if found := shared + uneven:
-        shown = ", ".join(found[:SHOWN]) + (f" and {len(found) - SHOWN} more" if len(found) > SHOWN else "")
+    names = {name for name in _names(mjw.Model) if name not in IDENTIFIED and not name.startswith(KEYFRAMES)}
+    differing = _differing(models, names) - {*NOT_READ}
+    uneven = {
+        name for name in differing & batched_fields() if len({getattr(model, name).shape for model in models}) > 1
+    }
+    options = _differing([model.opt for model in models], _names(mjw.Option))
+    shared = [*sorted(differing - batched_fields()), *(f"opt.{name}" for name in sorted(options)), *sorted(uneven)]
+    if shared:
+        shown = ", ".join(shared[:SHOWN]) + (f" and {len(shared) - SHOWN} more" if len(shared) > SHOWN else "")
         raise WorldsError(
             f"these infants cannot live side by side on this device: their models differ in {shown}, which all worlds "
             "share; make an environment of each kind"
         )
-    return differing - {*NOT_READ}
+    return differing
 
 
 def _put(model: mujoco.MjModel, sizes: dict[str, int] | None = None) -> mjw.Model:
@@ -132,19 +133,16 @@ def _names(kind: Any) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
 
 
-def _batched() -> set[str]:
+def batched_fields() -> set[str]:
     """Return the fields that can be another in each world."""
     shapes = {field.name: getattr(field.type, "shape", None) for field in dataclasses.fields(mjw.Model)}
     return {name for name, shape in shapes.items() if isinstance(shape, tuple) and shape and shape[0] == "*"}
 
 
-def _uneven(name: str, models: Sequence[mjw.Model]) -> bool:
-    """Return whether a field does not even have the same shape everywhere."""
-    return len({getattr(each, name).shape for each in models}) > 1
-
-
-def _same_option(first: mjw.Model, other: mjw.Model, name: str) -> bool:
-    return _same(getattr(first.opt, name), getattr(other.opt, name))
+def _differing(records: Sequence[Any], names: Collection[str]) -> set[str]:
+    """Return the fields in which records differ."""
+    first, *rest = records
+    return {name for name in names if not all(_same(getattr(first, name), getattr(other, name)) for other in rest)}
 
 
 def _same(ours: Any, theirs: Any) -> bool:
@@ -156,5 +154,5 @@ def _same(ours: Any, theirs: Any) -> bool:
     if isinstance(ours, np.ndarray):
         return np.array_equal(ours, theirs)
     if dataclasses.is_dataclass(ours):
-        return all(_same(getattr(ours, name), getattr(theirs, name)) for name in _names(ours))
+        return not _differing([ours, theirs], _names(ours))
     return bool(ours == theirs)

@@ -1,11 +1,13 @@
-"""Room for contacts and constraints, which MuJoCo Warp sets aside before the first step."""
+"""Room for contacts and constraints, which MuJoCo Warp sets aside before the first step, and how it grows."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
+from mimoc.runtime.warp.overflow import COUNTS, FLAGS, OWN, PAIRS, ROWS, SHARED
 from mimoc.senses.sense import IntArray
 
 SPARE_CONTACTS, SPARE_CONSTRAINTS = 1.5, 2.0
@@ -16,6 +18,12 @@ rows of constraints, of which some infant needs 1.4 to 1.6 times as many in 42,0
 are tried (measured supine at seven ages, with mitten hands and five fingers)."""
 LARGEST = 8.0
 """Factor between the same and the room at most."""
+FULL = 0.8
+"""Share of the room from which on it grows, mostly before anything is lost."""
+GROWTH = 1.5
+"""Factor between what was needed, or what was there if that is more, and the new room."""
+RARE = 0.01
+"""Share of the infants that may lose contacts in a control step when the room cannot grow; they begin anew."""
 STEPS = 200
 """Physics steps for which each infant moves at random."""
 HELD = 20
@@ -36,6 +44,24 @@ class Capacity:
     def times(self, contacts: float, constraints: float) -> "Capacity":
         """Return a multiple of it."""
         return Capacity(int(contacts * self.contacts), int(constraints * self.constraints))
+
+
+@dataclass(slots=True)
+class Room:
+    """The room in each of some worlds."""
+
+    present: Capacity
+    largest: Capacity
+    """How far it grows."""
+    worlds: int
+
+    def after(self, report: IntArray) -> Capacity:
+        """Return the room for the next control step, from the report of one."""
+        pairs = math.ceil(report[PAIRS] / self.worlds)
+        return Capacity(
+            _next(self.present.contacts, self.largest.contacts, pairs, _is_short(report, SHARED)),
+            _next(self.present.constraints, self.largest.constraints, int(report[ROWS]), _is_short(report, OWN)),
+        )
 
 
 def measured(models: Sequence[mujoco.MjModel], poses: Sequence[str], pairs: IntArray, seed: int = 0) -> Capacity:
@@ -71,3 +97,14 @@ def _near(model: mujoco.MjModel, data: mujoco.MjData, pairs: IntArray) -> int:
     apart_m = np.where(is_plane, above_m, np.linalg.norm(offsets_m, axis=1))
     bounds_m = model.geom_rbound + model.geom_margin
     return int((apart_m <= bounds_m[first] + bounds_m[second]).sum())
+
+
+def _is_short(report: IntArray, flags: tuple[str, ...]) -> bool:
+    """Return whether one of some flags was set."""
+    return any(report[COUNTS + FLAGS[name]] for name in flags)
+
+
+def _next(present: int, largest: int, needed: int, is_short: bool) -> int:
+    if not is_short and needed <= FULL * present:
+        return present
+    return max(present, min(math.ceil(GROWTH * max(present, needed)), largest))

@@ -3,6 +3,7 @@
 from typing import Any
 
 import mujoco_warp as mjw
+import torch
 import warp as wp
 
 
@@ -27,11 +28,11 @@ class Contacts:
 
 def contacts_of(data: mjw.Data) -> Any:
     """Return the contacts of all worlds for kernels."""
-    contact, found = data.contact, Contacts()
-    found.count, found.world, found.geoms = data.nacon, contact.worldid, contact.geom
-    found.dist, found.pos, found.frame = contact.dist, contact.pos, contact.frame
-    found.dim, found.rows, found.force = contact.dim, contact.efc_address, data.efc.force
-    return found
+    contact, contacts = data.contact, Contacts()
+    contacts.count, contacts.world, contacts.geoms = data.nacon, contact.worldid, contact.geom
+    contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
+    contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
+    return contacts
 
 
 @wp.func
@@ -49,3 +50,33 @@ def force_of(contacts: Contacts, index: int) -> wp.vec3:
         if axis < contacts.dim[index]:
             force[axis] = contacts.force[world, contacts.rows[index, axis]]
     return force
+
+
+class PressingGroups:
+    """Finds which groups of geoms press on which in all worlds; see `Worlds.pressing`."""
+
+    def __init__(self, data: mjw.Data):
+        """Read the contacts of some data."""
+        self._data, self._contacts = data, contacts_of(data)
+        self._known: dict[int, tuple[torch.Tensor, wp.array, wp.array]] = {}
+
+    def __call__(self, group_of_geom: torch.Tensor) -> torch.Tensor:
+        """Return it, shape (worlds, g, g), in memory that the next call with the same groups writes to."""
+        if id(group_of_geom) not in self._known:
+            count = int(group_of_geom.max()) + 1
+            pressing = wp.zeros((self._data.nworld, count, count), dtype=wp.bool)
+            self._known[id(group_of_geom)] = group_of_geom, wp.from_torch(group_of_geom.int()), pressing
+        _, groups, pressing = self._known[id(group_of_geom)]
+        pressing.zero_()
+        wp.launch(_press, self._data.naconmax, [self._contacts, groups], [pressing])
+        return wp.to_torch(pressing)
+
+
+@wp.kernel(enable_backward=False)
+def _press(contacts: Contacts, groups: wp.array[int], pressing: wp.array3d[wp.bool]):
+    index = wp.tid()
+    if presses(contacts, index):
+        first, second = groups[contacts.geoms[index][0]], groups[contacts.geoms[index][1]]
+        if first >= 0 and second >= 0:
+            pressing[contacts.world[index], first, second] = True
+            pressing[contacts.world[index], second, first] = True

@@ -1,19 +1,12 @@
 """What infants need of a device: that it is there, and that all that they have can run on it."""
 
-from collections.abc import Collection, Iterator
 from typing import Any
 
 import warp as wp
 
 from mimoc.errors import MimocError
-from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp import noise
-
-SENSES = {"proprioception", "vestibular", "touch", "vision", "nothing"}
-"""Senses that are there on a device."""
-ACTUATIONS = {"torque", "muscle", "position"}
-"""Actuation models that are there: those whose commands are the controls."""
+from mimoc.runtime.warp.signals import device_part
 
 
 class DeviceError(MimocError):
@@ -29,36 +22,25 @@ def find_device(name: str) -> Any:
     try:
         return wp.get_device(name)
     except (ValueError, RuntimeError):
-        there = ", ".join(device.alias for device in wp.get_devices())
+        devices = ", ".join(device.alias for device in wp.get_devices())
         none = "" if wp.is_cuda_available() else " and no NVIDIA GPU with its driver"
-        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {there}{none} on this machine") from None
+        raise DeviceError(f"device '{name}' is not there; MuJoCo Warp finds {devices}{none} on this machine") from None
 
 
 def check_infant(infant: InfantEnv) -> None:
-    """Check that all that an infant has is there on a device, whoever wrote it: what is not must not be ignored.
+    """Check that all that an infant has can run on a device, whoever wrote it: what cannot must not be ignored.
 
     Raises:
-        DeviceError: If something is not.
+        DeviceError: If something cannot.
     """
-    name = infant.manifest.name
-    for what, remedy in _missing(infant):
-        raise DeviceError(f"infant '{name}' has {what}, which is not there on a device; {remedy}, or leave out device")
-
-
-def _missing(infant: InfantEnv) -> Iterator[tuple[str, str]]:
-    """Yield what is not there, and what to do about it."""
-    manifest = infant.manifest
-    for sense in _others(infant.senses, SENSES):
-        yield f"the sense '{sense}'", "leave it out"
-    for model in _others([manifest.actuation.model], ACTUATIONS):
-        yield f"the actuation model '{model}'", f"choose from {', '.join(sorted(ACTUATIONS))}"
-    noisy = {sense: key for sense, key in noise_keys().items() if getattr(manifest.noise, key)}
-    for sense in _others(noisy, noise.SENSES):
-        yield f"noise of '{sense}'", f"leave out {noisy[sense]}"
-    if manifest.noise.delay_jitter_ms:
-        yield "delays with jitter", "leave out delay_jitter_ms"
-
-
-def _others(names: Collection[str], known: Collection[str]) -> list[str]:
-    """Return the names that are not known."""
-    return sorted(set(names) - set(known))
+    for sense, bound in infant.senses.items():
+        if bound.term is None and not device_part(sense, bound):
+            raise DeviceError(
+                f"sense '{sense}' is not a term and has no device part: give it one (docs/own_sense.md), or leave out "
+                "device"
+            )
+    if infant.manifest.noise.delay_jitter_ms:
+        raise DeviceError(
+            f"infant '{infant.manifest.name}' has delays with jitter, which are not there on a device; "
+            "leave out delay_jitter_ms, or device"
+        )

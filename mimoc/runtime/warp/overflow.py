@@ -7,6 +7,7 @@ are shared: where one is full, `BROADPHASE` or `NARROWPHASE` is set for all worl
 """
 
 import mujoco_warp as mjw
+import torch
 import warp as wp
 
 FLAGS = {str(flag.name).lower(): flag.bit_length() - 1 for flag in mjw.OverflowType}
@@ -24,14 +25,13 @@ how many infants each flag was set, by its bit."""
 LENGTH = COUNTS + max(FLAGS.values()) + 1
 
 
-@wp.func
-def is_losing(flags: int) -> bool:
-    """Return whether contacts or constraints were lost."""
-    return (flags & wp.static(LOSING)) != 0
+def is_losing(data: mjw.Data) -> torch.Tensor:
+    """Return in which worlds contacts or constraints were lost, shape (worlds,)."""
+    return (wp.to_torch(data.overflow) & LOSING) != 0
 
 
-def report(data: mjw.Data, actions: wp.array, unstable: wp.array, overflowed: wp.array, written: wp.array) -> None:
-    """Write a report, and clear the flags.
+def report(data: mjw.Data, actions: wp.array, unstable: torch.Tensor, overflowed: torch.Tensor) -> torch.Tensor:
+    """Return a report, shape (`LENGTH`,), and clear the flags.
 
     What an unstable infant would need is no measure of the room: all its geoms may be in one place.
 
@@ -40,35 +40,12 @@ def report(data: mjw.Data, actions: wp.array, unstable: wp.array, overflowed: wp
         actions: Of the present control step, shape (worlds, n).
         unstable: Which infants are, shape (worlds,).
         overflowed: Which infants lost contacts, shape (worlds,).
-        written: The report, zero before, shape (`LENGTH`,).
     """
-    inputs = [actions, data.nefc, data.ncollision, data.nacon, unstable, overflowed]
-    wp.launch(_report, data.nworld, inputs, [data.overflow, written])
-
-
-@wp.kernel(enable_backward=False)
-def _report(
-    actions: wp.array2d[float],
-    nefc: wp.array[int],
-    ncollision: wp.array[int],
-    nacon: wp.array[int],
-    unstable: wp.array[int],
-    overflowed: wp.array[int],
-    overflow: wp.array[int],
-    written: wp.array[int],
-):
-    world = wp.tid()
-    for number in range(actions.shape[1]):
-        if not wp.isfinite(actions[world, number]):
-            wp.atomic_max(written, wp.static(NOT_FINITE), world + 1)
-    flags = overflow[world]
-    overflow[world] = 0
-    if unstable[world] == 0:
-        if overflowed[world] == 1:
-            wp.atomic_add(written, wp.static(OVERFLOWED), 1)
-        wp.atomic_max(written, wp.static(ROWS), nefc[world])
-        for bit in range(wp.static(LENGTH - COUNTS)):
-            if ((flags >> bit) & 1) == 1:
-                wp.atomic_add(written, wp.static(COUNTS) + bit, 1)
-    if world == 0:
-        written[wp.static(PAIRS)] = wp.max(ncollision[0], nacon[0])
+    flags, rows, pairs, contacts = map(wp.to_torch, (data.overflow, data.nefc, data.ncollision, data.nacon))
+    numbers = torch.arange(1, len(flags) + 1, device=flags.device)
+    not_finite = (numbers * ~wp.to_torch(actions).isfinite().all(dim=1)).max()
+    used = (rows * ~unstable).max(), torch.maximum(pairs[0], contacts[0])
+    bits = torch.arange(LENGTH - COUNTS, device=flags.device)
+    counts = ((flags[:, None] >> bits) & ~unstable[:, None]).sum(dim=0)
+    flags.zero_()
+    return torch.cat([torch.stack([not_finite, overflowed.sum(), *used]), counts])

@@ -1,17 +1,17 @@
 """Touch on a device: one thread for each contact of any infant, which adds its force to the skin that it presses on."""
 
-from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
+from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.contacts import Contacts, contacts_of, force_of, presses
-from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.runtime.warp.signals import DeviceSetup
+from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
 
 IN_BODY, IN_WORLD, NORMAL = range(3)
@@ -19,102 +19,54 @@ QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal"
 """What is felt of a contact."""
 
 
-class Feeling(Protocol):
-    """A way to tell of what touches the skin."""
+KINDS = ("bodies", "points")
+"""How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
 
-    bodies: IntArray
-    """The body in which each number is felt, shape (n,)."""
-    width: int
-    """How many numbers make a force."""
+
+class Feeling:
+    """Touch of all infants: forces at places on the skin, which share them as `Receptors` does."""
+
+    def __init__(self, setup: DeviceSetup):
+        """Find the places on each infant: all points, or one on each body, which has all that presses on the body.
+
+        Raises:
+            UnknownNameError: If there is no such way to tell of touch.
+        """
+        if setup.touch not in KINDS:
+            raise UnknownNameError("way to tell of touch", setup.touch, KINDS)
+        touches: list[Any] = [infant.senses["touch"] for infant in setup.infants]
+        model, entry = setup.infants[0].model, setup.infants[0].manifest.senses.touch
+        skin, self.width, self._body = touches[0].receptors.bodies, touches[0].width, setup.body
+        points_m = np.stack([touch.receptors.points_m for touch in touches])
+        places, self._place_of_point, is_nearest = skin, np.arange(len(skin)), entry.response == "nearest"
+        if setup.touch == "bodies":
+            places, self._place_of_point = np.unique(skin, return_inverse=True)
+            points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
+        self.bodies = np.repeat(places, self.width)
+        """The body in which each number is felt, shape (n,), of which `width` make a force."""
+        box = touches[0].spaces["touch"]
+        self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
+        self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
+        first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
+        self._geoms = put(skin_body_of_geoms(skin, model), wp.int32)
+        self._range, self._points = put(np.stack([first, last], 1), wp.vec2i), put(points_m, wp.vec3)
+        self._scales = put([touch.receptors.scale_per_m[:, 0] for touch in touches])
 
     def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
         """Write what is felt now, shape (worlds, n)."""
-        ...
-
-    def start(self, sample: FloatArray) -> FloatArray:
-        """Return what it tells of a sample of all points of one infant."""
-        ...
-
-
-class BodySums:
-    """The sum of all forces on each body that has skin, in the order of the bodies."""
-
-    def __init__(self, infants: Sequence[InfantEnv], body_of_world: wp.array):
-        """Find the bodies."""
-        touch, model = _touch(infants[0]), infants[0].model
-        self.width, self._quantity = touch.width, _quantity(infants[0])
-        felt, self._part_of_point = np.unique(touch.receptors.bodies, return_inverse=True)
-        self.bodies = np.repeat(felt, self.width)
-        parts = np.full(model.nbody, -1)
-        parts[felt] = np.arange(len(felt))
-        self._geoms, self._parts = _skin(infants[0]), put(parts, wp.int32)
-
-    def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
-        """Write the sums."""
-        sample.zero_()
-        inputs = [contacts_of(data), self._geoms, self._parts, self._quantity, self.width, data.xmat]
-        wp.launch(_sum_by_body, (data.naconmax, 2), inputs, [sample])
-
-    def start(self, sample: FloatArray) -> FloatArray:
-        """Return the sums of a sample of all points."""
-        sums = np.zeros((len(self.bodies) // self.width, self.width))
-        np.add.at(sums, self._part_of_point, sample.reshape(-1, self.width))
-        return sums.ravel()
-
-
-class AllPoints:
-    """The forces at all points of the skin, shared as `Receptors` shares them."""
-
-    def __init__(self, infants: Sequence[InfantEnv], body_of_world: wp.array):
-        """Find the points of each infant."""
-        touch, model = _touch(infants[0]), infants[0].model
-        self.bodies, self.width, self._quantity = touch.bodies, touch.width, _quantity(infants[0])
-        self._sharing = wp.vec2i(touch.width, int(infants[0].manifest.senses.touch.response == "nearest"))
-        on = touch.receptors.bodies
-        first, last = (np.searchsorted(on, np.arange(model.nbody), side) for side in ("left", "right"))
-        self._geoms, self._range = _skin(infants[0]), put(np.stack([first, last], 1), wp.vec2i)
-        self._points = put([_touch(each).receptors.points_m for each in infants], wp.vec3)
-        self._scales = put([_touch(each).receptors.scale_per_m[:, 0] for each in infants])
-        self._body = body_of_world
-
-    def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
-        """Write the forces."""
         sample.zero_()
         skin = [self._body, self._geoms, self._range, self._points, self._scales]
         inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
-        wp.launch(_share_among_points, (data.naconmax, 2), inputs, [sample])
+        wp.launch(_share, (data.naconmax, 2), inputs, [sample])
 
     def start(self, sample: FloatArray) -> FloatArray:
-        """Return the sample itself."""
-        return sample
+        """Return what it tells of a sample of all points of one infant."""
+        sums = np.zeros((len(self.bodies) // self.width, self.width))
+        np.add.at(sums, self._place_of_point, sample.reshape(-1, self.width))
+        return sums.ravel()
 
 
-KINDS = {"bodies": BodySums, "points": AllPoints}
-"""How touch can be told."""
-
-
-def feeling(kind: str, infants: Sequence[InfantEnv], body_of_world: wp.array) -> Feeling:
-    """Return the touch of all infants.
-
-    Raises:
-        UnknownNameError: If there is no such way to tell of it.
-    """
-    if kind not in KINDS:
-        raise UnknownNameError("way to tell of touch", kind, KINDS)
-    return KINDS[kind](infants, body_of_world)
-
-
-def _touch(infant: InfantEnv) -> Any:
-    return infant.senses["touch"]
-
-
-def _quantity(infant: InfantEnv) -> int:
-    entry: Any = infant.manifest.senses.touch
-    return QUANTITIES[entry.quantity]
-
-
-def _skin(infant: InfantEnv) -> wp.array:
-    return put(skin_body_of_geoms(_touch(infant).receptors.bodies, infant.model), wp.int32)
+bind = Feeling
 
 
 @wp.func
@@ -145,27 +97,7 @@ def _load(contacts: Contacts, index: int, side: int, quantity: int, world_from_b
 
 
 @wp.kernel(enable_backward=False)
-def _sum_by_body(
-    contacts: Contacts,
-    body_of_geom: wp.array[int],
-    parts: wp.array[int],
-    quantity: int,
-    width: int,
-    xmat: wp.array2d[wp.mat33],
-    sample: wp.array2d[float],
-):
-    index, side = wp.tid()
-    if presses(contacts, index):
-        body = body_of_geom[contacts.geoms[index][side]]
-        if body > 0:
-            world = contacts.world[index]
-            load = _load(contacts, index, side, quantity, xmat[world, body])
-            for number in range(width):
-                wp.atomic_add(sample, world, parts[body] * width + number, load[number])
-
-
-@wp.kernel(enable_backward=False)
-def _share_among_points(
+def _share(
     contacts: Contacts,
     body_of_world: wp.array[int],
     body_of_geom: wp.array[int],

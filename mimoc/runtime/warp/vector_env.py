@@ -1,6 +1,7 @@
 """The Gymnasium vector environment of many infants on a device."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 import gymnasium
@@ -15,17 +16,27 @@ from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
+from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, chosen, covering, seeds_of
 from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.many.options import RESET_MASK, chosen, seeds_of
-from mimoc.runtime.many.spaces import batch_of, covering
 from mimoc.runtime.warp.arrays import giver, put, taken
 from mimoc.runtime.warp.capacity import Capacity
+from mimoc.runtime.warp.device_worlds import present
 from mimoc.runtime.warp.needs import DeviceError, check_infant, find_device
 from mimoc.runtime.warp.starts import Starts
+from mimoc.runtime.warp.vision.sight import VISION, ClosedEyes
 from mimoc.runtime.warp.worlds import Worlds
+from mimoc.senses.sense import Sense
 
 STARTS = 256
 """Starts that are drawn of each infant whose episodes begin with chance."""
+
+
+class StartingInfant(InfantEnv):
+    """A single environment that draws starts with its eyes closed, without OpenGL: the device draws what it sees."""
+
+    def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
+        """Bind everything but vision."""
+        super()._bind({VISION: ClosedEyes(), **former})
 
 
 @closable()
@@ -87,11 +98,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
         self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
         which = np.arange(self.num_envs) % len(infants)
-        with wp.ScopedDevice(self.device):
+        with present(self.device):
             room = contacts, constraints
             self.worlds = Worlds(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
         self._starts: dict[str | None, Starts] = {None: self.worlds.default_starts}
-        self._graph: wp.Graph | None = None
         self._is_settled = True
         """Whether what the device reports of the last step has been dealt with."""
         self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
@@ -125,7 +135,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         if isinstance(seed, (int, np.integer)):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
         which = chosen(options, self.num_envs)
-        with wp.ScopedDevice(self.device):
+        with present(self.device):
             starts = self._starts_in(options.get("pose"))
             self.worlds.begin(starts, put(self._choices(starts, seeds, which), wp.int32))
             ended = self.worlds.ended.ended.numpy()
@@ -152,10 +162,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         if self.autoreset_mode == AutoresetMode.DISABLED and self.worlds.ended.ended.numpy().any():
             infants = np.flatnonzero(self.worlds.ended.ended.numpy()).tolist()
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
-        commands = self.worlds.commands.entering
-        with wp.ScopedDevice(self.device):
-            wp.copy(commands, taken(actions, commands.shape))
-            self._step()
+        entering = self.worlds.actions
+        with present(self.device):
+            wp.copy(entering, taken(actions, entering.shape))
+            self.worlds.step()
             self._is_settled = False
             ended = self.worlds.ended
             given = (self._give(ended.reward), self._flag(ended.terminated), self._flag(ended.truncated))
@@ -204,31 +214,19 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         for infant in self.infants:
             infant.close()
 
-    def _step(self) -> None:
-        """Make the control step: on a GPU as one graph, which is captured after a first step has loaded all kernels."""
-        if not self.device.is_cuda:
-            self.worlds.step()
-        elif self._graph is None:
-            self.worlds.step()
-            with wp.ScopedCapture(self.device) as capture:
-                self.worlds.step()
-            self._graph = capture.graph
-        else:
-            wp.capture_launch(self._graph)
-
     def _choices(self, starts: Starts, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
         """Return the start of each infant that is reset, -1 for others."""
         body = np.arange(self.num_envs) % len(self.infants)
         first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
-        found, given = np.full(self.num_envs, -1), {}
+        choices, given = np.full(self.num_envs, -1), {}
         for world in which:
             seed = seeds[world]
             if seed is not None:
                 given[world] = seed
-            own = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
-            found[world] = first[world] + own
+            number = self.np_random.integers(counts[world]) if seed is None else seed % counts[world]
+            choices[world] = first[world] + number
         self.worlds.seed(given)
-        return found
+        return choices
 
     def _starts_in(self, pose: str | None) -> Starts:
         """Return the starts in a pose, which are drawn when they are first asked for."""
@@ -273,6 +271,5 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         if self._is_settled:
             return
         self._is_settled = True
-        with wp.ScopedDevice(self.device):
-            if self.worlds.settle():
-                self._graph = None  # It has the places of the former arrays in memory.
+        with present(self.device):
+            self.worlds.settle()

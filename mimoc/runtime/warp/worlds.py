@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.vector import AutoresetMode
 
@@ -14,24 +16,19 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp import ending
 from mimoc.runtime.warp.arrays import put
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
-from mimoc.runtime.warp.capacity import LARGEST, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, measured
-from mimoc.runtime.warp.chance import Chance
+from mimoc.runtime.warp.capacity import LARGEST, RARE, SPARE_CONSTRAINTS, SPARE_CONTACTS, Capacity, Room, measured
+from mimoc.runtime.warp.device_task import DeviceTask
+from mimoc.runtime.warp.device_worlds import device_worlds, put_on, term_of_worlds
 from mimoc.runtime.warp.lines import Line
 from mimoc.runtime.warp.needs import DeviceError
-from mimoc.runtime.warp.noise import is_noisy, motor_noise, noise_of
+from mimoc.runtime.warp.noise import Chance, motor_noise, noise_of
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED
-from mimoc.runtime.warp.room import RARE, Room
-from mimoc.runtime.warp.signals import Channel, Numbers, delays_of, space_of
-from mimoc.runtime.warp.starts import Starts, drawn, model_fields, seen_at
-from mimoc.runtime.warp.tasks import device_task
-from mimoc.runtime.warp.tasks.task import Judged
-from mimoc.runtime.warp.touch import feeling
-from mimoc.runtime.warp.vectors import VectorReader
-from mimoc.runtime.warp.vision.sight import VISION, Sight
+from mimoc.runtime.warp.signals import DeviceSense, DeviceSetup, delays_of, reader_of, space_of
+from mimoc.runtime.warp.starts import Starts, changed_rows, drawn, seen_at
+from mimoc.runtime.warp.vision.sight import VISION
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 
-GOAL = "goal"
 NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""
 
@@ -50,49 +47,47 @@ class Worlds:
         max_steps: int | None,
     ):
         """Set everything up on Warp's present device; see `WarpInfants`."""
-        self._infants, self._mode, self._most_starts = infants, mode, starts
+        self._infants, self._mode, self._most_starts, self._device = infants, mode, starts, wp.get_device()
         manifest, count = infants[0].manifest, len(body_of_world)
         self.period = to_steps(manifest.step_ms, manifest.timestep_ms)
-        fields = {field.name for infant in infants for field in model_fields(infant)}
-        self.model = batched_model([each.model for each in infants], body_of_world, fields)
+        fields = {name for infant in infants for name in changed_rows(infant)}
+        self.model = batched_model([infant.model for infant in infants], body_of_world, fields)
         self.room = self._first_room(room, count)
         self.overflows = dict.fromkeys(FLAGS, 0)
         """How often each of MuJoCo Warp's flags was set: control steps of all infants together."""
-        present, models = self.room.present, [each.model for each in infants]
+        self.captures, self._graphs = self._device.is_cuda, dict[int, wp.Graph]()
+        """Whether physics steps are captured as graphs, and those of some numbers of steps."""
+        present, models = self.room.present, [infant.model for infant in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
         self.body = put(body_of_world, wp.int32)
-        self.task, self.clock = device_task(infants, count), wp.zeros(1, dtype=int)
+        self.task, self._seen_by_terms = DeviceTask(infants, body_of_world), device_worlds(self.data)
+        self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
+        """Control steps so far."""
         self.chance = Chance(put(np.arange(count), wp.int32))
-        self._is_noisy = any(is_noisy(infant) for infant in infants)
         self._open_signals(touch)
-        self.ended = ending.Ending(infants, self.body, len(self.task.terms), max_steps, self.chance.seeds)
+        self.ended = ending.Ending(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
-        self.memory = wp.zeros((count, self.default_starts.memory.shape[1]), dtype=float)
-        self._judged = Judged(
-            self.body,
-            self.commands.entering,
-            self.memory,
-            self.ended.terms,
-            self.ended.success,
-            self.ended.terminated,
-        )
 
     def _open_signals(self, touch: str) -> None:
         """Find what is sensed and commanded, with its delays and noise."""
         first, count = self._infants[0], self.body.shape[0]
-        self._touch = feeling(touch, self._infants, self.body) if "touch" in first.senses else None
-        self.spaces = [space_of(infant, self._touch) for infant in self._infants]
-        self.channels: dict[str, Channel] = {
-            name: self._channel(name) for name in first.senses if name not in (VISION, "nothing")
-        }
-        self.sight = self._sight() if VISION in first.senses else None
-        if self.sight:
-            self.channels[VISION] = self.sight
-        self._columns = put(first.actuation.actuators, wp.int32)
-        self._own_columns = put(np.arange(len(first.actuation.actuators)), wp.int32)
-        delays = np.stack([delays_of(infant, MOTOR) for infant in self._infants])
+        setup = DeviceSetup(self._infants, self.body, self.model, touch)
+        self.senses = {name: self._sense(name, setup) for name in first.senses}
+        self.spaces = [space_of(infant, self.senses, body) for body, infant in enumerate(self._infants)]
+        actuators = first.actuation.actuators
+        delays = np.stack([delays_of(infant, MOTOR, len(actuators)) for infant in self._infants])
         self.commands = Line(delays, self.period, self.body)
+        self.actions = wp.zeros_like(self.commands.entering)
+        """Of the present control step, shape (worlds, n)."""
+        commands: list[Any] = [infant.actuation.command for infant in self._infants]
+        self._controls_of = commands[0] and term_of_worlds("commands", commands, self.body)
         self._motor_noise = motor_noise(self._infants, self.body, self.chance)
+        columns = np.arange(len(actuators)) if self._motor_noise else actuators
+        self._columns, self._worlds = map(put_on(self._device), (columns, np.arange(count)))
+        sampled = {int(self.period - rest) for sense in self.senses.values() for rest in sense.line.rests}
+        applied = {int(rest) for rest in self.commands.rests}
+        noisy = range(self.period) if self._motor_noise else ()
+        self._segments = tuple(pairwise(sorted({0, self.period, *sampled, *applied, *noisy})))
         spaces: dict[str, Any] = dict(self.spaces[0].items())
         self.observation = {
             name: wp.zeros((count, *space.shape), dtype=wp.uint8 if space.dtype == np.uint8 else float)
@@ -100,25 +95,21 @@ class Worlds:
         }
         self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
 
-    def _channel(self, name: str) -> Numbers:
-        """Return a sense of numbers."""
-        width = self._touch.width if self._touch and name == "touch" else 1
-        read = self._touch if name == "touch" else VectorReader(name, self._infants, self.body)
-        noise = noise_of(name, self._infants, self.body, self.chance, width)
-        return Numbers(name, self._infants, self.spaces, self.body, read, noise)
-
-    def _sight(self) -> Sight:
-        """Return the eyes of all infants."""
-        manifests, models = zip(*((each.manifest, each.model) for each in self._infants), strict=True)
-        return Sight(manifests, models, self.body.numpy(), self.body, self.model, self.period)
+    def _sense(self, name: str, setup: DeviceSetup) -> DeviceSense:
+        """Return a sense of all infants."""
+        read = reader_of(name, setup)
+        noise = noise_of(name, self._infants, self.body, self.chance)
+        return DeviceSense(name, setup, read, noise)
 
     def starts(self, pose: str | None) -> Starts:
         """Return the starts of all bodies in a pose."""
-        found = drawn(self._infants, self._most_starts, pose, self.model, self.task, self._touch)
-        if self.sight is None:
-            return found
-        seen = seen_at(found, self.sight, self.body.numpy(), self.model, self.data)
-        return replace(found, samples={**found.samples, VISION: seen})
+        touch: Any = self.senses["touch"].read if "touch" in self.senses else None
+        starts = drawn(self._infants, self._most_starts, pose, self.model, touch)
+        if VISION not in self.senses:
+            return starts
+        sight: Any = self.senses[VISION].read
+        seen = seen_at(starts, sight, self.body.numpy(), self.model, self.data)
+        return replace(starts, samples={**starts.samples, VISION: seen})
 
     def seed(self, seeds: Mapping[int, int]) -> None:
         """Give new seeds to some worlds."""
@@ -127,26 +118,31 @@ class Worlds:
 
     def begin(self, starts: Starts, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
-        starts.restore(chosen, self.model, self.data, self.memory)
-        self.commands.refill(chosen, starts.commands)
+        starts.restore(chosen, self.model, self.data, self.task.memory)
+        start, begin = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0
+        self.commands.fill(begin, wp.to_torch(starts.commands)[start])
         if self._motor_noise:
-            self._motor_noise.begin(chosen, starts.commands)
-        for channel in self.channels.values():
-            channel.refill(chosen, starts.samples)
+            self._motor_noise.begin(wp.to_torch(starts.commands)[start], begin)
+        for sense in self.senses.values():
+            sense.refill(chosen, starts.samples)
         self.ended.begin(chosen)
 
     def step(self) -> None:
-        """Make a control step of all worlds with `commands.entering`, and begin new episodes as the mode says."""
-        wp.launch(_tick, 1, [], [self.clock])
-        self.commands.send(self.clock, -1)
-        for index in range(self.period):
-            self._command(index)
-            mjw.step(self.model, self.data)
-            for channel in self.channels.values():
-                channel.sample(self.model, self.data, self.clock, self.period - 1 - index)
-        self.ended.clear()
-        self.task.judge(self.model, self.data, self._judged)
-        self.ended.judge(self.data, self.commands.entering, self._mode, self.default_starts)
+        """Make a control step of all worlds with `actions`, and begin new episodes as the mode says.
+
+        It is cut wherever commands arrive, noise is drawn or a sense is sampled. On a GPU, the physics steps between
+        two cuts are one graph; terms run between these graphs.
+        """
+        self.clock += 1
+        self._take_actions()
+        self.commands.send(self.clock)
+        for start, end in self._segments:
+            self._command(start)
+            self._physics(end - start)
+            for sense in self.senses.values():
+                sense.sample(self.model, self.data, self.clock, self.period - end)
+        judgement = self.task.judge(self._seen_by_terms, self.model, wp.to_torch(self.actions))
+        self.ended.judge(judgement, self.data, self.actions, self._mode, self.default_starts)
         if self._mode == AutoresetMode.SAME_STEP:
             self.observe()
             for name, array in self.observation.items():
@@ -183,7 +179,8 @@ class Worlds:
                 raise
             self.room.largest = self.room.present
             return False
-        self.room.present = wanted
+        self.room.present, self._seen_by_terms = wanted, device_worlds(self.data)
+        self._graphs = {}  # They have the places of the former arrays in memory.
         return True
 
     def _lack(self, count: int) -> str:
@@ -197,30 +194,46 @@ class Worlds:
 
     def observe(self) -> None:
         """Write what has arrived of all senses, and what the task adds."""
-        for channel in self.channels.values():
-            channel.arrive(self.clock, self.observation)
-        if self.task.goal:
-            self.task.observe(self.memory, self.observation[GOAL])
+        for sense in self.senses.values():
+            sense.arrive(self.clock, self.observation)
+        for name in self.task.observed:
+            wp.to_torch(self.observation[name]).copy_(self.task.memory[name])
+
+    def _take_actions(self) -> None:
+        """Let the controls that the actions mean be sent."""
+        actions = wp.to_torch(self.actions)
+        controls = self._controls_of(self._seen_by_terms, actions) if self._controls_of else actions
+        wp.to_torch(self.commands.entering).copy_(controls)
 
     def _command(self, index: int) -> None:
-        """Set the controls of a physics step."""
-        if self._is_noisy:
+        """Set the controls of the physics steps that follow."""
+        if self.chance.is_used:
             self.chance.advance()
+        controls = self._motor_noise.commanded if self._motor_noise else wp.to_torch(self.data.ctrl)
+        for rows, numbers, values in self.commands.arrive(self.clock, index):
+            controls[self._worlds[rows, None], self._columns[numbers]] = values
         if self._motor_noise:
-            self.commands.apply(self.clock, index, self._own_columns, self._motor_noise.commanded)
-            self._motor_noise(self.data.ctrl)
-        else:
-            self.commands.apply(self.clock, index, self._columns, self.data.ctrl)
+            self._motor_noise(wp.to_torch(self.data.ctrl))
+
+    def _physics(self, steps: int) -> None:
+        """Make physics steps: on a GPU as one graph, which is captured after the first ones have loaded all kernels."""
+        if self.captures and steps in self._graphs:
+            wp.capture_launch(self._graphs[steps])
+            return
+        self._physics_steps(steps)
+        if self.captures:
+            with wp.ScopedCapture(self._device) as capture:
+                self._physics_steps(steps)
+            self._graphs[steps] = capture.graph
+
+    def _physics_steps(self, count: int) -> None:
+        for _ in range(count):
+            mjw.step(self.model, self.data)
 
     def _first_room(self, given: tuple[int | None, int | None], worlds: int) -> Room:
         """Return the room for contacts and constraints, measured where nothing was said."""
-        poses, pairs = [each.manifest.pose for each in self._infants], self.model.nxn_geom_pair_filtered.numpy()
-        needed = measured([each.model for each in self._infants], poses, pairs)
+        poses, pairs = [infant.manifest.pose for infant in self._infants], self.model.nxn_geom_pair_filtered.numpy()
+        needed = measured([infant.model for infant in self._infants], poses, pairs)
         usual, largest = needed.times(SPARE_CONTACTS, SPARE_CONSTRAINTS), needed.times(LARGEST, LARGEST)
         present = Capacity(given[0] or usual.contacts, given[1] or usual.constraints)
         return Room(present, largest, worlds)
-
-
-@wp.kernel(enable_backward=False)
-def _tick(clock: wp.array[int]):
-    clock[0] = clock[0] + 1

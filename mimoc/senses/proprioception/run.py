@@ -1,8 +1,8 @@
 """Proprioception: the angles and velocities of the joints, their torques and limits, and the state of the actuators."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -11,8 +11,11 @@ from mimoc.actuation.binding import bind_actuation
 from mimoc.actuation.commands import all_commanded
 from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
+from mimoc.runtime.term import Concatenated, Field, Term
+from mimoc.runtime.worlds import Worlds
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
-from mimoc.senses.sense import FloatArray, IntArray, Sample, Vector
+from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.senses.term_sense import TermSense
 
 LIMIT_MARGIN_RAD = 0.035
 """Distance from its limit at which a joint begins to sense it (MIMo v2)."""
@@ -26,134 +29,105 @@ ANGLE_UNIT, VELOCITY_UNIT = "rad", "rad/s"
 
 
 @dataclass(frozen=True)
-class Component:
-    """One of the quantities that are sensed, for every joint, sensor or actuator."""
+class Limits(Term):
+    """How far each joint is in the margin before a limit: 0 until there, 1 at the limit, above 1 beyond, shape (k, n).
 
-    read: Callable[..., FloatArray]
-    """Returns it from data and the constants; each may have a leading axis of infants."""
+    With the angle q, the middle m of the joint's range and the reach r from there to a margin: max(|q - m| - r, 0) in
+    margins.
+    """
+
     addresses: IntArray
-    """Where `read` looks; infants for whom this is the same can be read at once."""
-    high: FloatArray
-    """Largest value, shape (n,); the least is its negative."""
+    """Of the joints in `qpos`, shape (n,)."""
+    middle_rad: FloatArray
+    reach_rad: FloatArray
+
+    def __call__(self, worlds: Worlds) -> Any:
+        """Return the proximity of the limits now."""
+        xp = worlds.xp
+        beyond = xp.abs(xp.take(worlds.qpos, self.addresses, axis=1) - self.middle_rad) - self.reach_rad
+        return xp.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
+
+
+@dataclass(frozen=True)
+class ActuatorTorques(Term):
+    """The torque of each actuator about its joint, shape (k, n), in [N m]."""
+
+    actuators: IntArray
+    gears: FloatArray
+
+    def __call__(self, worlds: Worlds) -> Any:
+        """Return the torques of the last physics step."""
+        return worlds.xp.take(worlds.actuator_force, self.actuators, axis=1) * self.gears
+
+
+class Component(NamedTuple):
+    """One of the quantities that are sensed, for each of n joints, sensor axes or actuators."""
+
+    term: Term
+    high: float
+    """Largest value; the least is its negative."""
     layout: tuple[str, ...]
     bodies: IntArray
     """The body in which each number is measured, shape (n,)."""
-    constants: tuple[FloatArray, ...] = ()
-    """What `read` needs of this infant, each of shape (m,)."""
 
 
-class Proprioception(Vector):
-    """Joint angles, then the other components in their order, shape (n,)."""
-
-    def __init__(self, components: Sequence[Component]):
-        """Join some components."""
-        layout = [name for component in components for name in component.layout]
-        high = np.concatenate([component.high for component in components])
-        bodies = np.concatenate([component.bodies for component in components])
-        super().__init__("proprioception", layout, -high, high, bodies)
-        self.components = tuple(components)
-        self.expression = tuple(tuple(component.addresses.tolist()) for component in components)
-        self.constants = tuple(each for component in components for each in component.constants)
-        ends = np.cumsum([len(component.constants) for component in components]).tolist()
-        self._reads = [
-            (component.read, slice(end - len(component.constants), end))
-            for component, end in zip(components, ends, strict=True)
-        ]
-
-    def __call__(self, data: mujoco.MjData) -> Sample:
-        """Return all components."""
-        return self.measure(data, *self.constants)
-
-    def measure(self, data: Any, *constants: FloatArray) -> Sample:
-        """Return all components of an infant, or of many."""
-        return np.concatenate([read(data, *constants[own]) for read, own in self._reads], -1)
-
-
-def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> Proprioception:
+def bind(entry: ProprioceptionEntry, model: mujoco.MjModel, bundle: Bundle) -> TermSense:
     """Find the joints, sensors and actuators of *entry* in *model*."""
-    actuation = bundle.manifest.actuation
-    included = [COMPONENTS[name](entry, actuation, model) for name in entry.include]
-    return Proprioception([_angles(entry, model), *included])
+    included = [COMPONENTS[name](entry, bundle.manifest.actuation, model) for name in entry.include]
+    components = [_angles(entry, model), *(component for components in included for component in components)]
+    high = np.repeat([component.high for component in components], [len(part.layout) for part in components])
+    return TermSense(
+        "proprioception",
+        Concatenated(tuple(component.term for component in components)),
+        [name for component in components for name in component.layout],
+        -high,
+        high,
+        np.concatenate([component.bodies for component in components]),
+    )
 
 
 def _angles(entry: ProprioceptionEntry, model: mujoco.MjModel) -> Component:
     joints = _ids(model, entry.joints)
-    addresses = model.jnt_qposadr[joints]
-    return Component(
-        lambda data: data.qpos.take(addresses, -1),
-        addresses,
-        np.full(len(addresses), 4 * np.pi),
-        _names(entry.joints, "angle", ANGLE_UNIT),
-        model.jnt_bodyid[joints],
-    )
+    term = Field("qpos", model.jnt_qposadr[joints].astype(np.intp))
+    return Component(term, 4 * np.pi, _names(entry.joints, "angle", ANGLE_UNIT), model.jnt_bodyid[joints])
 
 
-def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
+def _velocities(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
     joints = _ids(model, entry.joints)
-    addresses = model.jnt_dofadr[joints]
-    return Component(
-        lambda data: data.qvel.take(addresses, -1),
-        addresses,
-        np.full(len(addresses), MAX_SPEED_RAD_S),
-        _names(entry.joints, "velocity", VELOCITY_UNIT),
-        model.jnt_bodyid[joints],
-    )
+    term = Field("qvel", model.jnt_dofadr[joints].astype(np.intp))
+    layout = _names(entry.joints, "velocity", VELOCITY_UNIT)
+    return [Component(term, MAX_SPEED_RAD_S, layout, model.jnt_bodyid[joints])]
 
 
-def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
-    addresses = np.concatenate([model.sensor(name).adr[0] + np.arange(3) for name in entry.torque_sensors])
-    sensors = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
-    return Component(
-        lambda data: data.sensordata.take(addresses, -1),
-        addresses,
-        np.full(len(addresses), MAX_TORQUE_NM),
-        _names(sensors, "torque", "N m"),
-        np.repeat(model.site_bodyid[[model.sensor(name).objid[0] for name in entry.torque_sensors]], 3),
-    )
+def _torques(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
+    sensors = [model.sensor(name) for name in entry.torque_sensors]
+    addresses = np.concatenate([sensor.adr[0] + np.arange(3) for sensor in sensors])
+    axes = tuple(f"{name}.{axis}" for name in entry.torque_sensors for axis in "xyz")
+    bodies = np.repeat(model.site_bodyid[[sensor.objid[0] for sensor in sensors]], 3)
+    return [Component(Field("sensordata", addresses), MAX_TORQUE_NM, _names(axes, "torque", "N m"), bodies)]
 
 
-def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
+def _limits(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
     joints = _ids(model, entry.joints)
-    addresses = model.jnt_qposadr[joints]
     low, high = model.jnt_range[joints].T
-    middle, reach = (low + high) / 2, (high - low) / 2 - LIMIT_MARGIN_RAD
-
-    def read(data: Any, middle: FloatArray, reach: FloatArray) -> FloatArray:
-        """Return 0 until the margin, 1 at the limit, above 1 beyond."""
-        beyond = np.abs(data.qpos.take(addresses, -1) - middle) - reach
-        return np.maximum(beyond, 0.0) / LIMIT_MARGIN_RAD
-
-    return Component(
-        read,
-        addresses,
-        np.full(len(addresses), MAX_LIMIT),
-        _names(entry.joints, "limit", "1 at the limit"),
-        model.jnt_bodyid[joints],
-        (middle, reach),
-    )
+    reach_rad = (high - low) / 2 - LIMIT_MARGIN_RAD
+    term = Limits(model.jnt_qposadr[joints].astype(np.intp), (low + high) / 2, reach_rad)
+    return [Component(term, MAX_LIMIT, _names(entry.joints, "limit", "1 at the limit"), model.jnt_bodyid[joints])]
 
 
-def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> Component:
+def _actuation(entry: ProprioceptionEntry, actuation: ActuationEntry, model: mujoco.MjModel) -> list[Component]:
+    """Return what drives each actuator, and the torque that it makes of that."""
     bound = bind_actuation(all_commanded(actuation), model)
     names = tuple(actuator.name for actuator in actuation.actuators)
-    ids = bound.actuators
-    gears = model.actuator_gear[ids, 0].copy()
-
-    def read(data: Any, gears: FloatArray) -> FloatArray:
-        """Return what drives each actuator, then the torque that it makes of that."""
-        return np.concatenate([bound.drive(data), data.actuator_force.take(ids, -1) * gears], -1)
-
-    return Component(
-        read,
-        ids,
-        np.repeat([1.0, MAX_TORQUE_NM], len(ids)),
-        _names(names, bound.drive_name, "1") + _names(names, "torque", "N m"),
-        np.tile(model.jnt_bodyid[model.actuator_trnid[ids, 0]], 2),
-        (gears,),
-    )
+    bodies = model.jnt_bodyid[model.actuator_trnid[bound.actuators, 0]]
+    torques = ActuatorTorques(bound.actuators, model.actuator_gear[bound.actuators, 0])
+    return [
+        Component(bound.drive, 1.0, _names(names, bound.drive_name, "1"), bodies),
+        Component(torques, MAX_TORQUE_NM, _names(names, "torque", "N m"), bodies),
+    ]
 
 
-COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], Component]] = {
+COMPONENTS: Mapping[str, Callable[[ProprioceptionEntry, ActuationEntry, mujoco.MjModel], list[Component]]] = {
     "velocity": _velocities,
     "torque": _torques,
     "limits": _limits,

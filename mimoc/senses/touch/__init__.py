@@ -11,6 +11,7 @@ KIND = SenseKind(
     build="mimoc.senses.touch.build",
     run="mimoc.senses.touch.run",
     many="mimoc.senses.touch.many",
+    device="mimoc.runtime.warp.touch",
     physiological_delay=AgeTable(AGES_MONTHS, (40, 35, 25, 20, 20, 20), (40, 40, 35, 35, 30, 30)),
     noise=NoiseOption(
         unit="n",

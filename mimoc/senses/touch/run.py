@@ -88,13 +88,14 @@ class Touch(Sense):
 
     def observe(self, sample: Sample) -> Observation:
         """Return the sample within its bounds."""
-        observed = sample.astype(np.float32)
-        self.limit(observed)
-        return {"touch": observed}
+        observation = {"touch": np.empty(sample.shape, np.float32)}
+        self.write(sample, observation)
+        return observation
 
-    def limit(self, observed: npt.NDArray[np.float32]) -> None:
-        """Put an observation, shape (n,), within its bounds, in place."""
-        low_n = self.quantity.low_n
+    def write(self, sample: Sample, observation: Observation) -> None:
+        """Write the sample within its bounds, which it seldom reaches."""
+        observed, low_n = observation["touch"], self.quantity.low_n
+        observed[:] = sample
         if np.maximum.reduce(observed) > MAX_FORCE_N or np.minimum.reduce(observed) < low_n:
             np.clip(observed, low_n, MAX_FORCE_N, out=observed)
 

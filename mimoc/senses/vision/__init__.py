@@ -10,7 +10,7 @@ KIND = SenseKind(
     entry=VisionEntry,
     build="mimoc.senses.vision.build",
     run="mimoc.senses.vision.run",
-    many="mimoc.senses.vision.many",
+    device="mimoc.runtime.warp.vision.sight",
     organs=("left_eye", "right_eye"),
     physiological_delay=AgeTable(AGES_MONTHS, (245, 205, 115, 105, 105, 105)),
 )

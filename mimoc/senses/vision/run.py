@@ -40,6 +40,11 @@ class Vision(Sense):
         """What the axes of each picture are, rows from the top; one entry for each eye."""
         return tuple(f"{name} row, column, red green blue [0-255]" for name in self._entry.cameras)
 
+    @property
+    def reads_in_threads(self) -> bool:
+        """Whether each thread draws with an OpenGL context of its own."""
+        return self.eyes.shares
+
     def __call__(self, data: mujoco.MjData) -> Sample:
         """Return the pictures of now."""
         return perceive(self.eyes(data), self.filters)

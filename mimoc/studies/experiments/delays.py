@@ -20,7 +20,7 @@ from mimoc.studies.experiments.infant_reaches import DELAYS, reach_at_ages, writ
 from mimoc.studies.experiments.infant_reaches_page import infant_sections
 from mimoc.studies.experiments.learner import Learner, binned_times_s, detour, smoothness
 from mimoc.studies.experiments.notebook import Notebook
-from mimoc.tasks.reach.spec import ReachEntry
+from mimoc.tasks.reach import ReachEntry
 from mimoc.training import evaluate, load_policy, train
 
 DELAYS_MS: Sequence[float] = (0, 50, 200)

@@ -7,7 +7,7 @@ from mimoc.body.kinematics import Posed, frames, frames_in_world, pose
 from mimoc.body.poses import Pose, resting_state
 from mimoc.geometry.rotations import Vec3
 from mimoc.tasks.ball import BALL, RADIUS_M, ball
-from mimoc.tasks.catch.spec import CatchEntry, CatchSpec
+from mimoc.tasks.catch import CatchEntry, CatchSpec
 from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
 
 STEPS = 800

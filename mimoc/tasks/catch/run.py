@@ -1,33 +1,88 @@
 """Catching: hold a ball that falls on the open hand."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 
+from mimoc.actuation.binding import bind_actuation
 from mimoc.bundle.io import Bundle
 from mimoc.model_fields import ModelField
+from mimoc.runtime.term import Term
+from mimoc.runtime.worlds import Worlds
 from mimoc.senses.sense import FloatArray, IntArray
+from mimoc.tasks.catch import CatchEntry
 from mimoc.tasks.catch.resizable_ball import ResizableBall
-from mimoc.tasks.catch.spec import CatchEntry
-from mimoc.tasks.task import Task, Verdict
+from mimoc.tasks.task import Judgement, Task
 
-HAND, BALL = 1, 2
-"""What geoms belong to; both together, and nothing else, make the sum of a touch."""
+NEITHER, HAND, BALL = -1, 0, 1
+"""What geoms belong to."""
+
+
+@dataclass(frozen=True)
+class Catch(Term):
+    """Contact of hand and ball is rewarded, effort costs, and the episode ends with the ball held or lost.
+
+    The ball is lost when it is well below the palm, or well to its side.
+    """
+
+    palm: int
+    ball: int
+    part_of_geom: IntArray
+    """`HAND`, `BALL` or `NEITHER`, shape (ngeom,)."""
+    palm_m: FloatArray
+    """The point that the ball falls onto, in the frame of the palm's body, shape (3,)."""
+    lost_m: float
+    held_steps: int
+    contact_reward: float
+    effort_weight: float
+    success_reward: float
+    effort: Term
+
+    def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
+        """Return the judgement of k infants that have `held` the ball for some steps."""
+        xp = worlds.xp
+        is_touching = worlds.pressing(self.part_of_geom)[:, HAND, BALL]
+        held = xp.where(is_touching, memory["held"] + 1, 0)
+        offset_m = worlds.xpos[:, self.ball, :] - self.palm_place_m(worlds)
+        is_away = (offset_m[:, 2] < -self.lost_m) | (xp.hypot(offset_m[:, 0], offset_m[:, 1]) > self.lost_m)
+        is_caught = held >= self.held_steps
+        is_lost = is_away & ~is_caught
+        terms = {
+            "contact": xp.where(is_touching, self.contact_reward, 0.0),
+            "effort": -self.effort_weight * self.effort(worlds),
+            "catch": xp.where(is_caught, self.success_reward, 0.0),
+            "loss": xp.where(is_lost, -self.success_reward, 0.0),
+        }
+        return Judgement(terms, success=is_caught, terminated=is_caught | is_lost, memory={"held": held})
+
+    def palm_place_m(self, worlds: Worlds) -> Any:
+        """Return where the palms are in the world, shape (k, 3), [m]."""
+        turned_m = worlds.xp.sum(worlds.xmat[:, self.palm, :, :] * self.palm_m[:, None, :], axis=-1)
+        return worlds.xpos[:, self.palm, :] + turned_m
 
 
 class CatchTask(Task):
-    """A ball over the palm; contact is rewarded, effort costs, and the episode ends with the ball held or lost."""
+    """A ball over the palm, of another size and mass in each episode."""
 
-    def __init__(self, entry: CatchEntry, model: mujoco.MjModel):
+    def __init__(self, entry: CatchEntry, model: mujoco.MjModel, effort: Term):
         """Find everything that *entry* names in *model*, whose ball it changes."""
-        super().__init__(entry.steps)
-        self._entry, self._model = entry, model
-        self._palm, self._palm_m = model.body(entry.palm).id, np.array(entry.palm_m)
-        self._ball = ResizableBall(entry.ball, model)
-        self._owners = owners_of_geoms(entry, model)
-        self._held = 0
+        self._entry, self._model, self._ball = entry, model, ResizableBall(entry.ball, model)
+        term = Catch(
+            palm=model.body(entry.palm).id,
+            ball=self._ball.body,
+            part_of_geom=parts_of_geoms(entry, model),
+            palm_m=np.array(entry.palm_m),
+            lost_m=entry.lost_m,
+            held_steps=entry.held_steps,
+            contact_reward=entry.contact_reward,
+            effort_weight=entry.effort_weight,
+            success_reward=entry.success_reward,
+            effort=effort,
+        )
+        super().__init__(entry.steps, term, {"held": 0})
 
     @property
     def model_fields(self) -> Sequence[ModelField]:
@@ -39,58 +94,20 @@ class CatchTask(Task):
         entry, ball = self._entry, self._ball
         radius_m, mass_kg, drop_m = (generator.uniform(*ends) for ends in (entry.radius_m, entry.mass_kg, entry.drop_m))
         ball.change(radius_m, mass_kg)
-        x, y, z = self._palm_place(data)
-        data.qpos[ball.place] = x, y, z + drop_m + radius_m
-        self._held = 0
+        term, worlds = self.term_of_one(data)
+        data.qpos[ball.place] = term.palm_place_m(worlds)[0] + (0.0, 0.0, drop_m + radius_m)
+        self.remember(held=0)
         mujoco.mj_forward(self._model, data)
 
-    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
-        """Return what contact earns and effort costs, and what holding or losing the ball does, which ends it."""
-        entry = self._entry
-        touching = self._touching(data)
-        self._held = self._held + 1 if touching else 0
-        caught = self._held >= entry.held_steps
-        lost = not caught and self._lost(data)
-        terms = {
-            "contact": entry.contact_reward if touching else 0.0,
-            "effort": -entry.effort_weight * effort(),
-            "catch": entry.success_reward if caught else 0.0,
-            "loss": -entry.success_reward if lost else 0.0,
-        }
-        return Verdict(terms, success=caught, terminated=caught or lost)
 
-    @property
-    def state(self) -> dict[str, Any]:
-        """For how many steps the ball has been held."""
-        return {"held": self._held}
-
-    @state.setter
-    def state(self, state: dict[str, Any]) -> None:
-        self._held = state["held"]
-
-    def _palm_place(self, data: mujoco.MjData) -> FloatArray:
-        """Return where the palm is in the world, shape (3,), [m]."""
-        return data.xpos[self._palm] + data.xmat[self._palm].reshape(3, 3) @ self._palm_m
-
-    def _touching(self, data: mujoco.MjData) -> bool:
-        """Return whether the hand presses on the ball; contacts without a force are near misses."""
-        contact = data.contact
-        touches = self._owners.take(contact.geom).sum(axis=1) == HAND + BALL
-        return bool((contact.efc_address[touches] >= 0).any())
-
-    def _lost(self, data: mujoco.MjData) -> bool:
-        """Return whether the ball is well below the palm, or well to its side."""
-        x, y, z = data.xpos[self._ball.body] - self._palm_place(data)
-        return bool(z < -self._entry.lost_m or np.hypot(x, y) > self._entry.lost_m)
-
-
-def owners_of_geoms(entry: CatchEntry, model: mujoco.MjModel) -> IntArray:
-    """Return for each geom whether it belongs to the hand, is the ball, or neither (0), shape (ngeom,)."""
-    owners = HAND * np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand]).astype(np.intp)
-    owners[model.geom(entry.ball.geom).id] = BALL
-    return owners
+def parts_of_geoms(entry: CatchEntry, model: mujoco.MjModel) -> IntArray:
+    """Return for each geom whether it belongs to the hand, is the ball, or neither, shape (ngeom,)."""
+    is_hand = np.isin(model.geom_bodyid, [model.body(name).id for name in entry.hand])
+    parts = np.where(is_hand, HAND, NEITHER)
+    parts[model.geom(entry.ball.geom).id] = BALL
+    return parts
 
 
 def bind(entry: CatchEntry, model: mujoco.MjModel, bundle: Bundle) -> CatchTask:
     """Find what *entry* names in *model*."""
-    return CatchTask(entry, model)
+    return CatchTask(entry, model, bind_actuation(bundle.manifest.actuation, model).effort)

@@ -1,7 +1,27 @@
 """No goal: the reward is zero, and episodes do not end."""
 
+from typing import Literal
+
 from mimoc.kinds import TaskKind
-from mimoc.tasks.free.spec import FreeEntry, FreeSpec
+from mimoc.schema.entries import Steps
+from mimoc.tasks.base import TaskEntry, TaskSpec
+
+
+class FreeSpec(TaskSpec):
+    """No goal: the reward is zero, and episodes do not end."""
+
+    kind: Literal["free"]
+    """Name of the task."""
+
+
+class FreeEntry(TaskEntry):
+    """No goal: the reward is zero, and episodes do not end."""
+
+    kind: Literal["free"] = "free"
+    """Name of the task."""
+    steps: Steps | None = None
+    """Control steps after which an episode is truncated; None for never."""
+
 
 KIND = TaskKind(
     name="free",

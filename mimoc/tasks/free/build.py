@@ -1,7 +1,7 @@
 """No goal."""
 
 from mimoc.body import BodyTree
-from mimoc.tasks.free.spec import FreeEntry, FreeSpec
+from mimoc.tasks.free import FreeEntry, FreeSpec
 from mimoc.tasks.setup import TaskSetup
 
 

@@ -1,9 +1,9 @@
-"""No goal: an infant that may do as it likes."""
+"""No goal."""
 
 import mujoco
 
 from mimoc.bundle.io import Bundle
-from mimoc.tasks.free.spec import FreeEntry
+from mimoc.tasks.free import FreeEntry
 from mimoc.tasks.task import Task
 
 

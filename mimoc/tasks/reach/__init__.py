@@ -1,7 +1,47 @@
 """Touch a ball that hangs within reach."""
 
+from typing import Literal
+
 from mimoc.kinds import TaskKind
-from mimoc.tasks.reach.spec import ReachEntry, ReachSpec
+from mimoc.schema.entries import Amount, Body, Lengths, Number, Numbers
+from mimoc.tasks.base import BallEntry, GazeEntry, TaskEntry, TaskSpec
+
+
+class ReachSpec(TaskSpec):
+    """Touch a ball that hangs within reach."""
+
+    kind: Literal["reach"]
+    """Name of the task."""
+    hand: Literal["right", "left"] | None = None
+    """The hand that reaches; by default, the right one."""
+
+
+class ReachEntry(TaskEntry):
+    """Touch a ball that hangs in front of the infant."""
+
+    kind: Literal["reach"] = "reach"
+    """Name of the task."""
+    effector: Body
+    """The body whose distance to the ball is rewarded."""
+    shoulder: Body
+    """The body at the origin of the ball's spherical coordinates."""
+    trunk: Body
+    """The body whose x axis is forward and whose z axis is up."""
+    ball: BallEntry
+    """The ball."""
+    distance_m: Lengths
+    """Range of the distance from the shoulder to the ball."""
+    azimuth_rad: Numbers
+    """Range of the ball's azimuth; left of forward is positive."""
+    elevation_rad: Numbers
+    """Range of the ball's elevation; above forward is positive."""
+    moved_m: Amount = 0.01
+    """Distance that the ball must be moved for a touch to count (MIMo)."""
+    success_reward: Number = 100.0
+    """Reward for touching the ball (MIMo)."""
+    gaze: tuple[GazeEntry, ...]
+    """Joints that keep the head and the eyes on the ball, in the order in which they turn."""
+
 
 KIND = TaskKind(
     name="reach",

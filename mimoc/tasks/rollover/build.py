@@ -1,7 +1,7 @@
 """The setup of turning over: an infant lies as its scene says."""
 
 from mimoc.body import BodyTree
-from mimoc.tasks.rollover.spec import RolloverEntry, RolloverSpec
+from mimoc.tasks.rollover import RolloverEntry, RolloverSpec
 from mimoc.tasks.setup import TaskSetup
 
 STEPS = 500

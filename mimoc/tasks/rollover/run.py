@@ -1,6 +1,7 @@
 """Turning over: from the back to the belly, or from the belly to the back."""
 
-from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
 from typing import Any
 
 import mujoco
@@ -9,13 +10,16 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import check_contacts
-from mimoc.tasks.rollover.spec import RolloverEntry
-from mimoc.tasks.task import SquaredCommands, Task, Verdict
+from mimoc.runtime.term import Term
+from mimoc.runtime.worlds import Worlds
+from mimoc.tasks.rollover import RolloverEntry
+from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 from mimoc.units import to_steps
 
 
-class RolloverTask(Task):
-    """An infant that lies; how far it has turned is the angle between the front of its hip and where that looked.
+@dataclass(frozen=True)
+class Rollover(Term):
+    """How far an infant has turned is the angle between the front of its hip and where that looked at the start.
 
     That is MIMo's pitch of the hip, -90° on the back and 90° on the belly, as a share of the way from the one to the
     other: 0 is flat on the side that the infant starts on, 1 flat on the other, 0.5 on the flank, on all fours or
@@ -27,15 +31,43 @@ class RolloverTask(Task):
     as an episode that has ended has no potential (Grzes 2017).
     """
 
+    hip: int
+    is_dense: bool
+    goal: float
+    effort_weight: float
+    success_reward: float
+    discount: float
+    cost: SquaredCommands
+
+    def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
+        """Return the judgement of k infants, which started on their backs or not, and had turned some way before."""
+        xp, pronation = worlds.xp, self.pronation(worlds)
+        turned = xp.where(memory["starts_on_back"], pronation, 1.0 - pronation)
+        success, remembered = turned >= self.goal, {"turned": turned}
+        if self.is_dense:
+            effort = -self.effort_weight * self.cost(worlds, action)
+            return Judgement({"turn": turned, "effort": effort}, success, memory=remembered)
+        after = xp.where(success, 0.0, self.discount * turned)
+        reward = xp.where(success, self.success_reward, 0.0)
+        return Judgement({"shaping": after - memory["turned"], "success": reward}, success, success, remembered)
+
+    def pronation(self, worlds: Worlds) -> Any:
+        """Return how far each hip is turned on its belly, shape (k,): 0 is on its back, 1 on its belly."""
+        front, xp = worlds.xmat[:, self.hip, :, 0], worlds.xp
+        return xp.atan2(xp.hypot(front[:, 0], front[:, 1]), front[:, 2]) / pi
+
+
+class RolloverTask(Task):
+    """An infant that lies on its back or on its belly, and comes to rest before an episode begins."""
+
     def __init__(self, entry: RolloverEntry, manifest: Manifest, model: mujoco.MjModel):
         """Find everything that *entry* names in *model*."""
-        super().__init__(entry.steps)
-        self._entry, self._model = entry, model
-        self._hip = model.body(entry.hip).id
+        amounts = entry.goal, entry.effort_weight, entry.success_reward, entry.discount
+        cost = squared_commands(manifest.actuation)
+        term = Rollover(model.body(entry.hip).id, entry.reward == "dense", *amounts, cost)
+        super().__init__(entry.steps, term, {"starts_on_back": True, "turned": 0.0})
+        self._model = model
         self._settling = entry.settle_steps, to_steps(manifest.step_ms, manifest.timestep_ms)
-        self._cost = SquaredCommands(manifest.actuation)
-        self._starts_on_back = True
-        self._turned = 0.0
 
     def start(self, data: mujoco.MjData, generator: np.random.Generator) -> None:
         """Let the infant come to rest, and see which side it is on."""
@@ -45,38 +77,10 @@ class RolloverTask(Task):
             check_contacts(data)
         data.time = 0.0
         mujoco.mj_forward(self._model, data)
-        self._starts_on_back = self._pronation(data) < 0.5
-        self._turned = self._share(data)
-
-    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
-        """Return what the turn earns."""
-        before, self._turned = self._turned, self._share(data)
-        success = self._turned >= self._entry.goal
-        if self._entry.reward == "dense":
-            cost = self._entry.effort_weight * self._cost(action)
-            return Verdict({"turn": self._turned, "effort": -cost}, success=success)
-        after = 0.0 if success else self._entry.discount * self._turned
-        terms = {"shaping": after - before, "success": self._entry.success_reward if success else 0.0}
-        return Verdict(terms, success=success, terminated=success)
-
-    @property
-    def state(self) -> dict[str, Any]:
-        """Which side it started on, and how far it has turned."""
-        return {"starts_on_back": self._starts_on_back, "turned": self._turned}
-
-    @state.setter
-    def state(self, state: dict[str, Any]) -> None:
-        self._starts_on_back, self._turned = state["starts_on_back"], state["turned"]
-
-    def _share(self, data: mujoco.MjData) -> float:
-        """Return how far the infant has turned, from 0 to 1."""
-        pronation = self._pronation(data)
-        return pronation if self._starts_on_back else 1.0 - pronation
-
-    def _pronation(self, data: mujoco.MjData) -> float:
-        """Return how far the hip is on its belly: 0 is on its back, 1 on its belly."""
-        x, y, z = data.xmat[self._hip, ::3]  # Where its front looks.
-        return float(np.arctan2(np.hypot(x, y), z) / np.pi)
+        term, worlds = self.term_of_one(data)
+        pronation = term.pronation(worlds)[0]
+        starts_on_back = pronation < 0.5
+        self.remember(starts_on_back=starts_on_back, turned=pronation if starts_on_back else 1.0 - pronation)
 
 
 def bind(entry: RolloverEntry, model: mujoco.MjModel, bundle: Bundle) -> RolloverTask:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from mimoc.body import BodyTree
 from mimoc.body.poses import Pose, resting_state
 from mimoc.schema.names import SIDES
-from mimoc.tasks.selfbody.spec import SelfbodyEntry, SelfbodySpec, TargetEntry
+from mimoc.tasks.selfbody import SelfbodyEntry, SelfbodySpec, TargetEntry
 from mimoc.tasks.setup import Side, TaskSetup, bodies_of, middle_finger, one_armed, require
 
 STEPS = 500
@@ -62,9 +62,9 @@ def _targets(tree: BodyTree, other: Side) -> Iterator[TargetEntry]:
     """Yield what can be touched: head, trunk, both legs and the other arm, as far as they are there."""
     legs = {f"{side}_{part}": _leg(tree, side, part) for part in ("upper_leg", "lower_leg", "foot") for side in SIDES}
     arm = {f"{other}_{part}": (f"{other}_{part}",) for part in ("upper_arm", "lower_arm")}
-    here = {body.name for body in tree.bodies}
+    names = {body.name for body in tree.bodies}
     for name, bodies in {**TRUNK, **legs, **arm, f"{other}_hand": bodies_of(tree, f"{other}_hand")}.items():
-        present = tuple(body for body in bodies if body in here)
+        present = tuple(body for body in bodies if body in names)
         if present:
             yield TargetEntry(name=name, bodies=present)
 

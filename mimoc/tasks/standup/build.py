@@ -16,9 +16,9 @@ from mimoc.geometry.rotations import Vec3, matrix_from_axis
 from mimoc.geometry.solvers import root
 from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
+from mimoc.tasks.standup import StandupEntry, StandupSpec
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
 from mimoc.tasks.standup.rail import Rail, half_span
-from mimoc.tasks.standup.spec import StandupEntry, StandupSpec
 from mimoc.units import cm_to_m, deg_to_rad
 
 STEPS = 500
@@ -185,28 +185,28 @@ def _rail_x(tree: BodyTree, seat: Seat, grips: Mapping[Side, Vec3]) -> float:
     Raises:
         UnsupportedTaskError: If it is too high up for the arms.
     """
-    here, straight = frames(tree, seat.angles_rad), frames(tree, {})
-    found = []
+    seated, straight = frames(tree, seat.angles_rad), frames(tree, {})
+    distances_m = []
     for side in SIDES:
         origin, turn = straight[f"{side}_hand"]
         arm_m = float(np.linalg.norm(origin + turn @ grips[side] - straight[f"{side}_upper_arm"][0]))
-        x_m, _, z_m = seat.in_world(here[f"{side}_upper_arm"][0]).tolist()
+        x_m, _, z_m = seat.in_world(seated[f"{side}_upper_arm"][0]).tolist()
         above_m = rail_height(tree) - z_m
         if STRETCHED * arm_m <= above_m:
             raise UnsupportedTaskError(
                 "task 'standup' starts with the hands at a rail; this infant's arms are too short"
             )
-        found.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
-    return min(found)
+        distances_m.append(x_m + math.sqrt((STRETCHED * arm_m) ** 2 - above_m**2))
+    return min(distances_m)
 
 
 def _start(tree: BodyTree, seat: Seat, rail: Rail, grips: Mapping[Side, Vec3]) -> tuple[float, ...]:
     """Return the infant on its seat, its hands at the rail, as qpos."""
     angles = dict(seat.angles_rad)
-    here = frames(tree, angles)
+    seated = frames(tree, angles)
     for side in SIDES:
         along = (0.0, 1.0 if side == "right" else -1.0, 0.0)  # The thumbs are on the inside.
-        shoulder_y_m = float(here[f"{side}_upper_arm"][0][1])
+        shoulder_y_m = float(seated[f"{side}_upper_arm"][0][1])
         place_m = seat.in_hip(np.array([rail.x_m, shoulder_y_m, rail.height_m]))
         angles |= arm_to_bar(tree, seat.angles_rad, side, grips[side], place_m, np.array(along))
     hinges = (angles.get(joint, 0.0) for joint in tree.joints)

@@ -95,10 +95,10 @@ def arm_to_bar(
         origin, turn = placed[f"{side}_hand"]
         return np.concatenate([origin + turn @ point_m - place_m, TURN_M * (turn[:, 0] - along)])
 
-    found = _search(misses, wanted, low, high)
-    if np.abs(misses(found)).max() > CLEAR_M:
+    nearest = _search(misses, wanted, low, high)
+    if np.abs(misses(nearest)).max() > CLEAR_M:
         raise UnsupportedTaskError(f"task 'standup' starts with the hands at a rail; the {side} hand does not reach it")
-    return dict(zip(names, np.round(found, 6).tolist(), strict=True))
+    return dict(zip(names, np.round(nearest, 6).tolist(), strict=True))
 
 
 def _search(

@@ -1,33 +1,39 @@
 """Standing up: get the head up high while holding on to a rail."""
 
-from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import mujoco
-import numpy as np
 
-from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
-from mimoc.tasks.standup.spec import StandupEntry
-from mimoc.tasks.task import SquaredCommands, Task, Verdict
+from mimoc.runtime.term import Term
+from mimoc.runtime.worlds import Worlds
+from mimoc.tasks.standup import StandupEntry
+from mimoc.tasks.task import Judgement, SquaredCommands, Task, squared_commands
 
 
-class StandupTask(Task):
-    """An infant at a rail; the reward is the more, the higher its head is and the less it commands."""
+@dataclass(frozen=True)
+class Standup(Term):
+    """The reward is the height of the head above a base, less what the commands cost.
 
-    def __init__(self, entry: StandupEntry, actuation: ActuationEntry, model: mujoco.MjModel):
-        """Find the head in *model*."""
-        super().__init__(entry.steps)
-        self._entry = entry
-        self._cost = SquaredCommands(actuation)
-        self._head = model.body(entry.head).id
+    An infant that stands may go on.
+    """
 
-    def judge(self, data: mujoco.MjData, action: np.ndarray, effort: Callable[[], float]) -> Verdict:
-        """Return what the head's height earns and the commands cost; an infant that stands may go on."""
-        entry, height_m = self._entry, float(data.xpos[self._head, 2])
-        terms = {"height": height_m - entry.base_m, "effort": -entry.effort_weight * self._cost(action)}
-        return Verdict(terms, success=height_m >= entry.success_m)
+    head: int
+    base_m: float
+    success_m: float
+    effort_weight: float
+    cost: SquaredCommands
+
+    def __call__(self, worlds: Worlds, action: Any, memory: Any) -> Judgement:
+        """Return the judgement of k infants."""
+        height_m = worlds.xpos[:, self.head, 2]
+        terms = {"height": height_m - self.base_m, "effort": -self.effort_weight * self.cost(worlds, action)}
+        return Judgement(terms, success=height_m >= self.success_m)
 
 
-def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> StandupTask:
+def bind(entry: StandupEntry, model: mujoco.MjModel, bundle: Bundle) -> Task:
     """Find what *entry* names in *model*."""
-    return StandupTask(entry, bundle.manifest.actuation, model)
+    cost = squared_commands(bundle.manifest.actuation)
+    head = model.body(entry.head).id
+    return Task(entry.steps, Standup(head, entry.base_m, entry.success_m, entry.effort_weight, cost))

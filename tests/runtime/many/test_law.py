@@ -95,6 +95,13 @@ def test_scenes_and_strengths_may_differ():
     live_alike([*scenes, *strong], 4, 5)
 
 
+def test_rooms_may_have_different_numbers_of_toys():
+    """Their models have states of other sizes, so each room's infants are read by themselves."""
+    rooms = [{"kind": "room", "seed": 1, "toys": {"count": [count, count]}} for count in (1, 3)]
+    senses = {"proprioception": {}, "vestibular": {}, "touch": {"density": 0.3}}
+    assert live_alike([at_ages((9,), scene=room, senses=senses)[0] for room in rooms], 3, 3) == 0
+
+
 @pytest.mark.parametrize("mode", [NEXT_STEP, SAME_STEP])
 def test_an_infant_that_becomes_unstable_ends_its_own_episode_only(mode):
     infants = at_ages((9, 12), task={"kind": "standup"})

@@ -1,21 +1,27 @@
-"""Noise on MuJoCo Warp is distributed as on the CPU, and depends on nothing but the seed of its world."""
+"""Noise on MuJoCo Warp depends on nothing but the seed of its world; its terms are those of `tests/noise`."""
 
 import math
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import pytest
+import torch
 import warp as wp
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp.chance import Chance
-from mimoc.runtime.warp.noise import MotorNoise, ProprioceptionNoise, TouchNoise
+from mimoc.kinds import NoiseOption, SenseKind
+from mimoc.mjcf.placed import Placed
+from mimoc.noise.low_pass import LowPass
+from mimoc.noise.noise import Noise
+from mimoc.runtime.term import Field
+from mimoc.runtime.warp.noise import Chance
+from mimoc.schema.base import Model
+from mimoc.senses.term_sense import TermSense
 
-WORLDS = 300
 NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "touch_n": 0.5}
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}
-LOW_PASS_S = 0.06
 
 
 def build(**keys: object) -> mimoc.Bundle:
@@ -31,102 +37,109 @@ def build(**keys: object) -> mimoc.Bundle:
     return mimoc.build(mimoc.InfantSpec.model_validate(spec))
 
 
-@pytest.fixture(scope="module")
-def infant():
-    env = InfantEnv(build(noise=NOISE))
-    env.reset(seed=0)
-    yield env
-    env.close()
+def test_random_numbers_are_normal_and_independent_of_each_other():
+    """Over places, over worlds, over time, and over the channels that begin at other places."""
+    chance = Chance(wp.array(np.arange(200), dtype=int))
+    numbers = [chance.normals(0, (200, 2, 50)).cpu().numpy().copy()]
+    numbers.append(chance.normals(1 << 24, (200, 2, 50)).cpu().numpy().copy())
+    chance.advance()
+    numbers.append(chance.normals(0, (200, 2, 50)).cpu().numpy().copy())
+    values = np.stack(numbers)
+    assert abs(values.mean()) < 0.02
+    assert abs(values.std() - 1) < 0.02
+    assert abs((values**4).mean() - 3) < 0.2
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        assert abs((values[one] * values[other]).mean()) < 0.03
+    assert abs((values[:, 1:] * values[:, :-1]).mean()) < 0.03
+    assert abs((values[..., 1:] * values[..., :-1]).mean()) < 0.03
 
 
-@pytest.fixture
-def chance():
-    return Chance(wp.array(np.arange(WORLDS), dtype=int))
-
-
-def body():
-    return wp.zeros(WORLDS, dtype=int)
-
-
-def test_sensed_angles_drift_smoothly_with_the_deviation_that_is_given(infant, chance):
-    """Their values, those of the rates, and the correlation of both over time are what the CPU's noise says."""
-    noise = ProprioceptionNoise([infant], body(), chance, 1)
-    layout = infant.layout("proprioception")
-    angles, rates = (np.flatnonzero([name.endswith(unit) for name in layout]) for unit in ("[rad]", "[rad/s]"))
-    found = []
-    for elapsed_s in (math.inf, 0.03):
-        sample = wp.zeros((WORLDS, len(layout)), dtype=float)
-        noise(sample, elapsed_s=elapsed_s)
-        chance.advance()
-        found.append(sample.numpy().copy())
-    first, later = (values[:, angles] / math.radians(2) for values in found)
-    assert abs(first.mean()) < 0.05
-    assert (first.std(), later.std()) == pytest.approx((1, 1), abs=0.03)
-    past = 0.03 / LOW_PASS_S
-    assert (first * later).mean() == pytest.approx(math.exp(-past) * (1 + past), abs=0.05)
-    assert found[1][:, rates].std() == pytest.approx(math.radians(2) / LOW_PASS_S, rel=0.03)
-    others = np.setdiff1d(np.arange(len(layout)), [*angles, *rates])
-    assert not found[1][:, others].any()
-
-
-def test_the_size_of_felt_forces_varies_and_not_their_direction(infant, chance):
-    forces = np.zeros((WORLDS, 40, 3), np.float32)
-    forces[:, ::2] = (0, 0.6, -0.8)
-    forces[:, ::4] *= 5
-    sample = wp.array(forces.reshape(WORLDS, -1), dtype=float)
-    TouchNoise([infant], body(), chance, 3)(sample)
-    found = sample.numpy().reshape(forces.shape)
-    assert not found[:, 1::2].any()
-    sizes = np.linalg.norm(found, axis=-1)
-    assert sizes[:, ::4].mean() == pytest.approx(5, abs=0.05)
-    assert sizes[:, ::4].std() == pytest.approx(0.5, abs=0.03)
-    assert sizes[:, 2::4].min() == 0
-    strong = found[:, ::4] / sizes[:, ::4, None]
-    assert strong == pytest.approx(np.broadcast_to([0, 0.6, -0.8], strong.shape), abs=1e-5)
-
-
-def test_motors_are_driven_by_their_commands_and_noise_in_proportion(infant, chance):
-    """With a standard deviation that is a share of the command, and a correlation by its time constant."""
-    count = len(infant.actuation.actuators)
-    noise = MotorNoise([infant], body(), chance, timestep_s=0.005)
-    high = np.broadcast_to(infant.actuation.high, (WORLDS, count))
-    noise.begin(wp.zeros(WORLDS, dtype=int), wp.array(0.5 * high[:1], dtype=float))
-    driven = []
-    for _ in range(13):
-        chance.advance()
-        controls = wp.zeros((WORLDS, infant.model.nu), dtype=float)
-        noise(controls)
-        driven.append(controls.numpy()[:, infant.actuation.actuators] / (0.5 * high) - 1)
-    assert abs(np.mean(driven)) < 0.02
-    assert driven[0].std() == pytest.approx(0.2, abs=0.006)
-    assert driven[-1].std() == pytest.approx(0.2, abs=0.006)
-    assert (driven[0] * driven[-1]).mean() / 0.04 == pytest.approx(math.exp(-0.06 / LOW_PASS_S), abs=0.04)
-
-
-def assert_same(values: np.ndarray, expected: np.ndarray) -> None:
-    """Compare what is sensed, up to a GPU's order of sums, by which a light contact may vanish with its noise."""
-    errors = np.abs(values - expected) / np.maximum(1.0, np.abs(expected))
-    assert np.quantile(errors, 0.95) < 1e-3
+def test_random_numbers_follow_the_seed_of_a_world_alone():
+    one, other = (Chance(wp.array(seeds, dtype=int)) for seeds in ([3, 4, 4], [9, 8, 4]))
+    mine, theirs = one.normals(0, (3, 40)), other.normals(0, (3, 40))
+    assert torch.equal(mine[1], mine[2])
+    assert torch.equal(mine[1], theirs[2])
+    assert not torch.equal(mine[0], mine[1])
+    one.advance()
+    one.restart({0: 4})
+    assert torch.equal(one.normals(0, (3, 40))[0], theirs[2])
 
 
 def test_noise_depends_on_the_seed_alone_and_leaves_a_still_infant_near_the_truth():
-    noisy = mimoc.make_vec(build(noise=NOISE, delays={"sensory_ms": 5}), 3, device=DEVICE, touch="bodies")
-    exact = mimoc.make_vec(build(delays={"sensory_ms": 5}), device=DEVICE)
+    noisy = mimoc.make_vec(build(noise=NOISE), 3, device=DEVICE, touch="bodies")
+    exact = noisy.infants[0]
+    exact.reset(seed=0)
     command = np.zeros(noisy.action_space.shape, np.float32)
-
-    def live(seeds: list[int]) -> list[dict[str, np.ndarray]]:
-        return [noisy.reset(seed=seeds)[0], *(noisy.step(command)[0] for _ in range(3))]
-
-    first, again, other = live([1, 2, 2]), live([1, 2, 2]), live([7, 2, 1])
-    truth = [exact.reset(seed=0)[0], *(exact.step(command[:1])[0] for _ in range(3))]
-    angles = [index for index, name in enumerate(noisy.infants[0].layout("proprioception")) if name.endswith("[rad]")]
-    for ours, same, others, true in zip(first, again, other, truth, strict=True):
-        for name in true:
-            assert_same(ours[name], same[name])
-            assert_same(ours[name][1], ours[name][2])
-            assert_same(ours[name][1], others[name][1])
-            assert_same(ours[name][0], others[name][2])
-        errors = (ours["proprioception"] - true["proprioception"])[:2, angles]
+    first = [noisy.reset(seed=[1, 2, 2])[0], noisy.step(command)[0]]
+    again = [noisy.reset(seed=[7, 2, 1])[0], noisy.step(command)[0]]
+    angles = [index for index, name in enumerate(exact.layout("proprioception")) if name.endswith("[rad]")]
+    truth = exact.senses["proprioception"](exact.data)[angles]
+    for ours, others in zip(first, again, strict=True):
+        for name, values in ours.items():
+            for row, same in ((values[2], values[1]), (others[name][1], values[1]), (others[name][2], values[0])):
+                errors = np.abs(row - same) / np.maximum(1.0, np.abs(same))  # A GPU sums in any order.
+                assert np.quantile(errors, 0.95) < 1e-3
+        errors = ours["proprioception"][:2, angles] - truth
         assert 0.5 < errors.std() / math.radians(2) < 1.5
         assert (ours["proprioception"][0] != ours["proprioception"][1]).any()
-    noisy.close(), exact.close()
+    noisy.close()
+
+
+class PlaceSpec(Model):
+    """Where the trunk is."""
+
+
+class PlaceEntry(Model):
+    """Where the trunk is."""
+
+    kind: Literal["place"] = "place"
+    """Name of the sense."""
+
+
+@dataclass(frozen=True)
+class Drift(Noise):
+    """Each number is wrong by an error that changes gradually."""
+
+    deviation_m: np.ndarray
+    low_pass: LowPass
+
+    def __call__(self, draw, sample, state):
+        state = self.low_pass(state, draw.elapsed_s, draw.normals(sample.shape))
+        return sample + self.deviation_m * state, state
+
+
+def bind_place(entry, model, bundle):
+    return TermSense("place", Field("qpos", np.arange(3)), [f"{axis} [m]" for axis in "xyz"], -10.0, 10.0)
+
+
+def bind_drift(amount_m, sense, low_pass_s):
+    return Drift(np.array([amount_m]), LowPass(low_pass_s))
+
+
+PLACE = SenseKind(
+    "place",
+    PlaceSpec,
+    PlaceEntry,
+    lambda spec, body: Placed(PlaceEntry()),
+    bind_place,
+    noise=NoiseOption("m", "Standard deviation of each number.", most=1.0, run=bind_drift),
+)
+
+
+def test_noise_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):
+    """Over the first observations of 40 seeds, and in the step after each."""
+    with registered(PLACE):
+        bundle = build(senses={"place": {}}, noise={"place_m": 0.1})
+        one, many = mimoc.make(bundle), mimoc.make_vec(bundle, 40, threads=1)
+        device = mimoc.make_vec(bundle, 40, device=DEVICE)
+        true = one.unwrapped.data.qpos[:3]
+        command = np.zeros(one.action_space.shape, np.float32)
+        errors = [np.array([one.reset(seed=seed)[0]["place"] for seed in range(40)]) - true]
+        for envs in (many, device):
+            errors.append(envs.reset(seed=0)[0]["place"] - true)
+            later = envs.step(np.broadcast_to(command, envs.action_space.shape))[0]["place"] - true
+            correlation = np.corrcoef(errors[-1][:, 0], later[:, 0])[0, 1]
+            assert correlation == pytest.approx(math.exp(-10 / 60), abs=0.2)
+        assert np.array_equal(errors[0], errors[1])
+        assert [error.std() for error in errors] == pytest.approx([0.1] * 3, rel=0.25)
+        one.close(), many.close(), device.close()

@@ -8,10 +8,9 @@ import pytest
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.runtime.warp import capacity, room, worlds
-from mimoc.runtime.warp.capacity import Capacity
+from mimoc.runtime.warp import capacity, worlds
+from mimoc.runtime.warp.capacity import Capacity, Room
 from mimoc.runtime.warp.overflow import COUNTS, FLAGS, HARMLESS, LENGTH, LOSING, PAIRS, ROWS
-from mimoc.runtime.warp.room import Room
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants
 
 CLOSE = 3e-3
@@ -241,4 +240,4 @@ def test_the_room_at_first_is_more_than_what_infants_need_that_move_at_random(ma
         assert not env.step(generator.uniform(space.low, space.high).astype(np.float32))[-1]["overflowed"].any()
     assert env.room == first
     assert capacity.SPARE_CONTACTS < capacity.LARGEST
-    assert room.FULL < 1
+    assert capacity.FULL < 1

@@ -134,10 +134,9 @@ def test_acuity_and_foveation_of_each_age_are_those_of_the_cpu_on_the_same_pictu
     fovy_deg, drawn = (60.0, 40.0, 60.0, 90.0), (HEIGHT * supersample, WIDTH * supersample)
     pictures = np.random.default_rng(0).integers(0, 256, (len(kinds), len(EYES), *drawn, 3), dtype=np.uint8)
     packed = (pictures.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=-1, dtype=np.uint32)
-    perceived = wp.zeros((len(kinds), len(EYES) * SEEN), dtype=wp.uint8)
-    which = wp.array(np.arange(len(kinds)), dtype=int)
-    Filters(entries, fovy_deg, which)(wp.array(packed.reshape(len(kinds), -1), dtype=wp.uint32), perceived)
-    found = perceived.numpy().reshape(len(kinds), len(EYES), HEIGHT, WIDTH, 3)
+    perceive_all = Filters(entries, fovy_deg, np.arange(len(kinds)))
+    perceived = perceive_all(wp.array(packed.reshape(len(kinds), -1), dtype=wp.uint32))
+    found = perceived.cpu().numpy().reshape(len(kinds), len(EYES), HEIGHT, WIDTH, 3)
     for ours, entry, fovy, picture in zip(found, entries, fovy_deg, pictures, strict=True):
         assert np.ptp(perceive(picture, filters(entry, fovy))) > 0
         theirs = picture.astype(np.float32)

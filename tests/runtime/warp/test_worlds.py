@@ -3,9 +3,10 @@
 Warp compiles its kernels once for each kind of model, so these tests share few of them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
@@ -13,12 +14,12 @@ from gymnasium.error import ClosedEnvironmentError
 from support.devices import DEVICE, WARP_DEVICE
 
 import mimoc
-from mimoc.actuation.torque.run import Torque, bind
+from mimoc.actuation.torque.run import bind
 from mimoc.errors import MimocError, UnknownNameError
 from mimoc.kinds import ActuationKind
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.many.matching import MixtureError
-from mimoc.runtime.warp import noise
+from mimoc.runtime.term import Term
 from mimoc.runtime.warp.bodies import WorldsError
 from mimoc.runtime.warp.vector_env import DeviceError, WarpInfants
 
@@ -46,7 +47,7 @@ def pair():
     def make(bundles, count=None, **options):
         both = (
             mimoc.make_vec(bundles, count, device=DEVICE, **options),
-            mimoc.make_vec(bundles, count, threads=1),
+            mimoc.make_vec(bundles, count, threads=1, **{name: options[name] for name in options.keys() & {"senses"}}),
         )
         made.extend(both)
         return both
@@ -232,9 +233,9 @@ def test_commands_that_are_not_finite_and_what_is_only_on_the_cpu_are_errors():
     env.close()
 
 
-def test_a_task_that_is_passed_as_an_object_stays_on_the_cpu():
+def test_a_task_that_is_no_term_stays_on_the_cpu():
     infant = InfantEnv(bundle(9), task=mimoc.Task())
-    with pytest.raises(MimocError, match="the task 'free', or the object passed as one, runs on the CPU only"):
+    with pytest.raises(DeviceError, match=r"task 'mimoc\.tasks\.task:Task' is not a term, so it runs on the CPU only"):
         WarpInfants([infant], device=WARP_DEVICE)
     infant.close()
 
@@ -258,37 +259,72 @@ def test_what_cannot_live_on_a_device_is_told():
 
 
 @dataclass(frozen=True)
-class Halved(Torque):
+class Half(Term):
     """Half of what is commanded."""
 
-    def __call__(self, action):
-        return 0.5 * super().__call__(action)
+    def __call__(self, worlds, actions):
+        return 0.5 * actions
 
 
 def bind_halved(entry, model):
-    whole = bind(entry, model)
-    return Halved(whole.actuators, whole.low, whole.high, whole.limits_nm)
+    return replace(bind(entry, model), command=Half())
 
 
 HALVED = ActuationKind("halved", "Half of what is commanded.", build="mimoc.actuation.torque.build", run=bind_halved)
 
 
-def test_actuation_that_a_plugin_brings_is_refused_instead_of_ignored(registered):
+def test_actuation_that_a_plugin_brings_acts_on_one_on_many_and_on_a_device(registered):
     with registered(HALVED):
         infant = build(age_months=9, development="published", actuation={"model": "halved"})
-        alone = mimoc.make(infant)
-        alone.reset(seed=0)
-        alone.step(np.full(alone.action_space.shape, 0.4, np.float32))
-        assert alone.unwrapped.data.ctrl.max() == pytest.approx(0.2)
-        with pytest.raises(
-            DeviceError, match=r"has the actuation model 'halved', .* choose from muscle, position, torque"
-        ):
-            mimoc.make_vec(infant, 2, device=DEVICE)
-        alone.close()
+        alone, many = mimoc.make(infant), mimoc.make_vec(infant, 2, threads=1)
+        device = mimoc.make_vec(infant, 2, device=DEVICE)
+        action = np.full(alone.action_space.shape, 0.4, np.float32)
+        for env in (alone, many, device):
+            env.reset(seed=0)
+            env.step(np.broadcast_to(action, env.action_space.shape))
+        datas = [alone.unwrapped.data, *(infant.data for infant in many.infants)]
+        for controls in (*(data.ctrl for data in datas), *device.worlds.data.ctrl.numpy()):
+            assert controls == pytest.approx(np.full(len(controls), 0.2))
+        alone.close(), many.close(), device.close()
 
 
-def test_noise_that_is_not_there_on_a_device_is_refused_instead_of_ignored(monkeypatch):
-    monkeypatch.delitem(noise.SENSES, "touch")
-    noisy = build(age_months=9, senses=SENSES, noise={"touch_n": 0.1})
-    with pytest.raises(DeviceError, match=r"has noise of 'touch', which is not there on a device; leave out touch_n"):
-        mimoc.make_vec(noisy, 2, device=DEVICE)
+class Height:
+    """A sense that is no term."""
+
+    space = gymnasium.spaces.Box(-10.0, 10.0, (1,), np.float32)
+
+    def __call__(self, data):
+        return data.qpos[2:3]
+
+
+@dataclass(frozen=True)
+class Heights(Term):
+    bodies: np.ndarray
+
+    def __call__(self, worlds, *args):
+        return worlds.xp.take(worlds.xpos, self.bodies, axis=1)[..., 2:]
+
+
+class Tall:
+    """A sense that is a term, of a shape and with a delay of its own."""
+
+    space = gymnasium.spaces.Box(-10.0, 10.0, (2, 1), np.float32)
+    delay_ms = 15
+
+    def bind(self, model, bundle):
+        self.term = Heights(np.array([model.body(name).id for name in ("head", "chest")]))
+
+
+def test_a_sense_that_is_no_term_is_told_and_one_that_is_senses_as_on_the_cpu(pair):
+    with pytest.raises(DeviceError, match=r"sense 'tall' is not a term and has no device part: give it one"):
+        mimoc.make_vec(build(age_months=9), 2, device=DEVICE, senses={"tall": Height()})
+    ours, theirs = pair([build(age_months=age) for age in (6, 12)], senses={"tall": Tall()})
+    ours.reset(seed=0), theirs.reset(seed=0)
+    generator, views = np.random.default_rng(4), []
+    for _ in range(4):
+        command = actions(theirs, generator)
+        seen, expected = ours.step(command)[0], theirs.step(command)[0]
+        assert seen["tall"].shape == (2, 2, 1)
+        assert seen["tall"] == pytest.approx(expected["tall"], abs=1e-5)
+        views.append(seen["tall"])
+    assert (views[-1] != views[0]).all()

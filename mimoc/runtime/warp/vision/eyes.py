@@ -28,7 +28,7 @@ class Eyes:
             body_of_world: Which of the bodies lives in each world.
             model: That of all worlds.
         """
-        times, fovy_deg = entry.supersample, {float(fovy) for each in models for fovy in each.cam_fovy}
+        times, fovy_deg = entry.supersample, {float(fovy) for single in models for fovy in single.cam_fovy}
         self._context = mjw.create_render_context(
             _without(models[0], entry.unseen),
             len(body_of_world),

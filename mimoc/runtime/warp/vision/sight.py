@@ -1,6 +1,6 @@
 """The sense of vision of all infants on a device, from rays to observations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -9,13 +9,11 @@ import numpy as np
 import warp as wp
 from gymnasium.spaces import Box
 
-from mimoc.bundle.manifest import Manifest
 from mimoc.runtime.many.matching import MixtureError
-from mimoc.runtime.warp.lines import delay_steps
+from mimoc.runtime.warp.signals import DeviceSetup
 from mimoc.runtime.warp.vision.eyes import Eyes
 from mimoc.runtime.warp.vision.filters import Filters
-from mimoc.runtime.warp.vision.line import PictureLine
-from mimoc.senses.sense import IntArray, Observation, Sample, Sense
+from mimoc.senses.sense import Observation, Sample, Sense
 from mimoc.senses.vision.spec import VisionEntry
 
 VISION = "vision"
@@ -26,57 +24,33 @@ SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")
 class Sight:
     """What all infants see."""
 
-    def __init__(
-        self,
-        manifests: Sequence[Manifest],
-        models: Sequence[mujoco.MjModel],
-        body_of_world: IntArray,
-        body: wp.array,
-        model: mjw.Model,
-        period: int,
-    ):
+    def __init__(self, setup: DeviceSetup):
         """Open the eyes.
-
-        Args:
-            manifests: Of the different bodies.
-            models: Of these.
-            body_of_world: Which of them lives in each world, shape (worlds,).
-            body: The same, on the device.
-            model: That of all worlds.
-            period: Physics steps in a control step.
 
         Raises:
             MixtureError: If their eyes have pictures of different sizes.
         """
-        entries: list[Any] = [manifest.senses.vision for manifest in manifests]
+        entries: list[Any] = [infant.manifest.senses.vision for infant in setup.infants]
         _check(entries)
         first: VisionEntry = entries[0]
-        self._cameras = first.cameras
-        fovy_deg = [float(each.cam_fovy[each.camera(first.cameras[0]).id]) for each in models]
-        self._eyes = Eyes(models, first, body_of_world, model)
-        self._filters = Filters(entries, fovy_deg, body)
-        delays = np.stack([delay_steps(manifest, VISION, None, 1) for manifest in manifests])
-        numbers = len(first.cameras) * first.height_px * first.width_px * len("rgb")
-        self._line, self._period = PictureLine(delays, period, body, numbers), period
+        models = [infant.model for infant in setup.infants]
+        fovy_deg = [float(model.cam_fovy[model.camera(first.cameras[0]).id]) for model in models]
+        self._model, self._eyes = setup.model, Eyes(models, first, setup.body.numpy(), setup.model)
+        self._filters = Filters(entries, fovy_deg, setup.body.numpy())
+        self._shape = setup.body.shape[0], len(first.cameras) * first.height_px * first.width_px * len("rgb")
 
-    def sample(self, model: mjw.Model, data: mjw.Data, clock: wp.array, rest: int) -> None:
-        """Look, if what is seen now arrives *rest* physics steps less than whole control steps later."""
-        if (self._line.delays % self._period == rest).any():
-            self.look(data)
-            self._line.send(clock, rest)
+    def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
+        """Write what is seen now, shape (worlds, n), in 8 bits."""
+        wp.to_torch(sample).copy_(self._filters(self._eyes(data)))
 
     def look(self, data: mjw.Data) -> wp.array:
         """Return what is seen now, without delay, shape (worlds, n)."""
-        self._filters(self._eyes(data), self._line.entering)
-        return self._line.entering
+        pictures = wp.empty(self._shape, dtype=wp.uint8)
+        self(self._model, data, pictures)
+        return pictures
 
-    def arrive(self, clock: wp.array, observation: Mapping[str, wp.array]) -> None:
-        """Write what has arrived to the pictures of each eye."""
-        self._line.arrive(clock, [observation[camera] for camera in self._cameras])
 
-    def refill(self, chosen: wp.array, samples: Mapping[str, wp.array]) -> None:
-        """See from now on what is seen at the starts of worlds that begin anew."""
-        self._line.refill(chosen, samples[VISION])
+bind = Sight
 
 
 class ClosedEyes(Sense):

@@ -35,7 +35,8 @@ class Textures:
 
     def of_materials(self, models: Sequence[mujoco.MjModel]) -> IntArray:
         """Return where the textures of each material are, -1 for none, shape (models, materials, roles)."""
-        return np.stack([np.array([*own, -1])[model.mat_texid] for model, own in zip(models, self.places, strict=True)])
+        pairs = zip(models, self.places, strict=True)
+        return np.stack([np.array([*places, -1])[model.mat_texid] for model, places in pairs])
 
     def _place(self, model: mujoco.MjModel, index: int) -> int:
         """Return where a texture of a model is in the list, to which it is added if it is new."""
@@ -70,7 +71,7 @@ def flat_picture(cube: Picture, on_limbs: bool) -> Picture:
     positive = np.choose(axis, [x, y, z]) > 0
     along = np.choose(axis, [np.where(positive, -z, z), x, np.where(positive, x, -x)]) / size.max(axis=0)
     down = np.choose(axis, [-y, np.where(positive, z, -z), -y]) / size.max(axis=0)
-    column, row = (np.minimum((each + 1) / 2 * size_px, size_px - 1).astype(int) for each in (along, down))
+    column, row = (np.minimum((share + 1) / 2 * size_px, size_px - 1).astype(int) for share in (along, down))
     return cube[(2 * axis + ~positive) * size_px + row, column]
 
 
@@ -86,8 +87,8 @@ def _is_on_limbs(model: mujoco.MjModel, texture: int) -> bool:
 
 
 def _sky(model: mujoco.MjModel, places: Sequence[int]) -> int:
-    found = np.flatnonzero(model.tex_type == SKY)
-    return places[found[0]] if len(found) else -1
+    skies = np.flatnonzero(model.tex_type == SKY)
+    return places[skies[0]] if len(skies) else -1
 
 
 def _on_device(picture: Picture) -> wp.Texture2D:

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mimoc.delays.jittered import Wander
 from mimoc.noise.streams import NoiseStreams
-from mimoc.noise.wander import Wander
 
 LONG = 30_000
 

@@ -1,0 +1,74 @@
+"""All that the author of a plug-in needs, in one place: `from mimoc.plugin import Entry, SenseKind, Spec, Term`.
+
+A name is imported from its home when it is first asked for, so that a record stays as light as its own modules.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mimoc.actuation.binding import Actuation as Actuation
+    from mimoc.actuation.commands import effort_of as effort_of
+    from mimoc.kinds import ActuationKind as ActuationKind
+    from mimoc.kinds import AgeTable as AgeTable
+    from mimoc.kinds import NoiseOption as NoiseOption
+    from mimoc.kinds import PolicyKind as PolicyKind
+    from mimoc.kinds import SceneKind as SceneKind
+    from mimoc.kinds import SenseKind as SenseKind
+    from mimoc.kinds import TaskKind as TaskKind
+    from mimoc.kinds import ToySource as ToySource
+    from mimoc.mjcf.placed import Placed as Placed
+    from mimoc.noise.low_pass import LowPass as LowPass
+    from mimoc.noise.low_pass import Smooth as Smooth
+    from mimoc.noise.noise import Noise as Noise
+    from mimoc.plugins import register as register
+    from mimoc.runtime.term import Concatenated as Concatenated
+    from mimoc.runtime.term import Field as Field
+    from mimoc.runtime.term import Term as Term
+    from mimoc.runtime.term_contract import check_term as check_term
+    from mimoc.runtime.worlds import Worlds as Worlds
+    from mimoc.senses.sense import Sense as Sense
+    from mimoc.senses.sense import Vector as Vector
+    from mimoc.senses.term_sense import TermSense as TermSense
+    from mimoc.tasks.base import TaskEntry as TaskEntry
+    from mimoc.tasks.base import TaskSpec as TaskSpec
+    from mimoc.tasks.setup import TaskSetup as TaskSetup
+    from mimoc.tasks.task import Change as Change
+    from mimoc.tasks.task import Judgement as Judgement
+    from mimoc.tasks.task import Task as Task
+    from mimoc.tasks.task import Verdict as Verdict
+
+_NAMES = {
+    "mimoc.actuation.binding": "Actuation",
+    "mimoc.actuation.commands": "effort_of",
+    "mimoc.kinds": "ActuationKind AgeTable NoiseOption PolicyKind SceneKind SenseKind TaskKind ToySource",
+    "mimoc.mjcf.placed": "Placed",
+    "mimoc.noise.low_pass": "LowPass Smooth",
+    "mimoc.noise.noise": "Noise",
+    "mimoc.plugins": "register",
+    "mimoc.runtime.term": "Concatenated Field Term",
+    "mimoc.runtime.term_contract": "check_term",
+    "mimoc.runtime.worlds": "Worlds",
+    "mimoc.schema.base": "Model",
+    "mimoc.senses.sense": "Sense Vector",
+    "mimoc.senses.term_sense": "TermSense",
+    "mimoc.tasks.base": "TaskEntry TaskSpec",
+    "mimoc.tasks.setup": "TaskSetup",
+    "mimoc.tasks.task": "Change Judgement Task Verdict",
+}
+"""The names of each home; `Model` is what a spec and an entry are made of."""
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
+_MODELS = ("Entry", "Spec")
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name from its home."""
+    original = "Model" if name in _MODELS else name
+    if original not in _HOMES:
+        raise AttributeError(f"module 'mimoc.plugin' has no attribute '{name}'")
+    return getattr(import_module(_HOMES[original]), original)
+
+
+def __dir__() -> list[str]:
+    """Return all names, also those not imported yet."""
+    return sorted({*_HOMES, *_MODELS} - {"Model"})
