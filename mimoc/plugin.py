@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mimoc.actuation.binding import Actuation as Actuation
     from mimoc.actuation.commands import effort_of as effort_of
+    from mimoc.body.dimensions import Dimensions as Dimensions
+    from mimoc.body.dimensions import Shape as Shape
+    from mimoc.body.part import ReferenceGeom as ReferenceGeom
+    from mimoc.body.part import ReferenceJoint as ReferenceJoint
+    from mimoc.body.part import ReferenceMotor as ReferenceMotor
+    from mimoc.body.part import ReferencePart as ReferencePart
     from mimoc.kinds import ActuationKind as ActuationKind
     from mimoc.kinds import AgeTable as AgeTable
     from mimoc.kinds import NoiseOption as NoiseOption
+    from mimoc.kinds import PartKind as PartKind
     from mimoc.kinds import PolicyKind as PolicyKind
     from mimoc.kinds import SceneKind as SceneKind
     from mimoc.kinds import SenseKind as SenseKind
@@ -22,6 +29,7 @@ if TYPE_CHECKING:
     from mimoc.noise.low_pass import Smooth as Smooth
     from mimoc.noise.noise import Noise as Noise
     from mimoc.plugins import register as register
+    from mimoc.quantities import Quantity as Quantity
     from mimoc.runtime.term import Concatenated as Concatenated
     from mimoc.runtime.term import Field as Field
     from mimoc.runtime.term import Term as Term
@@ -41,11 +49,14 @@ if TYPE_CHECKING:
 _NAMES = {
     "mimoc.actuation.binding": "Actuation",
     "mimoc.actuation.commands": "effort_of",
-    "mimoc.kinds": "ActuationKind AgeTable NoiseOption PolicyKind SceneKind SenseKind TaskKind ToySource",
+    "mimoc.body.dimensions": "Dimensions Shape",
+    "mimoc.body.part": "ReferenceGeom ReferenceJoint ReferenceMotor ReferencePart",
+    "mimoc.kinds": "ActuationKind AgeTable NoiseOption PartKind PolicyKind SceneKind SenseKind TaskKind ToySource",
     "mimoc.mjcf.placed": "Placed",
     "mimoc.noise.low_pass": "LowPass Smooth",
     "mimoc.noise.noise": "Noise",
     "mimoc.plugins": "register",
+    "mimoc.quantities": "Quantity",
     "mimoc.runtime.term": "Concatenated Field Term",
     "mimoc.runtime.term_contract": "check_term",
     "mimoc.runtime.worlds": "Worlds",

@@ -141,7 +141,7 @@ LAYERS = {
     ),
     "mimoc": layer(
         "__init__ plugin vector_environments registration notebook",
-        f"signals {BUILDING} compiler {RUNNING} device rollout recording training cohorts reporting opening "
+        f"signals part {BUILDING} compiler {RUNNING} device rollout recording training cohorts reporting opening "
         "viewer studies",
         "gymnasium",
     ),

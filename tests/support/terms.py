@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from mimoc.kinds import function_of
 from mimoc.noise.motor import bind_motor_noise
 from mimoc.noise.noise import Draw, Noise, bind_noise
 from mimoc.noise.spec import NoiseEntry, noise_keys
+from mimoc.quantities import QUANTITIES
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term
 from mimoc.runtime.term_contract import INFANTS, check_term
@@ -26,6 +28,9 @@ def terms_of(env: InfantEnv) -> Iterator[tuple[str, Term, tuple[Any, ...]]]:
     yield from _terms_of_actuation(env)
     yield from _terms_of_noise(env)
     yield from _terms_of_task(env)
+    for name, quantity in QUANTITIES.items():
+        if quantity.term is not None:
+            yield f"quantity {name}", function_of(quantity.term, name)(env.model, env.manifest), ()
 
 
 @dataclass(frozen=True)
