@@ -75,7 +75,7 @@ LAYERS = {
         "errors units geometry part kinds",
     ),
     "language": layer(
-        "schema.absent schema.body schema.control schema.entries schema.groups "
+        "schema.absent schema.body schema.entries schema.groups "
         "schema.names schema.plain schema.quantities schema.source schema.yaml_document schema.yaml_scalars",
         "errors units grammar part parts",
         "pydantic yaml",

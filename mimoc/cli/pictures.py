@@ -167,9 +167,9 @@ def rooms(
     """Render the scenes of several seeds in one image."""
     from mimoc.cli import console
     from mimoc.compiler import building
-    from mimoc.render.overview import overview
     from mimoc.render.picture_files import check_picture_name, write_picture
     from mimoc.render.picture_grid import captioned_grid
+    from mimoc.render.portrait import overview
 
     check_picture_name(file)
     wanted, infant, pictures = parse_seeds(seeds), load_spec_of_infant(spec), list[Any]()

@@ -35,7 +35,7 @@ from mimoc.delays.presets import trace_delays
 from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
-from mimoc.mjcf.compatibility import CompatibilityTarget, find_target
+from mimoc.mjcf.mimo.model import CompatibilityTarget, find_target
 from mimoc.mjcf.placed import Placed
 from mimoc.mjcf.scene import SceneTree
 from mimoc.noise.presets import trace_noise

@@ -5,23 +5,28 @@ from collections.abc import Mapping, Sequence
 from mimoc.actuation.setup import ActuationSetup
 from mimoc.body import FREE_JOINT, Body, BodyTree, Geom, Joint
 from mimoc.body.head_surface import head_radius, on_head
-from mimoc.body.poses import standing_height
-from mimoc.compiler.anatomy import EYE, EYE_SIDES
+from mimoc.body.poses import POSES, poses_of, resting_states, standing_height
+from mimoc.compiler.describe import EYE, EYE_SIDES
 from mimoc.kinds import function_of
 from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress, dress_skin
 from mimoc.looks.skin.carrying import skin_of
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
-from mimoc.mjcf.keyframes import keyframes
 from mimoc.mjcf.keypoints import keypoint_sites
 from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.scene import SceneTree, Solver
+from mimoc.mjcf.scene import Keyframe, SceneTree, Solver
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import bodies_of
 from mimoc.senses import SENSES
 from mimoc.units import deg_to_rad, ms_to_s
+
+
+def keyframes(tree: BodyTree) -> tuple[Keyframe, ...]:
+    """Return every pose of this body as a state that rests on the ground, z = 0."""
+    return tuple(map(Keyframe, POSES, resting_states(tree, poses_of(tree))))
+
 
 LOOKS_GROUP = 1
 EYEBALLS = tuple(EYE[0].format(side=side) for side in EYE_SIDES)

@@ -12,6 +12,7 @@ from mimoc.body.origins import Entry
 from mimoc.compiler.constraints import holds, keeps, lock, locked_joints, weld
 from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.errors import NoSpaceError
+from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.kinds import function_of
 from mimoc.mjcf.contact_pairs import barrier_pairs
 from mimoc.mjcf.objects import FreeObject
@@ -19,15 +20,37 @@ from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import World
 from mimoc.random_streams import stream
 from mimoc.scenes import SCENES
-from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant
+from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import footprint, reach_of, reachable_floor
-from mimoc.scenes.placement import place_discs, place_object, place_pose
 from mimoc.scenes.spec import SceneSpec
 from mimoc.schema.infant import InfantSpec
 from mimoc.tasks.setup import NO_TASK, TaskSetup, build_task
 from mimoc.toys.choosing import Toybox, choose_toys
 from mimoc.toys.objects import make_object
 from mimoc.toys.placing import Floor, ReachableFloor, place_toys
+
+UP = (0.0, 0.0, 1.0)
+
+
+def place_pose(pose: Keyframe, start: Placement) -> Keyframe:
+    """Return a pose elsewhere on the floor, turned about the vertical."""
+    x, y, z, *turn = pose.qpos[:7]
+    ((x, y, z),) = place_discs(np.array([(x, y, z)]), start).tolist()
+    w, i, j, k = turn
+    turned = quaternion_product(quaternion_from_axis(UP, start.yaw_rad), (w, i, j, k))
+    return Keyframe(pose.name, (x, y, z, *turned, *pose.qpos[7:]), pose.settings)
+
+
+def place_object(thing: FreeObject, start: Placement) -> FreeObject:
+    """Return an object elsewhere on the floor; it is not turned, for it looks the same from all sides."""
+    (x, y, _), z = place_discs(np.array([thing.pos_m]), start)[0].tolist(), thing.pos_m[2]
+    return replace(thing, pos_m=(x, y, z))
+
+
+def place_discs(discs: FloatArray, start: Placement) -> FloatArray:
+    """Return discs elsewhere on the floor, turned about the vertical with what is at the origin."""
+    places = discs[:, :2] @ matrix_from_axis(UP, start.yaw_rad)[:2, :2].T + (start.x_m, start.y_m)
+    return np.column_stack([places, discs[:, 2]])
 
 
 @dataclass(frozen=True, slots=True)

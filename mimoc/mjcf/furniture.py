@@ -2,9 +2,54 @@
 
 from dataclasses import dataclass
 
+from mimoc.body import BodyTree
+from mimoc.body.stature import stature
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.lights import SpotLight
 from mimoc.mjcf.materials import WorldMaterial, WorldTexture
+from mimoc.units import cm_to_m
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionalLight:
+    """A directional light."""
+
+    name: str
+    pos_m: Vec3
+    direction: Vec3
+    diffuse: Vec3
+    castshadow: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpotLight:
+    """One `<light type="spot">`."""
+
+    name: str
+    pos_m: Vec3
+    direction: Vec3
+    diffuse: Vec3
+    specular: Vec3
+    attenuation: Vec3
+    """Constant, linear and quadratic."""
+    cutoff_deg: float
+    """In degrees even where the compiler's angles are radians."""
+    exponent: float
+    castshadow: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Headlight:
+    """MuJoCo's light at the camera, under `<visual>`."""
+
+    ambient: Vec3
+    """From all directions."""
+    diffuse: Vec3
+    """From the camera: little, or walls get brighter when a head turns to them."""
+
+
+OUTDOORS = Headlight((0.43, 0.43, 0.43), (0.24, 0.24, 0.24))
+"""Beside the sun; all three together just do not overexpose skin."""
+
 
 UNTOUCHED = 0
 """Contact bits of geoms that are only seen."""
@@ -69,3 +114,15 @@ class Furniture:
 
 BARE = Furniture()
 """No furniture."""
+
+
+RAIL_IN_CHILDREN = 0.43 / 0.82
+"""Height of a rail's middle above the ground, for one length of the child: at 18 months, 0.82 m long, MIMo
+holds it at 0.42 to 0.45 m."""
+RAIL_RADIUS_M = 0.01
+"""A hand closes around it: its girth is 6 cm, a newborn's hand is 6 cm long."""
+
+
+def rail_height(tree: BodyTree) -> float:
+    """Return how high the middle of a rail for this child is, in [m]."""
+    return RAIL_IN_CHILDREN * cm_to_m(stature(tree)["length_cm"])

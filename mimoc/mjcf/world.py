@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.constraints import Lock, Pair, Weld
-from mimoc.mjcf.furniture import BARE, Furniture
+from mimoc.mjcf.furniture import BARE, OUTDOORS, DirectionalLight, Furniture, Headlight
 from mimoc.mjcf.infant import Camera
-from mimoc.mjcf.lights import OUTDOORS, DirectionalLight, Headlight
 from mimoc.mjcf.materials import WorldMaterial
 from mimoc.mjcf.objects import FreeObject, MeshFile
 

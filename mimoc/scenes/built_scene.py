@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray
 from mimoc.body.origins import Entry
-from mimoc.mjcf.lights import DirectionalLight, Headlight
+from mimoc.mjcf.furniture import DirectionalLight, Headlight
 from mimoc.mjcf.world import World
 
 WEIGHTLESS = (0.0, 0.0, 0.0)

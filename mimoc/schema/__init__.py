@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from mimoc.scenes.room.spec import RoomSpec
     from mimoc.scenes.spec import SceneSpec, TexturesSpec
     from mimoc.schema.body import BodySpec, IndividualSpec, PartSpec
-    from mimoc.schema.control import ControlSpec
     from mimoc.schema.infant import InfantSpec, as_written, read_spec, to_data, validated
+    from mimoc.schema.spec import ControlSpec
     from mimoc.senses.proprioception.spec import ProprioceptionSpec
     from mimoc.senses.spec import SensesSpec
     from mimoc.senses.touch.spec import TouchSpec
@@ -24,7 +24,7 @@ _HOMES = {
     "AcuitySpec": "mimoc.senses.vision.spec",
     "ActuationSpec": "mimoc.actuation.spec",
     "BodySpec": "mimoc.schema.body",
-    "ControlSpec": "mimoc.schema.control",
+    "ControlSpec": "mimoc.schema.spec",
     "DelaysSpec": "mimoc.delays.spec",
     "IndividualSpec": "mimoc.schema.body",
     "InfantSpec": "mimoc.schema.infant",

@@ -10,8 +10,8 @@ from support.start_poses import DEPTH_M
 import mimoc
 from mimoc.body import assemble, grow_tree
 from mimoc.body.poses import CONTACT_DEPTH_M, POSES, pose_of
+from mimoc.compiler.compose import keyframes
 from mimoc.fits import measure
-from mimoc.mjcf.keyframes import keyframes
 from mimoc.scenes.spec import SceneSpec
 
 AGES_MONTHS = (0, 1, 6, 12, 18, 24)

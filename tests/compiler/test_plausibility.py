@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 
 import mimoc
 from mimoc.compiler.aged import aged
-from mimoc.compiler.availability import refuse_unavailable
-from mimoc.compiler.plausibility import LARGEST, LEAST
+from mimoc.compiler.availability import LARGEST, LEAST, refuse_unavailable
 from mimoc.errors import SpecError
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mimoc.compiler.without_effect import without_effect
+from mimoc.compiler.notes import without_effect
 from mimoc.schema import InfantSpec, read_spec, to_data
 from mimoc.schema.source import parse, read
 

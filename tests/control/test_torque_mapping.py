@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from mimoc.control.antagonists import Antagonists
-from mimoc.control.motors import Motors
-from mimoc.control.torque_mapping import TORQUE_MAPPINGS
+from mimoc.control.torque_mapping import TORQUE_MAPPINGS, Motors
 
 STEP_S = 0.01
 

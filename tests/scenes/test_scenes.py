@@ -7,6 +7,7 @@ import pytest
 
 import mimoc
 from mimoc.compiler import building
+from mimoc.compiler.furnish import place_discs, place_pose
 from mimoc.errors import SpecError
 from mimoc.kinds import function_of
 from mimoc.looks.wallpaper import Wallpapers
@@ -14,7 +15,6 @@ from mimoc.mjcf.scene import Keyframe
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import footprint
-from mimoc.scenes.placement import place_discs, place_pose
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.scenes.spec import SceneSpec
 

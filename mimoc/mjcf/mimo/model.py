@@ -5,14 +5,97 @@ what every bundle has: `lookups` has that. `docs/compatibility.md` says what was
 """
 
 import math
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
-from mimoc.mjcf.infant import Camera, Node
-from mimoc.mjcf.mimo.effectors import with_effectors
-from mimoc.mjcf.mimo.motors import at_once
-from mimoc.mjcf.mimo.servos import by_angle, pose_by_angle
-from mimoc.mjcf.scene import SceneTree
+from mimoc.body import BodyTree
+from mimoc.errors import UnknownNameError
+from mimoc.mjcf.infant import Actuator, Camera, Node, Site
+from mimoc.mjcf.mimo.body import as_mimos
+from mimoc.mjcf.scene import Keyframe, SceneTree
 from mimoc.mjcf.world import Mark
+from mimoc.mujoco_layout import AffineBias
+
+PREFIX = "eef:"
+RADIUS_M = 0.01
+"""Only for looking at."""
+FORWARD = (1.0, 0.0, 0.0)
+BETWEEN_THE_EYES = 5 / 7
+"""How far forward the head's point is, by the eyes' place (Lucignolo)."""
+
+
+def with_effectors(node: Node) -> Node:
+    """Return a body and all that hangs on it with these points: their z axis leaves the face, the eye or the palm."""
+    return replace(
+        node,
+        sites=(*node.sites, *(_site(node.name, *place) for place in _places(node))),
+        children=tuple(map(with_effectors, node.children)),
+    )
+
+
+def _site(body: str, pos_m: tuple[float, float, float], z_axis: tuple[float, float, float]) -> Site:
+    return Site(PREFIX + body, pos_m, RADIUS_M, (("zaxis", z_axis),))
+
+
+def _places(node: Node) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]:
+    """Return place and z axis of the point on a body, if it has one."""
+    if node.name in ("left_eye", "right_eye"):
+        return [((0.0, 0.0, 0.0), FORWARD)]
+    if node.name == "head":
+        eyes = [child.pos_m for child in node.children if child.name.endswith("_eye")]
+        return [((BETWEEN_THE_EYES * x, 0.0, z), FORWARD) for x, _, z in eyes[:1]]
+    if node.name in ("left_hand", "right_hand"):
+        palm, inwards = node.geoms[0], 1.0 if node.name == "left_hand" else -1.0
+        x, y, z = palm.pos_m
+        return [((x, y + inwards * palm.size_m[1], z), (0.0, inwards, 0.0))]
+    return []
+
+
+Range = tuple[float, float]
+
+
+def by_angle(servo: Actuator, range_rad: Range) -> Actuator:
+    """Return a servo whose command is the angle of its hinge, in [rad]; it goes where it went."""
+    middle, half = _halves(range_rad)
+    settings = dict(servo.settings)
+    (gain, *others), bias = settings["gainprm"], AffineBias(*settings["biasprm"])
+    moved = bias._replace(at_zero=bias.at_zero - gain * middle / half)
+    changed = {"gainprm": (gain / half, *others), "biasprm": moved}
+    return replace(servo, control_range=range_rad, settings=tuple({**settings, **changed}.items()))
+
+
+def pose_by_angle(keyframe: Keyframe, ranges_rad: Sequence[Range]) -> Keyframe:
+    """Return a state whose servos, with these ranges, hold its pose."""
+    return replace(keyframe, settings=tuple((name, _angles(values, ranges_rad)) for name, values in keyframe.settings))
+
+
+def _angles(commands: Sequence[float], ranges_rad: Sequence[Range]) -> tuple[float, ...]:
+    halves = map(_halves, ranges_rad)
+    return tuple(middle + half * command for command, (middle, half) in zip(commands, halves, strict=True))
+
+
+def _halves(range_rad: Range) -> Range:
+    """Return middle and half width."""
+    low, high = range_rad
+    return (low + high) / 2, (high - low) / 2
+
+
+Settings = tuple[tuple[str, str], ...]
+
+OF_ACTIVATIONS = ("actlimited", "dynprm")
+"""Attributes that only mean something for actuators with an activation."""
+
+
+def at_once(defaults: Settings) -> Settings:
+    """Return what all motors share, without an activation.
+
+    MIMo's muscle model computes an activation of its own, and commands the resulting torque to the motor in place of
+    the muscle, whose torque must not be filtered a second time.
+    """
+    kept = (pair for pair in defaults if pair[0] not in OF_ACTIVATIONS)
+    return tuple((name, "none" if name == "dyntype" else value) for name, value in kept)
+
 
 LOCATION = "mimo_location"
 """The body that the infant is in; its free joint has the same name."""
@@ -84,3 +167,36 @@ def _all(node: Node) -> list[Node]:
 def _moved(pos_m: tuple[float, float, float], x_m: float, y_m: float) -> tuple[float, float, float]:
     x, y, z = pos_m
     return x + x_m, y + y_m, z
+
+
+@dataclass(frozen=True, slots=True)
+class CompatibilityTarget:
+    """What has to be different in a model that some other software is to read."""
+
+    body: Callable[[BodyTree], BodyTree]
+    """Changes the body: its parts and their order."""
+    infant: Callable[[SceneTree, str], SceneTree]
+    """Changes the infant, before it is placed in a world; the other argument is its actuation model."""
+    world: Callable[[SceneTree], SceneTree]
+    """Changes the scene it is placed in."""
+
+
+UNCHANGED = CompatibilityTarget(lambda tree: tree, lambda infant, model: infant, lambda scene: scene)
+"""For mimoc alone."""
+TARGETS: Mapping[str, CompatibilityTarget] = MappingProxyType(
+    {"mimo": CompatibilityTarget(as_mimos, fit_infant, fit_world)}
+)
+"""By the name that users know."""
+
+
+def find_target(name: str | None) -> CompatibilityTarget:
+    """Return the target of that name; for None, one that changes nothing.
+
+    Raises:
+        UnknownNameError: If there is none.
+    """
+    if name is None:
+        return UNCHANGED
+    if name not in TARGETS:
+        raise UnknownNameError("system to build for", name, TARGETS)
+    return TARGETS[name]

@@ -7,8 +7,7 @@ import numpy as np
 
 from mimoc.geometry.rotations import Vec3
 from mimoc.looks.wallpaper import OWN_WALLPAPERS, Wallpapers
-from mimoc.mjcf.furniture import Furniture
-from mimoc.mjcf.lights import Headlight
+from mimoc.mjcf.furniture import Furniture, Headlight
 from mimoc.mjcf.materials import UNTINTED, WorldMaterial, WorldTexture
 from mimoc.mjcf.world import World
 from mimoc.random_streams import between, pick, stream

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.furniture import UNTOUCHED, WorldGeom
-from mimoc.mjcf.lights import SpotLight
+from mimoc.mjcf.furniture import UNTOUCHED, SpotLight, WorldGeom
 from mimoc.mjcf.materials import WorldMaterial
 from mimoc.random_streams import between, whole_between
 from mimoc.scenes.room.pictures import OFF_THE_WALL_M

@@ -14,7 +14,7 @@ from mimoc.body.stature import stature
 from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3, matrix_from_axis
 from mimoc.geometry.solvers import root
-from mimoc.mjcf.rails import RAIL_RADIUS_M, rail_height
+from mimoc.mjcf.furniture import RAIL_RADIUS_M, rail_height
 from mimoc.tasks.setup import Hold, Side, TaskSetup, joints_of, require
 from mimoc.tasks.standup import StandupEntry, StandupSpec
 from mimoc.tasks.standup.grip import KNUCKLES, arm_to_bar, curled, grip_point
