@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mimoc.kinds import SenseKind as SenseKind
     from mimoc.kinds import TaskKind as TaskKind
     from mimoc.kinds import ToySource as ToySource
-    from mimoc.mjcf.placed import Placed as Placed
+    from mimoc.mjcf.scene import Placed as Placed
     from mimoc.noise.low_pass import LowPass as LowPass
     from mimoc.noise.low_pass import Smooth as Smooth
     from mimoc.noise.noise import Noise as Noise
@@ -52,7 +52,7 @@ _NAMES = {
     "mimoc.body.dimensions": "Dimensions Shape",
     "mimoc.body.part": "ReferenceGeom ReferenceJoint ReferenceMotor ReferencePart",
     "mimoc.kinds": "ActuationKind AgeTable NoiseOption PartKind PolicyKind SceneKind SenseKind TaskKind ToySource",
-    "mimoc.mjcf.placed": "Placed",
+    "mimoc.mjcf.scene": "Placed",
     "mimoc.noise.low_pass": "LowPass Smooth",
     "mimoc.noise.noise": "Noise",
     "mimoc.plugins": "register",

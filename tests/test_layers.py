@@ -52,7 +52,7 @@ KIND_FOLDERS = {
 PREFIXES = {"spec": "spec", "build": "build", "run": "run", "kernel": "device"}
 """Layer of the files in the kinds' folders that begin so: `build.py`, `build_points.py`. A record is a `spec`."""
 WITHOUT_PREFIX = {
-    "build": "senses.touch.even_points senses.touch.exposed senses.touch.skin_points senses.touch.surface "
+    "build": "senses.touch.skin_points "
     "senses.vision.acuity_by_age senses.vision.comparison tasks.ball tasks.setup tasks.standup.grip tasks.standup.rail "
     "actuation.activation actuation.setup actuation.position.origins actuation.position.inertia "
     "delays.presets noise.presets",
@@ -75,7 +75,7 @@ LAYERS = {
         "errors units geometry part kinds",
     ),
     "language": layer(
-        "schema.absent schema.body schema.entries schema.groups "
+        "schema.body schema.entries "
         "schema.names schema.plain schema.quantities schema.source schema.yaml_document schema.yaml_scalars",
         "errors units grammar part parts",
         "pydantic yaml",
@@ -352,7 +352,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
         ("mimoc.scenes.crib.build", "def f():\n    from mimoc import compiler", "build may not import compiler"),
         ("mimoc.runtime.env", "CODE = 'mimoc.body.grow'", "runtime may not import body"),
-        ("mimoc.bundle.io", "import_module('mimoc.notebook')", "bundle may not import mimoc"),
+        ("mimoc.bundle.io", "import_module('mimoc.registration')", "bundle may not import mimoc"),
         ("mimoc.fits.tables", "import_module('yaml')", "yaml belongs to language"),
         ("mimoc.fits.tables", "import_module(f'yaml.{name}')", "yaml belongs to language"),
         ("mimoc.senses.touch", "KIND = SenseKind(build='mimoc.senses.vision.build')", "spec may not import build"),

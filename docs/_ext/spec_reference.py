@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import Any
 
+from mimoc.schema.base import KeyPath
 from mimoc.schema.cohort_file import CohortSpec
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.outline import Language, Outline, language_of
 
 BOUNDS = {

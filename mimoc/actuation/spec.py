@@ -10,8 +10,7 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.schema.base import KeyedError, Model
 from mimoc.schema.composition import choice_field, composed, own_sections
 from mimoc.schema.entries import Actuator, Hinge, Label, Number
-from mimoc.schema.groups import GroupName, Groups
-from mimoc.schema.names import STRENGTH_GROUPS, single_groups
+from mimoc.schema.names import STRENGTH_GROUPS, GroupName, Groups, single_groups
 from mimoc.schema.quantities import Age, Real, keys_among
 
 

@@ -13,11 +13,10 @@ import numpy as np
 from mimoc.errors import Problem, SpecError
 from mimoc.random_streams import between, stream, whole_between
 from mimoc.rounding import rounded
-from mimoc.schema.base import KeyedError
+from mimoc.schema.base import KeyedError, dotted
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, RangeSpec, SampleDesign
 from mimoc.schema.infant import InfantSpec, read_spec
-from mimoc.schema.key_paths import dotted
 from mimoc.schema.plain import changed, given, plain
 from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
 from mimoc.schema.same_child import at_another_age

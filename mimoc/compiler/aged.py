@@ -5,8 +5,8 @@ from contextlib import contextmanager
 
 from mimoc.errors import Problem, SpecError
 from mimoc.rounding import rounded
+from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec, as_written
-from mimoc.schema.key_paths import dotted
 
 
 def aged(spec: InfantSpec, age_months: float) -> InfantSpec:

@@ -26,18 +26,23 @@ from mimoc.compiler.describe import describe, describe_toys, used_plugins
 from mimoc.compiler.furnish import FurnishedScene, covered_floor, furnish, set_up_task
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
-from mimoc.compiler.provenance.actuation import trace_actuation
-from mimoc.compiler.provenance.child import trace_child, who_percentiles
-from mimoc.compiler.provenance.spec import SPEC_FILE, trace_plugins, trace_spec, trace_task
-from mimoc.compiler.provenance.world import trace_world
+from mimoc.compiler.provenance.spec import (
+    SPEC_FILE,
+    trace_actuation,
+    trace_child,
+    trace_plugins,
+    trace_spec,
+    trace_task,
+    trace_world,
+    who_percentiles,
+)
 from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
 from mimoc.delays.presets import trace_delays
 from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
 from mimoc.mjcf import printing
 from mimoc.mjcf.mimo.model import CompatibilityTarget, find_target
-from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.noise.presets import trace_noise
 from mimoc.rounding import rounded, rounded_array
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated

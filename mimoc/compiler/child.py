@@ -10,8 +10,8 @@ from mimoc.body.measurements import replace_given
 from mimoc.body.reference import Reference
 from mimoc.errors import GeometryError, IndividualError, Problem, SpecError
 from mimoc.geometry.solvers import root
+from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec, as_written
-from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.names import unsided
 from mimoc.schema.source import Source
 from mimoc.units import m_to_cm

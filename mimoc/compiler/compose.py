@@ -12,9 +12,8 @@ from mimoc.looks.appearance import HEAD_FEATURES, HeadFeature, dress, dress_skin
 from mimoc.looks.skin.carrying import skin_of
 from mimoc.mjcf import sensor_sites
 from mimoc.mjcf.infant import Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
-from mimoc.mjcf.keypoints import keypoint_sites
-from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.scene import Keyframe, SceneTree, Solver
+from mimoc.mjcf.scene import Keyframe, Placed, SceneTree, Solver
+from mimoc.mjcf.sensor_sites import keypoint_sites
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
 from mimoc.schema.infant import InfantSpec

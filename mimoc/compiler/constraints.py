@@ -8,8 +8,8 @@ from mimoc.body import BodyTree
 from mimoc.body.kinematics import FloatArray, frames_in_world
 from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import quaternion_from_matrix
-from mimoc.mjcf.constraints import Lock, Weld
 from mimoc.mjcf.mimo.lookups import lock_name
+from mimoc.mjcf.world import Lock, Weld
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import single_groups
 from mimoc.tasks.setup import Hold, TaskSetup

@@ -26,11 +26,10 @@ from mimoc.delays.presets import delays
 from mimoc.kinds import Kinds
 from mimoc.looks.appearance import EXPRESSIONS, face_material
 from mimoc.mjcf.infant import Actuator
-from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX
 from mimoc.mjcf.mimo.lookups import lock_name
 from mimoc.mjcf.objects import FreeObject
-from mimoc.mjcf.placed import Placed
-from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.scene import Placed, SceneTree
+from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
 from mimoc.noise.presets import noise
 from mimoc.scenes import SCENES
 from mimoc.schema.infant import InfantSpec

@@ -14,10 +14,9 @@ from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.errors import NoSpaceError
 from mimoc.geometry.rotations import matrix_from_axis, quaternion_from_axis, quaternion_product
 from mimoc.kinds import function_of
-from mimoc.mjcf.contact_pairs import barrier_pairs
 from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import Keyframe, SceneTree
-from mimoc.mjcf.world import World
+from mimoc.mjcf.world import World, barrier_pairs
 from mimoc.random_streams import stream
 from mimoc.scenes import SCENES
 from mimoc.scenes.built_scene import WEIGHTLESS, BuiltScene, Occupant, Placement

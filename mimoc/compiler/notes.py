@@ -7,8 +7,8 @@ from mimoc.actuation import ACTUATIONS
 from mimoc.kinds import Kinds
 from mimoc.scenes import SCENES
 from mimoc.scenes.spec import SceneSpec
+from mimoc.schema.base import dotted
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.key_paths import dotted
 from mimoc.schema.names import single_groups
 from mimoc.schema.sizes import pairs
 from mimoc.senses.vision.spec import VisionSpec

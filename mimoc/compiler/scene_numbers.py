@@ -7,12 +7,11 @@ from typing import Any
 
 import mujoco
 
-from mimoc.mjcf.constraints import Lock
 from mimoc.mjcf.furniture import WorldGeom
 from mimoc.mjcf.infant import Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
 from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import SceneTree
-from mimoc.mjcf.world import World
+from mimoc.mjcf.world import Lock, World
 
 XML_NAMES = {"user": "userdata"}
 """Attributes of MJCF that MuJoCo's elements have under another name."""

@@ -1,10 +1,12 @@
 """Frames: sites, cameras and bodies that objectives control, with their poses and motion."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
+from mimoc.bundle.manifest import AnatomyEntry
 from mimoc.errors import UnknownNameError
 from mimoc.senses.sense import FloatArray
 
@@ -89,3 +91,29 @@ def _names(model: mujoco.MjModel) -> list[str]:
     sites = [model.site(index).name for index in range(model.nsite)]
     cameras = [model.camera(index).name for index in range(model.ncam)]
     return sites + cameras + [model.body(index).name for index in range(1, model.nbody)]
+
+
+def trunk_of(anatomy: AnatomyEntry, model: mujoco.MjModel) -> tuple[int, ...]:
+    """Return the bodies of the trunk, from the first to the last."""
+    return tuple(model.body(name).id for name in anatomy.trunk)
+
+
+def limb_of(body: int, trunk: Collection[int], model: mujoco.MjModel) -> int:
+    """Return the first body of the limb that a body belongs to; 0, the world, for bodies that are not in a limb."""
+    while body not in trunk and body:
+        parent = int(model.body_parentid[body])
+        if parent in trunk:
+            return body
+        body = parent
+    return 0
+
+
+def joints_between(model: mujoco.MjModel, body: int, root: int) -> list[int]:
+    """Return the joints that move a body relative to the parent of *root*, its ancestor or itself."""
+    joints: list[int] = []
+    while True:
+        first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+        joints = [*range(first, first + count), *joints]
+        if body == root:
+            return joints
+        body = int(model.body_parentid[body])

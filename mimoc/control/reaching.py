@@ -8,12 +8,142 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.manifest import Manifest
-from mimoc.control.balance import Balance
+from mimoc.bundle.model import in_subtrees
+from mimoc.control.frames import Frame, find_frame, joints_between, limb_of, trunk_of
 from mimoc.control.gains import Gains
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.objectives import LOOKING, REACHING, Align, LookAt, Reach
-from mimoc.control.reachable_places import ReachablePlaces
-from mimoc.senses.sense import FloatArray
+from mimoc.control.posture import Posture
+from mimoc.errors import ControlError
+from mimoc.senses.sense import FloatArray, IntArray
+
+SHARE = 0.8
+"""Fraction of each joint's range, about its middle, from which its angle is drawn."""
+VIEW_RAD = np.deg2rad(70.0)
+"""Largest angle between a target, as seen from the eyes, and the forward direction of the chest."""
+MOST_DRAWS = 1000
+"""Number of draws after which the search is given up."""
+
+
+class ReachablePlaces:
+    """Draws a random position for each hand, where the hand is for random angles of the joints of its arm.
+
+    With these angles, the arms have no contacts with the infant or its world, and the positions are in view.
+    """
+
+    def __init__(self, model: mujoco.MjModel, manifest: Manifest):
+        """Find the arms of an infant.
+
+        Raises:
+            ControlError: If no commanded joint moves a hand.
+        """
+        self._model, self._data = model, mujoco.MjData(model)
+        self._trunk = trunk_of(manifest.anatomy, model)
+        moved = {model.joint(actuator.joint).id for actuator in manifest.actuation.actuators if actuator.commanded}
+        hands = [limb.end for limb in manifest.anatomy.arms if limb.end]
+        self.hands = tuple(hand for hand in hands if moved.intersection(self._joints_to(hand)))
+        """Bodies of the hands that commanded joints move."""
+        eyes = [eye.camera for eye in manifest.anatomy.eyes]
+        self.eyes = tuple(eye for eye in eyes if moved.intersection(self._joints_to(eye)))
+        """Cameras of the eyes that commanded joints move."""
+        if not self.hands:
+            raise ControlError("this infant has no hand with a commanded arm; add 'arms' to actuation.regions")
+        self._frames = [find_frame(hand, model) for hand in self.hands]
+        self._eyes = [find_frame(eye, model) for eye in self.eyes]
+        joints = [joint for hand in self.hands for joint in self._joints_to(hand)]
+        self._angles = model.jnt_qposadr[joints]
+        low_rad, high_rad = model.jnt_range[joints].T
+        middle_rad, half_rad = (low_rad + high_rad) / 2, SHARE * (high_rad - low_rad) / 2
+        self._low_rad, self._high_rad = middle_rad - half_rad, middle_rad + half_rad
+        arms = [in_subtrees(model, [limb_of(frame.body, self._trunk, model)]) for frame in self._frames]
+        self._is_arm = np.append(np.any(arms, axis=0)[model.geom_bodyid], False)  # The last is for what has no geom.
+
+    def draw(self, data: mujoco.MjData, generator: np.random.Generator) -> tuple[FloatArray, ...] | None:
+        """Return a position in the world for each of `hands`, shape (3,), [m], for an infant in a state.
+
+        Returns None if `MOST_DRAWS` draws find none, as for an infant that lies on its arms.
+        """
+        model, posed = self._model, self._data
+        posed.qpos[:] = data.qpos
+        for _ in range(MOST_DRAWS):
+            posed.qpos[self._angles] = generator.uniform(self._low_rad, self._high_rad)
+            mujoco.mj_kinematics(model, posed)
+            mujoco.mj_comPos(model, posed)
+            mujoco.mj_camlight(model, posed)
+            places_m = tuple(frame.place_m(posed).copy() for frame in self._frames)
+            if all(map(self._is_in_view, places_m)) and not self._touches():
+                return places_m
+        return None
+
+    def _joints_to(self, name: str) -> list[int]:
+        """Return the joints from the trunk to a body or a camera."""
+        frame: Frame = find_frame(name, self._model)
+        return joints_between(self._model, frame.body, limb_of(frame.body, self._trunk, self._model))
+
+    def _is_in_view(self, place_m: FloatArray) -> bool:
+        if not self._eyes:
+            return True
+        ahead = self._data.xmat[self._trunk[-1]].reshape(3, 3)[:, 0]
+        away_m = place_m - np.mean([eye.place_m(self._data) for eye in self._eyes], axis=0)
+        return float(away_m @ ahead) > np.cos(VIEW_RAD) * float(np.linalg.norm(away_m))
+
+    def _touches(self) -> bool:
+        mujoco.mj_collision(self._model, self._data)
+        contact = self._data.contact
+        return bool((self._is_arm[contact.geom].any(axis=1) & (contact.dist < 0)).any())
+
+
+BALANCING = Gains(100.0, viscosity_per_s=20.0)
+"""Gains for the chest, which keeps its orientation while the arms move."""
+LYING = 0.5
+"""Cosine of 60°, the tilt of the chest beyond which an infant counts as lying."""
+
+
+class Balance:
+    """Determines whether an infant lies, sits or stands, and the objectives that keep it stable."""
+
+    def __init__(self, model: mujoco.MjModel, manifest: Manifest):
+        """Find trunk and legs of an infant."""
+        self._model, self._manifest = model, manifest
+        self._trunk = trunk_of(manifest.anatomy, model)
+        actuators = [actuator for actuator in manifest.actuation.actuators if actuator.commanded]
+        self._moved = list(dict.fromkeys(model.joint(actuator.joint).id for actuator in actuators))
+
+    def lies(self, data: mujoco.MjData) -> bool:
+        """Return whether the chest is tilted so far that the infant lies."""
+        return bool(data.xmat[self._trunk[-1]].reshape(3, 3)[2, 2] < LYING)
+
+    def sits_freely(self, data: mujoco.MjData) -> bool:
+        """Return whether the infant is upright and supported only by the ground."""
+        return not self._manifest.constraints.welds and not self.lies(data)
+
+    def objectives(self, data: mujoco.MjData) -> list[Posture | Align]:
+        """Return the objectives that keep the infant stable: first the posture of its legs, then an upright chest.
+
+        For an infant that lies, these are only the postures of legs and spine, since the ground supports its chest.
+        """
+        model = self._model
+        roots = [model.body(leg.root).id for leg in self._manifest.anatomy.legs]
+        legs = self._joints_on(np.flatnonzero(in_subtrees(model, roots)))
+        if self.lies(data):
+            return [Posture(joints=[*legs, *self._joints_on(np.array(self._trunk, np.intp))])]
+        chest = data.body(self._trunk[-1])
+        return [Posture(joints=legs), Align(chest.name, chest.xmat.reshape(3, 3), gains=BALANCING)]
+
+    def loose_feet(self, data: mujoco.MjData) -> list[str]:
+        """Return the feet of a sitting infant, which may slide; counted as sticking, they creep until legs cross.
+
+        The feet of a standing infant, whose hip is high above them, stick.
+        """
+        feet = [leg.end for leg in self._manifest.anatomy.legs if leg.end]
+        root_m = data.body(self._manifest.root_body).xpos
+        away_m = [root_m - data.body(foot).xpos for foot in feet]
+        return [foot for foot, way in zip(feet, away_m, strict=True) if way[2] < 0.5 * np.linalg.norm(way)]
+
+    def _joints_on(self, bodies: IntArray) -> list[str]:
+        """Return the commanded joints of some bodies."""
+        chosen = np.isin(self._model.jnt_bodyid[self._moved], bodies)
+        return [self._model.joint(joint).name for joint, is_on in zip(self._moved, chosen, strict=True) if is_on]
 
 
 @dataclass(frozen=True, slots=True)

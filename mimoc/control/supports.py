@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
-from mimoc.control.limbs import limb_of, trunk_of
+from mimoc.control.frames import limb_of, trunk_of
 from mimoc.senses.sense import FloatArray, IntArray
 
 _EQUALITY = int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from mimoc.errors import Problem, SpecError, suggestion
-from mimoc.schema.key_paths import shown
+from mimoc.schema.base import shown
 from mimoc.schema.source import Source
 
 Meaning = TypeVar("Meaning")

@@ -1,12 +1,17 @@
 """A scene as the templates print it: SI units, angles in radians, every value decided."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from mimoc.mjcf.infant import Actuator, Node, PrintedTendon, Sensor
+import numpy.typing as npt
+
+from mimoc.mjcf.infant import Actuator, Camera, Node, PrintedTendon, Sensor, Site
 from mimoc.mjcf.materials import Appearance, Material
 from mimoc.mjcf.skin import Skin
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP
+from mimoc.schema.base import Model
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,3 +79,21 @@ def _with_solids_shown(node: Node) -> Node:
     """Return a body and its descendants with no solid in the group that is not drawn."""
     geoms = (replace(geom, group=BODY_GROUP) if geom.group == SOLIDS_GROUP else geom for geom in node.geoms)
     return replace(node, geoms=tuple(geoms), children=tuple(map(_with_solids_shown, node.children)))
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A sense on a body: its entry in the manifest, and what stands for it in the MJCF."""
+
+    entry: Model
+    """What the runtime must know of it."""
+    sites: Mapping[str, tuple[Site, ...]] = field(default_factory=dict)
+    """Sites to add, by body."""
+    cameras: Mapping[str, tuple[Camera, ...]] = field(default_factory=dict)
+    """Cameras by body, in place of those that the body has without the sense."""
+    sensors: tuple[Sensor, ...] = ()
+    """Sensors to add."""
+    arrays: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
+    """Large arrays that the runtime must know; the bundle has `points_m` of touch as `touch/points_m`."""
+    origins: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    """Where its numbers come from, by key in `provenance.json`."""

@@ -1,6 +1,12 @@
 """The sites, cameras and MuJoCo sensors that every body has for its senses."""
 
+import math
+from collections.abc import Iterator
+
 from mimoc.body import BodyTree
+from mimoc.body.head_surface import as_on_mimos_head
+from mimoc.body.sections import BUTTOCKS, RUMP
+from mimoc.geometry.rotations import Vec3
 from mimoc.mjcf.infant import Camera, Sensor, Site
 from mimoc.units import deg_to_rad
 
@@ -74,3 +80,82 @@ def cameras(tree: BodyTree, fovy_deg: float = FOVY_DEG) -> dict[str, tuple[Camer
 
 def _sensor_name(site: str) -> str:
     return _OTHER_NAMES.get(site, site.removeprefix("torque_"))
+
+
+PREFIX = "BODY_25:"
+KEYPOINTS = (
+    *("Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist"),
+    *("MidHip", "RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle", "REye", "LEye", "REar", "LEar"),
+    *("LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel"),
+)
+"""In BODY_25's order (OpenPose)."""
+
+ORIGINS = {
+    "Shoulder": "upper_arm",
+    "Elbow": "lower_arm",
+    "Wrist": "hand",
+    "Hip": "upper_leg",
+    "Knee": "lower_leg",
+    "Eye": "eye",
+}
+"""Keypoints at the origin of a body, for each side."""
+
+RADIUS_M = 0.005
+"""Only for looking at."""
+
+
+def keypoint_sites(tree: BodyTree) -> dict[str, list[Site]]:
+    """Return the keypoints of each body; those of limbs that this infant does not have are left out."""
+    bodies = {body.name for body in tree.bodies}
+    sites: dict[str, list[Site]] = {}
+    for name, body, pos_m in (*_middle(tree), *_sides(tree)):
+        if body in bodies:
+            sites.setdefault(body, []).append(Site(PREFIX + name, pos_m, RADIUS_M))
+    return sites
+
+
+def _middle(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
+    """Yield the keypoints of head and hip; those of the head are in proportion to it (MIMo v2)."""
+    head = tree.geoms["head"]
+    yield "Nose", "head", as_on_mimos_head(head, (0.0685, 0.0, 0.0435))
+    yield "Neck", "head", (0.0, 0.0, 0.0)
+    yield "REar", "head", as_on_mimos_head(head, (0.01, -0.0625, 0.0575))
+    yield "LEar", "head", as_on_mimos_head(head, (0.01, 0.0625, 0.0575))
+    yield "MidHip", "hip", _between_hip_joints(tree)
+
+
+def _between_hip_joints(tree: BodyTree) -> Vec3:
+    """Return the middle of the hip joints; if one leg is absent, its joint mirrors the other one.
+
+    Without legs, it is where the average child's is in its pelvis.
+    """
+    joints_m = [body.pos_m for body in tree.bodies if body.name in ("left_upper_leg", "right_upper_leg")]
+    if joints_m:
+        x_m, _, z_m = (math.fsum(along) / len(joints_m) for along in zip(*joints_m, strict=True))
+        return x_m, 0.0, z_m
+    pelvis = tree.geoms["lb"]
+    (radius_m, _), (x_m, _, z_m) = pelvis.size_m, pelvis.pos_m
+    return x_m - (1 - BUTTOCKS) * radius_m, 0.0, z_m - (1 - RUMP) * radius_m
+
+
+def _sides(tree: BodyTree) -> Iterator[tuple[str, str, Vec3]]:
+    for side, letter, outward in (("right", "R", -1.0), ("left", "L", 1.0)):
+        for name, body in ORIGINS.items():
+            yield letter + name, f"{side}_{body}", (0.0, 0.0, 0.0)
+        if f"{side}_foot" in {body.name for body in tree.bodies}:
+            yield from _foot(tree, side, letter, outward)
+
+
+def _foot(tree: BodyTree, side: str, letter: str, outward: float) -> Iterator[tuple[str, str, Vec3]]:
+    """Yield ankle, heel and toes; the toes' points are on the toes, so that they move with them."""
+    foot, sole = f"{side}_foot", tree.geoms[f"{side}_foot2"]
+    separate_toes = tree.hands == "five_finger"
+    long, wide = sole.size_m[0] / (0.030 if separate_toes else 0.035), sole.size_m[1] / 0.025
+    yield letter + "Ankle", foot, tree.joints[f"robot:{side}_foot3"].anchor_m
+    yield letter + "Heel", foot, (-0.020 * long, 0.0, 0.0)
+    if separate_toes:
+        yield letter + "BigToe", f"{side}_big_toe", (0.011 * long, 0.0, 0.0)
+        yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.0045 * wide, 0.0)
+    else:
+        yield letter + "BigToe", f"{side}_toes", (0.011 * long, -outward * 0.012 * wide, 0.0)
+        yield letter + "SmallToe", f"{side}_toes", (0.010 * long, outward * 0.012 * wide, 0.0)

@@ -1,14 +1,53 @@
 """The world around an infant in MJCF."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.constraints import Lock, Pair, Weld
-from mimoc.mjcf.furniture import BARE, OUTDOORS, DirectionalLight, Furniture, Headlight
-from mimoc.mjcf.infant import Camera
+from mimoc.mjcf.furniture import BARE, OUTDOORS, SOLID, DirectionalLight, Furniture, Headlight, WorldGeom
+from mimoc.mjcf.infant import Camera, Node, PrintedGeom
 from mimoc.mjcf.materials import WorldMaterial
-from mimoc.mjcf.objects import FreeObject, MeshFile
+from mimoc.mjcf.objects import FreeObject, MeshFile, ObjectGeom
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """A constraint that keeps a hinge at an angle."""
+
+    name: str
+    joint: str
+    angle_rad: float
+    active: bool
+    """Whether it is active from the start; others can be switched on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Weld:
+    """A constraint that fixes a part of the infant in the world."""
+
+    name: str
+    body: str
+    anchor_m: Vec3
+    """The point that is fixed, in the frame of the body."""
+    pos_m: Vec3
+    """Where that point is in the world."""
+    quat: tuple[float, float, float, float]
+    """Orientation."""
+    torquescale: float
+    """1 fixes the orientation; 0 leaves it free about the point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Two geoms that collide although their contact bits say otherwise."""
+
+    geom1: str
+    geom2: str
+    condim: int
+    friction: tuple[float, float, float, float, float]
+    """Sliding along two axes, spinning, and rolling about two axes."""
+    solref: tuple[float, float]
+    solimp: tuple[float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,3 +103,40 @@ class World:
     def assets(self) -> Mapping[str, bytes]:
         """Binary files by path in the bundle."""
         return {texture.file: texture.content for texture in (*self.furniture.textures, *self.meshes)}
+
+
+def barrier_pairs(world: World, roots: Sequence[Node]) -> tuple[Pair, ...]:
+    """Return the contacts that barriers have with an infant and with what else moves, as if contact bits allowed them.
+
+    Args:
+        world: What is around the infant.
+        roots: The infant.
+    """
+    of_objects = (geom for item in world.objects for geom in item.geoms)
+    moving = [geom for geom in (*_geoms(roots), *of_objects) if SOLID & (geom.contype | geom.conaffinity)]
+    barriers = (geom for geom in world.furniture.geoms if geom.barrier)
+    return tuple(_pair(barrier, geom) for barrier in barriers for geom in moving)
+
+
+def _geoms(nodes: Iterable[Node]) -> Iterator[PrintedGeom]:
+    for node in nodes:
+        yield from node.geoms
+        yield from _geoms(node.children)
+
+
+def _pair(barrier: WorldGeom, geom: PrintedGeom | ObjectGeom) -> Pair:
+    """Return a contact with what MuJoCo mixes of two geoms that are equally soft."""
+    sliding, spinning, rolling = _larger(barrier.friction, geom.friction)
+    return Pair(
+        geom1=barrier.name,
+        geom2=geom.name,
+        condim=max(barrier.condim, geom.condim),
+        friction=(sliding, sliding, spinning, rolling, rolling),
+        solref=barrier.solref,
+        solimp=barrier.solimp,
+    )
+
+
+def _larger(left: Vec3, right: Vec3) -> Vec3:
+    x, y, z = map(max, left, right)
+    return x, y, z

@@ -1,11 +1,24 @@
 """What every section of a spec has in common."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic import BaseModel, ConfigDict
 
-from mimoc.schema.key_paths import KeyPath
+KeyPath: TypeAlias = tuple[str | int, ...]
+Place: TypeAlias = tuple[int, int]
+"""Line and column, both from 1."""
+
+
+def dotted(path: KeyPath) -> str:
+    """Return a path as a user would write it: `scene.room.size_m[0]`."""
+    return "".join(f"[{step}]" if isinstance(step, int) else f".{shown(step)}" for step in path).removeprefix(".")
+
+
+def shown(text: str) -> str:
+    """Return a text shortened and escaped for one line of a message."""
+    short = text if len(text) <= 40 else text[:37] + "..."
+    return short if short.isprintable() else ascii(short)[1:-1]
 
 
 class Model(BaseModel):

@@ -7,8 +7,7 @@ from pydantic import AfterValidator, StringConstraints
 
 from mimoc.schema.base import Model
 from mimoc.schema.body import IndividualSpec
-from mimoc.schema.bounded import Int64, NotNegative, Plain
-from mimoc.schema.quantities import Real
+from mimoc.schema.quantities import Int64, NotNegative, Plain, Real
 
 
 def _of_one_child(factors: Mapping[str, Any]) -> Mapping[str, Any]:

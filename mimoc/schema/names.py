@@ -1,10 +1,15 @@
 """The names a spec can use for measurements, bodies and groups of muscles."""
 
 from collections.abc import Iterable, Sequence
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
 
 from mimoc.body.anatomy import assemble, on_named_sides
 from mimoc.body.part import Development as Development
 from mimoc.body.parts import HEAD, PARTS, TRUNK, extra_kinds, kinds_of_hands
+from mimoc.errors import suggestion
+from mimoc.schema.quantities import Distinct
 
 SIDES = ("left", "right")
 
@@ -85,3 +90,19 @@ def all_limb_bodies() -> tuple[str, ...]:
     """Return the bodies of all kinds of infants but for trunk and head, sorted."""
     usual = {name for hands in kinds_of_hands() for name in limb_bodies(hands)}
     return tuple(sorted(usual.union(*(bodies_of(kind) for kind in extra_kinds()))))
+
+
+OTHER_WORDS = {"head": "neck", "body": "trunk", "chest": "trunk", "fingers": "hands", "feet": "legs", "toes": "legs"}
+"""Other words for some groups, or for parts of them, which an error translates."""
+
+
+def _known_group(name: str) -> str:
+    if name not in STRENGTH_GROUPS:
+        meant = OTHER_WORDS.get(name)
+        advice = f"write '{meant}'" if meant else suggestion(name, STRENGTH_GROUPS)
+        raise ValueError(f"unknown muscle group; {advice}")
+    return name
+
+
+GroupName = Annotated[str, AfterValidator(_known_group), Field(json_schema_extra={"enum": list(STRENGTH_GROUPS)})]
+Groups = Annotated[tuple[GroupName, ...], *Distinct]

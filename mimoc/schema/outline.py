@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from mimoc.schema.base import Model
+from mimoc.schema.base import KeyPath, Model
 from mimoc.schema.composition import on_recompose
-from mimoc.schema.key_paths import KeyPath
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from math import isfinite
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, Field, JsonValue, StringConstraints
@@ -68,3 +69,28 @@ def among(names: Callable[[], Sequence[str]]) -> FieldInfo:
 def keys_among(names: Sequence[str]) -> dict[str, JsonValue]:
     """Return what tells editors which keys a section may have whose keys are names."""
     return {"propertyNames": {"enum": list(names)}}
+
+
+INT64 = 2**63
+
+
+def bounded(data: Any) -> Any:
+    """Return plain data, if its whole numbers have at most 64 bits and the others are finite.
+
+    Raises:
+        ValueError: If not.
+    """
+    if isinstance(data, dict | list):
+        for item in data.values() if isinstance(data, dict) else data:
+            bounded(item)
+    elif isinstance(data, int) and not -INT64 <= data < INT64:
+        raise ValueError(f"a whole number of {data.bit_length()} bits is too large")
+    elif isinstance(data, float) and not isfinite(data):
+        raise ValueError(f"{data} is not a finite number")
+    return data
+
+
+Int64 = Annotated[Whole, Field(ge=-INT64, lt=INT64)]
+Count = Annotated[Whole, Field(ge=0, lt=INT64)]
+NotNegative = Annotated[Real, Field(ge=0)]
+Plain = Annotated[JsonValue, AfterValidator(bounded)]

@@ -7,8 +7,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from mimoc.errors import SpecError
-from mimoc.schema.base import Model
-from mimoc.schema.key_paths import KeyPath
+from mimoc.schema.base import KeyPath, Model
 from mimoc.schema.outline import Language, language_of
 from mimoc.schema.source import Source
 from mimoc.schema.wording import fault, missing_value

@@ -4,9 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from statistics import NormalDist
 
-from mimoc.schema.base import KeyedError
+from mimoc.schema.base import KeyedError, KeyPath, dotted
 from mimoc.schema.body import INDICATORS, BodySpec
-from mimoc.schema.key_paths import KeyPath, dotted
 from mimoc.schema.names import LIMB_MEASUREMENTS, SIDES, unsided
 from mimoc.schema.source import Source
 

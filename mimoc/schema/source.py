@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import IO, Any, Literal, NoReturn
 
 from mimoc.errors import Problem, SpecError
-from mimoc.schema.key_paths import KeyPath, Place, dotted
+from mimoc.schema.base import KeyPath, Place, dotted
 from mimoc.schema.yaml_document import UNPRINTABLE, DocumentReader
 from mimoc.schema.yaml_scalars import dump
 

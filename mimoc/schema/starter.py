@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec
-from mimoc.schema.key_paths import KeyPath
 from mimoc.schema.outline import Language, language_of
 from mimoc.schema.yaml_scalars import dump
 

@@ -9,8 +9,7 @@ from typing import Any, Literal
 from pydantic_core import ErrorDetails
 
 from mimoc.errors import suggestion
-from mimoc.schema.base import KeyedError
-from mimoc.schema.key_paths import KeyPath, dotted, shown
+from mimoc.schema.base import KeyedError, KeyPath, dotted, shown
 from mimoc.schema.outline import Language, Outline
 
 _UNIT_WORDS = {"deg": "degrees", "px": "pixels", "cpd": "cycles per degree", "percentile": "", "n": "newtons"}

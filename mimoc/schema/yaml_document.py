@@ -17,7 +17,7 @@ from yaml.reader import Reader
 from yaml.scanner import Scanner
 
 from mimoc.errors import Problem, SpecError
-from mimoc.schema.key_paths import KeyPath, Place, dotted, shown
+from mimoc.schema.base import KeyPath, Place, dotted, shown
 from mimoc.schema.yaml_scalars import means_itself, scalar
 
 MAX_VALUES = 5_000

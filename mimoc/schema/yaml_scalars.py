@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from mimoc.schema.key_paths import shown
+from mimoc.schema.base import shown
 
 _INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
 _REAL = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")

@@ -16,7 +16,7 @@ from mimoc.bundle.json_files import parse_json
 from mimoc.bundle.regular_files import UnusableFileError
 from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
-from mimoc.schema.bounded import Count, NotNegative
+from mimoc.schema.quantities import Count, NotNegative
 from mimoc.training.agents import agent_state, restore_agent
 from mimoc.training.archives import Archive
 from mimoc.training.curve import Curve

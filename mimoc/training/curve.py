@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.errors import TrainingError
-from mimoc.schema.bounded import bounded
+from mimoc.schema.quantities import bounded
 
 
 @dataclass(frozen=True, slots=True)

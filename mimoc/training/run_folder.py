@@ -19,7 +19,7 @@ from mimoc.bundle.json_files import one_line, read_json_file
 from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import BundleError, MimocError, OutputError, TrainingError
 from mimoc.schema.base import Model
-from mimoc.schema.bounded import Plain, bounded
+from mimoc.schema.quantities import Plain, bounded
 from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
 from mimoc.training.settings import Settings

@@ -6,7 +6,7 @@ from support.full import full_rows
 
 import mimoc
 from mimoc.control import GAIN_SETS
-from mimoc.control.reachable_places import ReachablePlaces
+from mimoc.control.reaching import ReachablePlaces
 from mimoc.errors import ControlError
 from mimoc.policies.reach import ReachPolicy
 from mimoc.policies.reach_errors import reach_errors

@@ -4,8 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.control.antagonists import Antagonists
-from mimoc.control.torque_mapping import TORQUE_MAPPINGS, Motors
+from mimoc.control.torque_mapping import TORQUE_MAPPINGS, Antagonists, Motors
 
 STEP_S = 0.01
 

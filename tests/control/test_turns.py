@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from mimoc.control.turns import directions_across, turn_to, turn_towards
+from mimoc.control.objectives import directions_across, turn_to, turn_towards
 
 vectors = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda vector: np.linalg.norm(vector) > 0.1)
 unit_vectors = vectors.map(lambda vector: vector / np.linalg.norm(vector))

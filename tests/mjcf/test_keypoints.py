@@ -8,7 +8,7 @@ import mimoc
 from mimoc.body import BodyTree, assemble, grow_body, grow_tree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import depths
-from mimoc.mjcf.keypoints import KEYPOINTS, PREFIX, keypoint_sites
+from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX, keypoint_sites
 
 BODY_25 = [
     *("Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist", "MidHip"),

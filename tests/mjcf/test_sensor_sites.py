@@ -7,7 +7,7 @@ import pytest
 from mimoc.body import assemble, grow_tree
 from mimoc.fits import measure
 from mimoc.mjcf import sensor_sites
-from mimoc.mjcf.keypoints import PREFIX
+from mimoc.mjcf.sensor_sites import PREFIX
 
 
 def floats(text: str) -> list[float]:

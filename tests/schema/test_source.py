@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mimoc.errors import SpecError
 from mimoc.schema import source
-from mimoc.schema.key_paths import dotted
+from mimoc.schema.base import dotted
 from mimoc.schema.source import parse, read
 from mimoc.schema.yaml_scalars import dump
 

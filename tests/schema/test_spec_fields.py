@@ -13,7 +13,7 @@ from mimoc import schema
 from mimoc.body.parts import kinds_of_hands
 from mimoc.errors import SpecError
 from mimoc.schema import DelaysSpec, InfantSpec, SensesSpec, read_spec
-from mimoc.schema.key_paths import KeyPath
+from mimoc.schema.base import KeyPath
 from mimoc.schema.names import MEASUREMENTS, limb_bodies, trunk_bodies
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse

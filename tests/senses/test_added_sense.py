@@ -16,7 +16,7 @@ from mimoc.compiler.explain import entries_of, explain
 from mimoc.errors import SpecError
 from mimoc.kinds import AgeTable, NoiseOption, SenseKind
 from mimoc.mjcf.infant import Sensor, Site
-from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import Placed
 from mimoc.noise.noise import Noise
 from mimoc.schema.base import Model
 from mimoc.schema.quantities import Real

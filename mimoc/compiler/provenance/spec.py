@@ -1,13 +1,21 @@
 """Where the values of a spec were written, what the numbers of its task are, and where others' kinds come from."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+from mimoc import fits
+from mimoc.actuation.setup import ActuationSetup, Origin
+from mimoc.body import BodyTree
 from mimoc.body.origins import Entry
 from mimoc.body.parts import PARTS
+from mimoc.bundle.manifest import ChildEntry
+from mimoc.compiler.furnish import FurnishedScene
+from mimoc.fits.who import percentile
+from mimoc.mjcf.objects import FreeObject
 from mimoc.schema.infant import InfantSpec, to_data
 from mimoc.schema.source import Source
 from mimoc.tasks.base import TaskEntry
+from mimoc.toys.provenance import mass_entry, trace_toys
 
 SPEC_FILE = "spec.yaml"
 """The spec in a bundle, as it was written."""
@@ -76,3 +84,138 @@ def _plugin_entry(kind: str, distribution: str) -> Entry:
     if section == "parts":
         sources = ["spec.body.hands" if PARTS[name].replaces else "spec.body.extra"]
     return {"value": distribution, "rule": rule, "from": sources}
+
+
+def trace_world(spec: InfantSpec, furnished: FurnishedScene) -> dict[str, Entry]:
+    """Return an entry for each number of a world; those drawn at random name the stream of the seed they are from."""
+    return {
+        "scene.gravity": {
+            "value": furnished.scene.world.gravity_m_s2,
+            "unit": "m/s2",
+            "rule": "the earth's; 0 in an empty world, and where a task takes it away",
+            "from": ["spec.scene.kind"],
+            "xml": "scene.xml: option/@gravity",
+        },
+        **furnished.origins,
+        **(trace_toys(furnished.toys) if spec.scene.toys else {}),
+        **{key: entry for thing in furnished.task_objects for key, entry in _trace_task_object(thing)},
+    }
+
+
+def _trace_task_object(thing: FreeObject) -> Iterator[tuple[str, Entry]]:
+    key, at = f"task_object.{thing.name}", f"scene.xml: body[@name='{thing.name}']"
+    sources = ["spec.task.kind", "spec.age_months"]
+    yield f"{key}.size", {"value": thing.size_m, "unit": "m", "rule": "that of MIMo's task", "from": sources}
+    yield f"{key}.mass", mass_entry(thing, [f"{key}.size"])
+    rule = "where the task begins, by the body of the infant"
+    yield f"{key}.pos", {"value": thing.pos_m, "unit": "m", "rule": rule, "from": sources, "xml": f"{at}/@pos"}
+
+
+MODEL_KEY = "spec.actuation.model"
+JOINT_UNITS = {"stiffness": "N m/rad", "damping": "N m s/rad"}
+"""What an actuation model may change of a joint."""
+
+
+def trace_actuation(model: str, tree: BodyTree, setup: ActuationSetup, entries: dict[str, Entry]) -> dict[str, Entry]:
+    """Return the entries of a body, with those of its actuators, and of the joints as an actuation model leaves them.
+
+    Args:
+        model: The actuation model.
+        tree: The body.
+        setup: What the actuation model makes of it.
+        entries: Those of the body and its motors.
+    """
+    unknown = Origin(f"set by the actuation model '{model}'", (MODEL_KEY,))
+    entries = {**entries, **dict(_trace_shared(setup)), **dict(_trace_joints(tree, setup, unknown))}
+    strengths = {motor.name: motor for motor in tree.motors}
+    for actuator in setup.actuators:
+        if actuator.name in strengths and actuator.gear == strengths[actuator.name].gear_nm:
+            entries[f"actuator.{actuator.name}.gear"]["xml"] = _xml(actuator.name, "gear")
+        for attribute, value in actuator.settings:
+            key = f"actuator.{actuator.name}.{attribute}"
+            if key not in setup.origins and key in entries:
+                entries[key]["xml"] = _xml(actuator.name, attribute)
+            else:
+                origin = setup.origins.get(key, unknown)
+                entries[key] = origin.entry(value, _xml(actuator.name, attribute))
+    return entries
+
+
+def _trace_shared(setup: ActuationSetup) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each number that all actuators share and whose origin is told."""
+    for attribute, value in setup.defaults:
+        if origin := setup.origins.get(f"actuator.{attribute}"):
+            yield f"actuator.{attribute}", origin.entry(float(value), f"infant.xml: default/general/@{attribute}")
+
+
+def _trace_joints(tree: BodyTree, setup: ActuationSetup, unknown: Origin) -> Iterator[tuple[str, Entry]]:
+    """Yield an entry for each spring and damper that is not as the body has it."""
+    for name, joint in setup.joints.items():
+        was = tree.joints[name]
+        changes = {
+            "stiffness": (was.stiffness_nm_per_rad, joint.stiffness_nm_per_rad),
+            "damping": (was.damping_nms_per_rad, joint.damping_nms_per_rad),
+        }
+        for attribute, (before, value) in changes.items():
+            if value != before:
+                key, xml = f"joint.{name}.{attribute}", f"infant.xml: joint[@name='{name}']/@{attribute}"
+                yield key, setup.origins.get(key, unknown).entry(value, xml, JOINT_UNITS[attribute])
+
+
+def _xml(actuator: str, attribute: str) -> str:
+    return f"infant.xml: general[@name='{actuator}']/@{attribute}"
+
+
+UNITS = {"length_cm": "cm", "weight_kg": "kg", "head_circumference_cm": "cm", "arm_circumference_cm": "cm"}
+RULES = {
+    "length_cm": "crown to sole: how far the geoms reach along the vertical, no joint turned",
+    "weight_kg": "sum of all bodies",
+    "head_circumference_cm": "perimeter of the head's level section",
+    "arm_circumference_cm": "2 pi x radius of the upper arm",
+}
+AMONG = {"male": "boys", "female": "girls", None: "the mean of boys and girls"}
+
+
+def trace_child(tree: BodyTree, child: ChildEntry, percentiles: Mapping[str, float]) -> dict[str, Entry]:
+    """Return an entry for each measure of a child, and for each percentile.
+
+    Args:
+        tree: Its body.
+        child: What it measures.
+        percentiles: Among WHO's children, 0 to 100, by indicator.
+    """
+    return {**dict(_trace_measures(tree, child)), **dict(_trace_percentiles(child, percentiles))}
+
+
+def who_percentiles(child: ChildEntry) -> dict[str, float]:
+    """Return where a child stands among WHO's children of its age and sex, 0 to 100, by indicator.
+
+    An indicator that WHO has no standard for at that age is left out.
+    """
+    measures = child.model_dump()
+    return {
+        indicator: percentile(standard.z_score(measures[indicator], child.age_months, child.sex or "mean"))
+        for indicator, standard in fits.load_tables().who.items()
+        if standard.covers(child.age_months) and measures[indicator] is not None
+    }
+
+
+def _trace_measures(tree: BodyTree, child: ChildEntry) -> Iterator[tuple[str, Entry]]:
+    arms = [name for name in ("left_uarm1", "right_uarm1") if name in tree.geoms]
+    sources = {
+        "length_cm": ["measurements.crown_sole_length_cm"],
+        "weight_kg": [f"body.{body.name}.mass" for body in tree.bodies],
+        "head_circumference_cm": ["geom.head.size"],
+        "arm_circumference_cm": [f"geom.{name}.size" for name in arms[:1]],
+    }
+    for name, unit in UNITS.items():
+        value = getattr(child, name)
+        if value is not None:
+            yield f"child.{name}", {"value": value, "unit": unit, "rule": RULES[name], "from": sources[name]}
+
+
+def _trace_percentiles(child: ChildEntry, percentiles: Mapping[str, float]) -> Iterator[tuple[str, Entry]]:
+    rule = f"WHO Child Growth Standards: among {AMONG[child.sex]} of that age"
+    for name, value in percentiles.items():
+        sources = [f"child.{name}", "spec.age_months"]
+        yield f"who.{name}.percentile", {"value": value, "unit": "%", "rule": rule, "from": sources}

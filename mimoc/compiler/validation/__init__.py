@@ -1,7 +1,7 @@
 """Comparisons of the compiled infant with what is known of children."""
 
 from mimoc.compiler.validation.anthrokids import MeasurementReport, MeasurementRow, compare_with_anthrokids
-from mimoc.compiler.validation.compiled import compile_infant
+from mimoc.compiler.validation.requests import compile_infant
 from mimoc.compiler.validation.who import (
     REQUESTED_SD,
     GrowthReport,

@@ -10,9 +10,8 @@ from mimoc import fits
 from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
-from mimoc.compiler.validation.compiled import Progress, compile_infant
 from mimoc.compiler.validation.measuring import measure_body
-from mimoc.compiler.validation.requests import SAME
+from mimoc.compiler.validation.requests import SAME, Progress, compile_infant
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.tables import GroupMean
 from mimoc.rounding import rounded

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 import mujoco
 import numpy as np
 
-from mimoc.compiler.validation.compiled import own_solids, solid_extents
+from mimoc.compiler.validation.requests import own_solids, solid_extents
 from mimoc.geometry.rotations import FloatArray
 from mimoc.geometry.sections import Solids
 from mimoc.schema.names import SIDES

@@ -12,8 +12,16 @@ from mimoc import fits
 from mimoc.body.stature import Stature
 from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
-from mimoc.compiler.validation.compiled import PRIMITIVES, ROOT, Progress, compile_infant, own_solids, solid_extents
-from mimoc.compiler.validation.requests import Requests, requests_of
+from mimoc.compiler.validation.requests import (
+    PRIMITIVES,
+    ROOT,
+    Progress,
+    Requests,
+    compile_infant,
+    own_solids,
+    requests_of,
+    solid_extents,
+)
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
 from mimoc.rounding import rounded

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from mimoc.errors import suggestion
 from mimoc.importers.settings import Settings
-from mimoc.schema.key_paths import shown
+from mimoc.schema.base import shown
 from mimoc.schema.names import PAIRED_GROUPS, SIDES, STRENGTH_GROUPS
 
 _WHOLE = {

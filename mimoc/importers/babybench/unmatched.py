@@ -2,7 +2,7 @@
 
 from mimoc.errors import suggestion
 from mimoc.importers.settings import Settings, plain
-from mimoc.schema.key_paths import shown
+from mimoc.schema.base import shown
 
 FOLDER = "set the output folder when you train: mimoc train OUT -o DIR"
 INTERVAL = "set the interval when you train: mimoc train OUT -o DIR --checkpoint-every STEPS"

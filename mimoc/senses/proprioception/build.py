@@ -2,7 +2,7 @@
 
 from mimoc.body import BodyTree
 from mimoc.mjcf import sensor_sites
-from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import Placed
 from mimoc.senses.proprioception.spec import ProprioceptionEntry, ProprioceptionSpec
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mimoc.body import BodyTree
-from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import Placed
 from mimoc.senses.touch.skin_points import skin_points
 from mimoc.senses.touch.spec import SkinEntry, TouchEntry, TouchSpec
 

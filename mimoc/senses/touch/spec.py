@@ -6,7 +6,7 @@ from pydantic import Field
 
 from mimoc.schema.base import Model
 from mimoc.schema.entries import Body, Length
-from mimoc.schema.groups import Groups
+from mimoc.schema.names import Groups
 from mimoc.schema.quantities import Real
 
 TouchQuantity = Literal["force_vector", "force_vector_global", "normal"]

@@ -2,7 +2,7 @@
 
 from mimoc.body import BodyTree
 from mimoc.mjcf import sensor_sites
-from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import Placed
 from mimoc.senses.vision.acuity_by_age import resolve_acuity
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from mimoc.compiler.validation.compiled import ROOT
+from mimoc.compiler.validation.requests import ROOT
 from mimoc.render.body_camera import STILL, BodyCamera
 from mimoc.render.renderer import Picture
 from mimoc.schema.infant import InfantSpec

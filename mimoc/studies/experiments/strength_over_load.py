@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from mimoc.compiler.validation.compiled import compile_infant
+from mimoc.compiler.validation.requests import compile_infant
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development
 from mimoc.studies.milestones.infant import GRAVITY_M_S2

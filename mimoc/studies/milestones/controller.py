@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.validation.compiled import ROOT
+from mimoc.compiler.validation.requests import ROOT
 from mimoc.studies.milestones.infant import GRAVITY_M_S2, FloatArray, IntArray, TrialInfant
 from mimoc.studies.milestones.motors import DelayedMotors
 

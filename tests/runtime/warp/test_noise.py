@@ -12,7 +12,7 @@ from support.devices import DEVICE
 
 import mimoc
 from mimoc.kinds import NoiseOption, SenseKind
-from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import Placed
 from mimoc.noise.low_pass import LowPass
 from mimoc.noise.noise import Noise
 from mimoc.runtime.term import Field

@@ -10,9 +10,7 @@ from support.skin_bodies import SPACING_M, average, child, children, outside_all
 from mimoc.body import Body, Geom, assemble, grow_average, grow_tree
 from mimoc.fits import measure
 from mimoc.geometry.primitives import area
-from mimoc.senses.touch.exposed import MAX_STEPS, _moved, lay_out, move_with_geoms
-from mimoc.senses.touch.skin_points import skin_points
-from mimoc.senses.touch.surface import place
+from mimoc.senses.touch.skin_points import MAX_STEPS, _moved, lay_out, move_with_geoms, place, skin_points
 
 MITTEN = assemble("mitten", False)
 

@@ -10,7 +10,7 @@ from support.full import full_but
 
 import mimoc
 from mimoc.bundle.model import simulation_warnings
-from mimoc.control.activation import Activation
+from mimoc.control.torque_mapping import Activation
 from mimoc.tasks.catch.resizable_ball import ResizableBall
 
 ARM = ("shoulder", "elbow", "hand")

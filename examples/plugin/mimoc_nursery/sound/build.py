@@ -2,7 +2,7 @@
 
 from mimoc.body import BodyTree
 from mimoc.mjcf.infant import Site
-from mimoc.mjcf.placed import Placed
+from mimoc.mjcf.scene import Placed
 from mimoc_nursery.sound.spec import SoundEntry, SoundSpec
 
 LEFT, RIGHT = "sound_left_ear", "sound_right_ear"
