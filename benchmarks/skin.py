@@ -15,8 +15,7 @@ from measuring import cpu_medians_s
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder
-from mimoc.compiler.skins import skin_at
-from mimoc.compiler.variants import SpecVariants
+from mimoc.compiler.variants import SpecVariants, skin_at
 from mimoc.render.body_camera import BodyCamera
 from mimoc.senses.vision.eyes import Eyes
 

@@ -16,7 +16,7 @@ from mimoc.render.environment import check_rendering
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema import source
 from mimoc.schema.infant import InfantSpec, read_spec
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 from mimoc.tasks import TASKS
 
 OPTIONS = ("render_mode", "width", "height", "task", "senses")

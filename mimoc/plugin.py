@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from mimoc.runtime.term import Term as Term
     from mimoc.runtime.term_contract import check_term as check_term
     from mimoc.runtime.worlds import Worlds as Worlds
+    from mimoc.senses.custom import TermSense as TermSense
     from mimoc.senses.sense import Sense as Sense
     from mimoc.senses.sense import Vector as Vector
-    from mimoc.senses.term_sense import TermSense as TermSense
     from mimoc.tasks.base import TaskEntry as TaskEntry
     from mimoc.tasks.base import TaskSpec as TaskSpec
     from mimoc.tasks.setup import TaskSetup as TaskSetup
@@ -62,7 +62,7 @@ _NAMES = {
     "mimoc.runtime.worlds": "Worlds",
     "mimoc.schema.base": "Model",
     "mimoc.senses.sense": "Sense Vector",
-    "mimoc.senses.term_sense": "TermSense",
+    "mimoc.senses.custom": "TermSense",
     "mimoc.tasks.base": "TaskEntry TaskSpec",
     "mimoc.tasks.setup": "TaskSetup",
     "mimoc.tasks.task": "Change Judgement Task Verdict",

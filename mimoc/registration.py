@@ -14,7 +14,7 @@ import base64
 from html import escape
 
 from mimoc.bundle.io import Bundle
-from mimoc.compiler.provenance.spec import AMONG, who_percentiles
+from mimoc.compiler.provenance import AMONG, who_percentiles
 from mimoc.errors import RenderingError
 from mimoc.render.picture_files import encoded
 from mimoc.render.portrait import portrait

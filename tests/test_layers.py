@@ -75,8 +75,7 @@ LAYERS = {
         "errors units geometry part kinds",
     ),
     "language": layer(
-        "schema.body schema.entries "
-        "schema.names schema.plain schema.quantities schema.source schema.yaml_document schema.yaml_scalars",
+        "schema.body schema.entries schema.names schema.plain schema.quantities schema.source schema.yaml_document",
         "errors units grammar part parts",
         "pydantic yaml",
     ),

@@ -24,7 +24,7 @@ def build(
     from mimoc.bundle.io import write_bundle
     from mimoc.cli import console
     from mimoc.compiler.building import builder
-    from mimoc.compiler.provenance.spec import who_percentiles
+    from mimoc.compiler.provenance import who_percentiles
 
     infant = load_spec(spec)
     with console.progress("building") as show:

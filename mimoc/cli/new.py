@@ -129,7 +129,7 @@ def _checked(name: str, answers: dict[str, Any], key: str, answer: Any) -> Any:
     """
     from mimoc.schema import read_spec, source
     from mimoc.schema.starter import new_spec
-    from mimoc.schema.yaml_scalars import scalar
+    from mimoc.schema.yaml_document import scalar
 
     value = str(answer).strip()
     try:

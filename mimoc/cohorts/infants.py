@@ -16,10 +16,9 @@ from mimoc.rounding import rounded
 from mimoc.schema.base import KeyedError, dotted
 from mimoc.schema.body import IndividualSpec
 from mimoc.schema.cohort_file import CohortSpec, DrawnChildren, DrawsSpec, RangeSpec, SampleDesign
-from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.infant import InfantSpec, at_another_age, read_spec
 from mimoc.schema.plain import changed, given, plain
 from mimoc.schema.quantities import LARGEST_PERCENTILE, LEAST_PERCENTILE
-from mimoc.schema.same_child import at_another_age
 from mimoc.schema.sizes import check_sizes
 from mimoc.schema.source import Source, in_memory
 

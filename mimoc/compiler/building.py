@@ -23,10 +23,10 @@ from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose, place_senses
 from mimoc.compiler.describe import describe, describe_toys, used_plugins
-from mimoc.compiler.furnish import FurnishedScene, covered_floor, furnish, set_up_task
+from mimoc.compiler.furnish import FurnishedScene, SceneAssets, covered_floor, furnish, load_scene_assets, set_up_task
 from mimoc.compiler.model_check import compile_model, trace_model_error
 from mimoc.compiler.notes import notes
-from mimoc.compiler.provenance.spec import (
+from mimoc.compiler.provenance import (
     SPEC_FILE,
     trace_actuation,
     trace_child,
@@ -36,7 +36,6 @@ from mimoc.compiler.provenance.spec import (
     trace_world,
     who_percentiles,
 )
-from mimoc.compiler.scene_assets import SceneAssets, load_scene_assets
 from mimoc.delays.presets import trace_delays
 from mimoc.errors import ModelError, NoSpaceError, SpecError, ToyError, UnsupportedTaskError
 from mimoc.fits.tables import data_files
@@ -46,7 +45,7 @@ from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.noise.presets import trace_noise
 from mimoc.rounding import rounded, rounded_array
 from mimoc.schema.infant import InfantSpec, as_written, to_data, validated
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 from mimoc.tasks.setup import TaskSetup
 from mimoc.units import ms_to_s
 from mimoc.version import __version__

@@ -1,4 +1,4 @@
-"""The child of a spec, or the key of the spec because of which there is none."""
+"""The child of a spec, or the key because of which there is none, and the range of its possible values."""
 
 import math
 from collections.abc import Callable, Iterator

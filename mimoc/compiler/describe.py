@@ -1,4 +1,4 @@
-"""The manifest of a scene."""
+"""The manifest of a scene, with the names of the parts that the runtime and controllers use."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Literal
@@ -27,9 +27,9 @@ from mimoc.kinds import Kinds
 from mimoc.looks.appearance import EXPRESSIONS, face_material
 from mimoc.mjcf.infant import Actuator
 from mimoc.mjcf.mimo.lookups import lock_name
-from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import Placed, SceneTree
 from mimoc.mjcf.sensor_sites import KEYPOINTS, PREFIX
+from mimoc.mjcf.world import FreeObject
 from mimoc.noise.presets import noise
 from mimoc.scenes import SCENES
 from mimoc.schema.infant import InfantSpec

@@ -11,7 +11,7 @@ from typing import Any
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.provenance import MOST_FOLLOWED, PROVENANCE, Entries, read_entries
 from mimoc.compiler.building import builder
-from mimoc.compiler.provenance.spec import SPEC_FILE
+from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.errors import BundleError, MimocError
 from mimoc.schema.infant import read_spec
 from mimoc.schema.source import parse

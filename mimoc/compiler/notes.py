@@ -1,4 +1,8 @@
-"""Notes for the user of a bundle on how it was built."""
+"""Notes for the user of a bundle on how it was built, and on keys of its spec that have no effect.
+
+A key has none if it is about an option that was not chosen. What is about a part or a sense that the infant does not
+have is refused instead (`schema/spec.py`).
+"""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -9,9 +9,8 @@ import mujoco
 
 from mimoc.mjcf.furniture import WorldGeom
 from mimoc.mjcf.infant import Camera, Node, PrintedGeom, PrintedJoint, PrintedTendon, Site
-from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import SceneTree
-from mimoc.mjcf.world import Lock, World
+from mimoc.mjcf.world import FreeObject, Lock, World
 
 XML_NAMES = {"user": "userdata"}
 """Attributes of MJCF that MuJoCo's elements have under another name."""

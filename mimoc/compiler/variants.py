@@ -1,20 +1,72 @@
-"""The infants of a spec at all ages and in all scenes, as an environment is handed them."""
+"""The infants of a spec at all ages and in all scenes, as an environment is handed them, and their skins."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
+from pathlib import Path
 from typing import Any, TypeVar
 
 from mimoc.bundle.io import Bundle
 from mimoc.bundle.later_files import LaterFiles
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
-from mimoc.compiler.aged import aged, errors_at, quickly_aged
 from mimoc.compiler.building import Builder, builder
+from mimoc.compiler.child import child_of
+from mimoc.compiler.loading import load_spec
 from mimoc.compiler.mould import Casting, DifferenceError, Mould
-from mimoc.errors import BundleError, MimocError
+from mimoc.errors import BundleError, MimocError, Problem, SpecError
+from mimoc.looks.skin.carrying import skin_of
 from mimoc.mjcf.scene import SceneTree
+from mimoc.mjcf.skin import SkinLayer
+from mimoc.rounding import rounded
 from mimoc.schema import source
-from mimoc.schema.infant import InfantSpec, read_spec
+from mimoc.schema.base import dotted
+from mimoc.schema.infant import InfantSpec, as_written, read_spec
+
+
+def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
+    """Return the spec of a spec's child at another age (`schema/same_child.py` says what changes).
+
+    Args:
+        spec: The child.
+        age_months: The age, as it stands in manifests.
+
+    Raises:
+        SpecError: If no spec can say so; the error lists all problems.
+    """
+    return spec if age_months == rounded(spec.age_months) else spec.with_(age_months=age_months)
+
+
+def quickly_aged(spec: InfantSpec, age_months: float) -> InfantSpec:
+    """Return a spec with the same values as `aged`; where one number changes, it is not written as a file is."""
+    if spec.body.measurements or spec.body.individual:
+        return aged(spec, age_months)
+    return spec if age_months == rounded(spec.age_months) else spec.model_copy(update={"age_months": age_months})
+
+
+@contextmanager
+def errors_at(spec: InfantSpec, age_months: float) -> Iterator[None]:
+    """Let errors say which age they concern, if it is not the spec's, at the keys that the spec was written with."""
+    try:
+        yield
+    except SpecError as error:
+        if age_months == rounded(spec.age_months):
+            raise
+        written = as_written(spec)
+        paths = {dotted(path): path for path in written.key_places}
+        raise SpecError(
+            written.problem(paths.get(problem.key, ()), f"at {age_months:g} months: {_advised(problem, spec)}")
+            for problem in error.problems
+        ) from None
+
+
+def _advised(problem: Problem, spec: InfantSpec) -> str:
+    """Return what is wrong at another age; advice on measures is of that age, so that other advice replaces it."""
+    if not problem.key.startswith("body."):
+        return problem.message
+    what, advice = problem.message.rpartition("; ")[0], f"nearer to the average child of {spec.age_months:g} months"
+    return f"{what}; leave this age out, or give what is {advice}"
+
 
 RESOLVED = "resolved.yaml"
 """The file of a bundle that holds its whole spec."""
@@ -175,3 +227,28 @@ def spec_of(bundle: Bundle) -> InfantSpec:
     if RESOLVED not in bundle.files:
         raise BundleError(f"there is no {RESOLVED} in it")
     return read_spec(source.parse(bundle.files[RESOLVED], RESOLVED))
+
+
+def skin_at(source: InfantSpec | Bundle | str | Path, age_months: float | None = None) -> tuple[SkinLayer, ...]:
+    """Return the layers of the skin of an infant, whether it is built with one or not.
+
+    Layers are the same at all ages but for the places of their vertices and bones: `verts_m`, `origins_m`, `turns`.
+    A vertex is at the sum over bones of `weights[:, b] * (world_from_b @ turns[b].T @ (verts_m - origins_m[b]) +
+    place of b in the world)`. The textures are those of the bundle, `assets/skin_*.png`.
+
+    Args:
+        source: A spec, the path of its file, or a bundle.
+        age_months: Another age than its own.
+
+    Raises:
+        SpecError: If there is no such child.
+        BundleError: If the bundle does not contain its spec.
+    """
+    if isinstance(source, Bundle):
+        spec = spec_of(source)
+    else:
+        spec = source if isinstance(source, InfantSpec) else load_spec(source)
+    age_months = spec.age_months if age_months is None else age_months
+    with errors_at(spec, age_months):
+        tree = child_of(aged(spec, age_months)).tree
+    return skin_of(tree).layers

@@ -1,9 +1,8 @@
 """Control of an infant by inverse dynamics, on a model and its data."""
 
-from mimoc.control.gains import Gains
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.objectives import Align, LookAt, Reach
-from mimoc.control.posture import Posture
+from mimoc.control.posture import Gains, Posture
 from mimoc.control.reaching import GAIN_SETS, ReachController, ReachGains
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Frames: sites, cameras and bodies that objectives control, with their poses and motion."""
+"""Frames: sites, cameras and bodies that objectives control, with poses and motion, and the limbs they are on."""
 
 from collections.abc import Collection
 from dataclasses import dataclass

@@ -10,12 +10,11 @@ import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation, bind_actuation
 from mimoc.bundle.manifest import Manifest
-from mimoc.control.dynamics import HELD, Dynamics, Turning, dynamics, fulfil_within
+from mimoc.control.dynamics import HELD, Dynamics, Supports, Turning, dynamics, fulfil_within
 from mimoc.control.frames import Motion, find_frame
 from mimoc.control.objectives import Objective
 from mimoc.control.posture import Posture
 from mimoc.control.priorities import LinearDemand, joined, size_of
-from mimoc.control.supports import Supports
 from mimoc.control.torque_mapping import map_torques
 from mimoc.errors import ControlError, UnknownNameError
 from mimoc.senses.sense import FloatArray, IntArray

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.control.frames import Motion
-from mimoc.control.gains import Gains
+from mimoc.control.posture import Gains
 from mimoc.errors import ControlError
 from mimoc.senses.sense import FloatArray
 

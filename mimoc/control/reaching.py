@@ -1,4 +1,4 @@
-"""Reaching: hands go to targets, and the eyes look at one of them."""
+"""Reaching: hands go to targets, given or random, the eyes look at one of them, and legs and trunk balance."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,10 +10,9 @@ import numpy.typing as npt
 from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import in_subtrees
 from mimoc.control.frames import Frame, find_frame, joints_between, limb_of, trunk_of
-from mimoc.control.gains import Gains
 from mimoc.control.inverse_dynamics import InverseDynamics
 from mimoc.control.objectives import LOOKING, REACHING, Align, LookAt, Reach
-from mimoc.control.posture import Posture
+from mimoc.control.posture import Gains, Posture
 from mimoc.errors import ControlError
 from mimoc.senses.sense import FloatArray, IntArray
 

@@ -1,4 +1,4 @@
-"""Conversion of desired joint torques to an action, by actuation model."""
+"""Conversion of desired joint torques to an action: of motors, or of muscles in pairs of antagonists."""
 
 from collections.abc import Callable, Mapping
 from typing import Protocol

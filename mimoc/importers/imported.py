@@ -5,7 +5,7 @@ from pathlib import PurePath
 from typing import Any
 
 from mimoc.errors import Problem
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 
 @dataclass(frozen=True, slots=True)

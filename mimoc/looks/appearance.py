@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from mimoc.looks.pictures import read_picture
-from mimoc.mjcf.materials import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
+from mimoc.mjcf.furniture import UNTINTED, Appearance, FlatTexture, Material, PrintedSkin, Rgba, Texture
 from mimoc.mjcf.mimo.lookups import face_texture
 
 Colour = tuple[float, float, float]

@@ -1,4 +1,4 @@
-"""A scene as the templates print it: SI units, angles in radians, every value decided."""
+"""A scene as the templates print it, and what a sense adds to it: SI units, angles in radians, every value decided."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy.typing as npt
 
+from mimoc.mjcf.furniture import Appearance, Material
 from mimoc.mjcf.infant import Actuator, Camera, Node, PrintedTendon, Sensor, Site
-from mimoc.mjcf.materials import Appearance, Material
 from mimoc.mjcf.skin import Skin
 from mimoc.mjcf.world import World
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP

@@ -1,4 +1,4 @@
-"""The sites, cameras and MuJoCo sensors that every body has for its senses."""
+"""The sites, cameras and MuJoCo sensors that every body has for its senses, and the 25 keypoints of BODY_25."""
 
 import math
 from collections.abc import Iterator

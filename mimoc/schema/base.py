@@ -1,4 +1,4 @@
-"""What every section of a spec has in common."""
+"""What every section of a spec has in common, and positions in its file: a path of keys, or a line and column."""
 
 from collections.abc import Iterator
 from typing import Any, TypeAlias

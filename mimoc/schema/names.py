@@ -1,4 +1,4 @@
-"""The names a spec can use for measurements, bodies and groups of muscles."""
+"""The names a spec can use for measurements, bodies and groups of muscles, and their types."""
 
 from collections.abc import Iterable, Sequence
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Types of the numbers in a spec, each with its unit and its widest range."""
+"""Types of the numbers in a spec, each with its unit and its widest range, and of plain data that anyone may write."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -10,8 +10,7 @@ from typing import IO, Any, Literal, NoReturn
 
 from mimoc.errors import Problem, SpecError
 from mimoc.schema.base import KeyPath, Place, dotted
-from mimoc.schema.yaml_document import UNPRINTABLE, DocumentReader
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import UNPRINTABLE, DocumentReader, dump
 
 MAX_BYTES = 2**20
 

@@ -1,4 +1,4 @@
-"""All keys of a spec, and the checks that involve several sections."""
+"""All keys of a spec, its `control`, and the checks that involve several sections or what the infant does not have."""
 
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal, Self

@@ -7,7 +7,7 @@ from pathlib import Path
 from mimoc.schema.base import KeyPath
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.outline import Language, language_of
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 COLUMN = 40
 """Where comments begin."""

@@ -10,9 +10,8 @@ from mimoc.bundle.io import Bundle
 from mimoc.errors import KindError
 from mimoc.kinds import function_of
 from mimoc.senses import SENSES
-from mimoc.senses.custom import CustomSense
+from mimoc.senses.custom import CustomSense, nothing
 from mimoc.senses.sense import Sense
-from mimoc.senses.term_sense import nothing
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 

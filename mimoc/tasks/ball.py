@@ -3,9 +3,8 @@
 import math
 
 from mimoc.geometry.rotations import Vec3
-from mimoc.mjcf.furniture import SOLID
-from mimoc.mjcf.materials import WorldMaterial
-from mimoc.mjcf.objects import FreeObject, ObjectGeom
+from mimoc.mjcf.furniture import SOLID, WorldMaterial
+from mimoc.mjcf.world import FreeObject, ObjectGeom
 from mimoc.tasks.base import BallEntry
 
 NAME = "ball"

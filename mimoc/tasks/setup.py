@@ -9,7 +9,7 @@ from mimoc.errors import UnsupportedTaskError
 from mimoc.geometry.rotations import Vec3
 from mimoc.kinds import function_of
 from mimoc.mjcf.furniture import BARE, Furniture
-from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.world import FreeObject
 from mimoc.tasks import TASKS
 from mimoc.tasks.base import TaskEntry, TaskSpec
 from mimoc.tasks.free import FreeEntry

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mimoc.mjcf.materials import Rgba
+from mimoc.mjcf.furniture import Rgba
 from mimoc.random_streams import between, pick, stream, whole_between
 from mimoc.toys.model import Tint, ToyModel
 from mimoc.toys.solids import radius

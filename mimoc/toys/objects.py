@@ -6,9 +6,8 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 
 from mimoc.geometry.rotations import quaternion_from_axis
-from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED
-from mimoc.mjcf.materials import WorldMaterial
-from mimoc.mjcf.objects import FreeObject, MeshFile, ObjectGeom
+from mimoc.mjcf.furniture import DOMINANT_SOLMIX, SOLID, UNTOUCHED, WorldMaterial
+from mimoc.mjcf.world import FreeObject, MeshFile, ObjectGeom
 from mimoc.toys.choosing import Toy
 from mimoc.toys.model import Mesh, Solid
 from mimoc.toys.solids import solid_volume

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from mimoc.body.origins import Entry
-from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.world import FreeObject
 from mimoc.random_streams import SEED, drawn_rule
 
 

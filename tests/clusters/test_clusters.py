@@ -17,7 +17,7 @@ from support.commands import process
 
 from mimoc.cohorts import Cohort
 from mimoc.errors import MimocError
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 HERE = Path(__file__).parent
 PATIENCE_S = 600.0

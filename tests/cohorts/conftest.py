@@ -11,7 +11,7 @@ import pytest
 from mimoc.cohorts import Cohort, engines
 from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.work import JobWorkspace
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 BASE = {"mimoc": 1, "name": "infant", "age_months": 9}
 

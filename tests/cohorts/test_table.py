@@ -12,7 +12,7 @@ from mimoc.cohorts import Cohort
 from mimoc.cohorts.perform import run_jobs
 from mimoc.cohorts.store import Store
 from mimoc.errors import MimocError, MissingExtraError
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 NOTE = """
 def note(work):

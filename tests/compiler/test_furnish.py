@@ -10,8 +10,7 @@ from support.full import FULL, full_but
 
 import mimoc
 from mimoc.compiler import building, model_check
-from mimoc.compiler.furnish import furnish
-from mimoc.compiler.scene_assets import SceneAssets
+from mimoc.compiler.furnish import SceneAssets, furnish
 from mimoc.errors import NoSpaceError
 from mimoc.mjcf.scene import SceneTree
 from mimoc.scenes.footprint import footprint, reachable_floor

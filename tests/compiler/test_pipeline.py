@@ -17,7 +17,7 @@ from support import store
 import mimoc
 from mimoc.compiler import building
 from mimoc.compiler.model_check import compile_model
-from mimoc.compiler.provenance.spec import who_percentiles
+from mimoc.compiler.provenance import who_percentiles
 from mimoc.errors import ModelError
 from mimoc.schema import InfantSpec
 

@@ -5,8 +5,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.compiler.aged import aged
 from mimoc.compiler.availability import LARGEST, LEAST, refuse_unavailable
+from mimoc.compiler.variants import aged
 from mimoc.errors import SpecError
 from mimoc.fits import measure
 from mimoc.schema import InfantSpec

@@ -10,8 +10,7 @@ import pytest
 import mimoc
 from mimoc.bundle.model import load_model
 from mimoc.compiler.building import builder, sees_skin
-from mimoc.compiler.skins import skin_at
-from mimoc.compiler.variants import SpecVariants
+from mimoc.compiler.variants import SpecVariants, skin_at
 from mimoc.looks.skin import carrying
 from mimoc.looks.skin.carrying import layers_of
 from mimoc.mjcf.skin import single

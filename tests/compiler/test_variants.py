@@ -9,8 +9,7 @@ from support.full import full_but
 
 import mimoc
 from mimoc.bundle.model import load_model
-from mimoc.compiler.aged import aged
-from mimoc.compiler.variants import SpecVariants
+from mimoc.compiler.variants import SpecVariants, aged
 
 SENSES = {"proprioception": {}, "vestibular": {}}
 STATISTICS = ("meaninertia", "meanmass", "meansize", "extent", "center")

@@ -11,7 +11,7 @@ from support.full import full_but, full_rows
 import mimoc
 from mimoc.control import Align, InverseDynamics, LookAt, Posture, Reach, ReachGains
 from mimoc.errors import ControlError, UnknownNameError
-from mimoc.policies.reach_errors import reach_errors
+from mimoc.policies.reach import reach_errors
 from mimoc.runtime.worlds import worlds_of_one
 
 ARM = [

@@ -8,8 +8,7 @@ import mimoc
 from mimoc.control import GAIN_SETS
 from mimoc.control.reaching import ReachablePlaces
 from mimoc.errors import ControlError
-from mimoc.policies.reach import ReachPolicy
-from mimoc.policies.reach_errors import reach_errors
+from mimoc.policies.reach import ReachPolicy, reach_errors
 from mimoc.runtime.rollout import Run
 
 SITTING = {"kind": "flat", "pose": "sitting"}

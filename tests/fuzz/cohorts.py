@@ -15,7 +15,7 @@ from mimoc.cohorts import Cohort
 from mimoc.cohorts.plan import plan
 from mimoc.cohorts.store import Result, Store
 from mimoc.errors import MimocError
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 STUDY = {
     "mimoc": 1,

@@ -6,7 +6,7 @@ import pytest
 
 from mimoc.body import assemble, grow_average
 from mimoc.looks.appearance import EXPRESSIONS, HEAD_FEATURES, dress, face_material
-from mimoc.mjcf.materials import Appearance
+from mimoc.mjcf.furniture import Appearance
 from mimoc.mjcf.mimo.lookups import face_texture
 from mimoc.schema.body import Expression
 

@@ -12,7 +12,7 @@ import mimoc
 from mimoc.cohorts import Cohort
 from mimoc.cohorts.store import Result, Store, kept_jobs
 from mimoc.cohorts.table import rows_of
-from mimoc.compiler.provenance.spec import who_percentiles
+from mimoc.compiler.provenance import who_percentiles
 from mimoc.reporting.words import THIN_SPACE
 
 from .conftest import STUDY

@@ -11,8 +11,7 @@ import mimoc
 from mimoc.compiler.explain import entries_of, explain
 from mimoc.errors import SpecError
 from mimoc.kinds import SceneKind
-from mimoc.mjcf.furniture import Furniture, WorldGeom
-from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.furniture import Furniture, WorldGeom, WorldMaterial
 from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.built_scene import SUN, BuiltScene
 from mimoc.schema.base import Model

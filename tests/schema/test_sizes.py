@@ -14,7 +14,7 @@ from mimoc.fits import load_tables, measure
 from mimoc.schema import InfantSpec, read_spec
 from mimoc.schema.outline import language_of
 from mimoc.schema.source import parse
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 from mimoc.toys.choosing import Toybox
 
 BODY = language_of(InfantSpec)

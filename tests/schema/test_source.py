@@ -11,7 +11,7 @@ from mimoc.errors import SpecError
 from mimoc.schema import source
 from mimoc.schema.base import dotted
 from mimoc.schema.source import parse, read
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 WORDS = st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")) | st.just(" "), max_size=20)
 SCALARS = st.booleans() | st.integers(-(10**18), 10**18) | st.floats(allow_nan=False, allow_infinity=False) | WORDS

@@ -11,7 +11,7 @@ from support.any_specs import LEAST, specs
 from mimoc.errors import SpecError
 from mimoc.schema import InfantSpec, VisionSpec, read_spec, to_data
 from mimoc.schema.source import parse, read
-from mimoc.schema.yaml_scalars import dump
+from mimoc.schema.yaml_document import dump
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("*.yaml"))
 WHOLE_LANGUAGE = """\

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.world import FreeObject
 from mimoc.toys.builtin import BUILTIN_TOYS
 from mimoc.toys.choosing import Toy, choose_toys
 from mimoc.toys.objects import make_object

@@ -7,11 +7,11 @@ from itertools import groupby
 from typing import Any
 
 from mimoc import fits
-from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
 from mimoc.compiler.validation.measuring import measure_body
 from mimoc.compiler.validation.requests import SAME, Progress, compile_infant
+from mimoc.compiler.variants import errors_at, quickly_aged
 from mimoc.fits.curves import LAST_MONTH
 from mimoc.fits.tables import GroupMean
 from mimoc.rounding import rounded

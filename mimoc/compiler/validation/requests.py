@@ -1,4 +1,4 @@
-"""What a spec asks of the measures for which WHO has standards, to compare its compiled child with."""
+"""The compiled model of an infant and its solids, and what its spec asks of the measures that WHO has standards for."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -12,9 +12,8 @@ from mimoc.body.measurements import targets
 from mimoc.body.stature import Stature, stature
 from mimoc.compiler.child import child_of
 from mimoc.compiler.compose import compose
-from mimoc.compiler.furnish import furnish
+from mimoc.compiler.furnish import SceneAssets, furnish
 from mimoc.compiler.model_check import compile_model
-from mimoc.compiler.scene_assets import SceneAssets
 from mimoc.geometry.primitives import Extents, Kind, extents
 from mimoc.mjcf import printing
 from mimoc.mujoco_layout import BODY_GROUP, SOLIDS_GROUP

@@ -10,7 +10,6 @@ import numpy as np
 
 from mimoc import fits
 from mimoc.body.stature import Stature
-from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.validation.requests import (
     PRIMITIVES,
@@ -22,6 +21,7 @@ from mimoc.compiler.validation.requests import (
     requests_of,
     solid_extents,
 )
+from mimoc.compiler.variants import errors_at, quickly_aged
 from mimoc.fits.who import REFERENCES, Reference, percentile
 from mimoc.geometry.primitives import girth
 from mimoc.rounding import rounded

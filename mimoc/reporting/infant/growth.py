@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from mimoc.bundle.manifest import ChildEntry
-from mimoc.compiler.provenance.spec import who_percentiles
+from mimoc.compiler.provenance import who_percentiles
 from mimoc.fits import load_tables
 from mimoc.quantities.child import INDICATORS
 from mimoc.render.plots.growth import who_chart

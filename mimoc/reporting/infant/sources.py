@@ -7,7 +7,7 @@ from typing import Any
 
 from mimoc.bundle.io import LOCK, Bundle, digests
 from mimoc.compiler.explain import entries_of, value_text
-from mimoc.compiler.provenance.spec import SPEC_FILE
+from mimoc.compiler.provenance import SPEC_FILE
 from mimoc.errors import MimocError
 from mimoc.reporting import words
 from mimoc.reporting.page import Block, Cell, Code, Details, Link, Section, Text, number, table

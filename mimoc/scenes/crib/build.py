@@ -9,8 +9,16 @@ import numpy as np
 from mimoc.body.origins import Entry
 from mimoc.body.stature import stature
 from mimoc.looks.wallpaper import WALLS, Wallpapers
-from mimoc.mjcf.furniture import DOMINANT_SOLMIX, RAIL_IN_CHILDREN, RAIL_RADIUS_M, UNTOUCHED, Furniture, WorldGeom
-from mimoc.mjcf.materials import WorldMaterial, WorldTexture
+from mimoc.mjcf.furniture import (
+    DOMINANT_SOLMIX,
+    RAIL_IN_CHILDREN,
+    RAIL_RADIUS_M,
+    UNTOUCHED,
+    Furniture,
+    WorldGeom,
+    WorldMaterial,
+    WorldTexture,
+)
 from mimoc.mjcf.world import Ground, World
 from mimoc.scenes.built_scene import HEADLIGHT, WINDOW, BuiltScene, Occupant
 from mimoc.scenes.spec import SceneSpec

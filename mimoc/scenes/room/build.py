@@ -1,23 +1,136 @@
 """A room drawn at random: floor, ceiling and four walls, pictures and lamps."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mimoc.body.origins import Entry
 from mimoc.geometry.rotations import Vec3
-from mimoc.looks.wallpaper import OWN_WALLPAPERS, Wallpapers
-from mimoc.mjcf.furniture import UNTOUCHED, Furniture, Headlight, SpotLight, WorldGeom
-from mimoc.mjcf.materials import UNTINTED, WorldMaterial, WorldTexture
+from mimoc.looks.wallpaper import OWN_WALLPAPERS, Wallpaper, Wallpapers
+from mimoc.mjcf.furniture import (
+    SOLID,
+    UNTINTED,
+    UNTOUCHED,
+    Furniture,
+    Headlight,
+    SpotLight,
+    WorldGeom,
+    WorldMaterial,
+    WorldTexture,
+)
 from mimoc.mjcf.world import World
-from mimoc.random_streams import SEED, between, drawn_rule, pick, stream, whole_between
+from mimoc.random_streams import SEED, between, drawn_rule, pick, shuffled, stream, whole_between
 from mimoc.scenes.built_scene import HEADLIGHT, BuiltScene, Occupant, Placement
 from mimoc.scenes.footprint import reach_of
-from mimoc.scenes.room.pictures import OFF_THE_WALL_M, hang_pictures
-from mimoc.scenes.room.sides import SIDES, papered, plane, sides
 from mimoc.scenes.spec import SceneSpec
+
+QUADS = 16
+"""Facets along a side: MuJoCo computes light at their corners only."""
+SIDES = ("floor", "ceiling", "wall_front", "wall_back", "wall_left", "wall_right")
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """One of the six planes; looking at it from inside, its x points right and its y up."""
+
+    name: str
+    extent_m: tuple[float, float]
+    pos_m: Vec3
+    euler_rad: Vec3
+    inwards: Vec3
+    """Where its z points."""
+
+
+def sides(depth: float, width: float, height: float) -> tuple[Side, ...]:
+    """Return floor, ceiling and walls: before, behind, left and right of one who looks along x."""
+    upright = math.pi / 2
+    middle = height / 2
+    return (
+        Side("floor", (depth, width), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+        Side("ceiling", (depth, width), (0.0, 0.0, height), (math.pi, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        Side("wall_front", (width, height), (depth / 2, 0.0, middle), (upright, -upright, 0.0), (-1.0, 0.0, 0.0)),
+        Side("wall_back", (width, height), (-depth / 2, 0.0, middle), (upright, upright, 0.0), (1.0, 0.0, 0.0)),
+        Side("wall_left", (depth, height), (0.0, width / 2, middle), (upright, 0.0, 0.0), (0.0, -1.0, 0.0)),
+        Side("wall_right", (depth, height), (0.0, -width / 2, middle), (upright, math.pi, 0.0), (0.0, 1.0, 0.0)),
+    )
+
+
+def plane(side: Side) -> WorldGeom:
+    """Return the geom of a side; of these, only the floor touches by contact bits."""
+    across, up = side.extent_m
+    barrier = side.name != "floor"
+    return WorldGeom(
+        side.name,
+        "plane",
+        (across / 2, up / 2, max(across, up) / QUADS),
+        side.pos_m,
+        side.euler_rad,
+        side.name,
+        contype=UNTOUCHED if barrier else SOLID,
+        conaffinity=UNTOUCHED if barrier else SOLID,
+        barrier=barrier,
+    )
+
+
+def papered(side: Side, paper: Wallpaper) -> WorldMaterial:
+    """Return the material of a side: its texture at its real size."""
+    across, up = (
+        extent / tile if math.isfinite(tile) else 1.0 for extent, tile in zip(side.extent_m, paper.tile_m, strict=True)
+    )
+    return WorldMaterial(side.name, UNTINTED, paper.name, (across, up))
+
+
+PICTURE_COUNT = (2, 4)
+"""Never two on one wall."""
+EYE_HEIGHT_M = (1.2, 1.6)
+"""Of the middle of a picture."""
+MARGIN_M = 0.1
+"""Of free wall around a picture."""
+OFF_THE_WALL_M = 0.012
+"""Gap behind pictures, and above lamps, so that nothing shows through, even from 20 m away."""
+
+
+def hang_pictures(
+    generator: np.random.Generator, walls: Sequence[Side], pictures: Sequence[Wallpaper]
+) -> Iterator[tuple[WorldGeom, Wallpaper]]:
+    """Yield pictures, each on a wall of its own, and where they hang."""
+    count = whole_between(generator, *PICTURE_COUNT) if pictures else 0
+    order = shuffled(generator, pictures)
+    for number, wall in enumerate(shuffled(generator, walls)[:count]):
+        picture = order[number % len(order)]
+        sideways, eye_height_m = between(generator, -1, 1), between(generator, *EYE_HEIGHT_M)
+        yield _hung(f"picture_{number + 1}", wall, picture, sideways, eye_height_m), picture
+
+
+def _hung(name: str, wall: Side, picture: Wallpaper, sideways: float, eye_height_m: float) -> WorldGeom:
+    """Return a picture on a wall, smaller or lower than drawn where it would not fit.
+
+    Args:
+        name: Of the geom.
+        wall: The wall it hangs on.
+        picture: Its texture and size.
+        sideways: Where along the wall: -1 for as far left as it can be, 1 for right.
+        eye_height_m: Of its middle.
+    """
+    room = [extent - 2 * MARGIN_M for extent in wall.extent_m]
+    scale = min(1.0, *(space / side for space, side in zip(room, picture.tile_m, strict=True)))
+    half_width, half_height = (scale * side / 2 for side in picture.tile_m)
+    along = sideways * (room[0] / 2 - half_width)
+    z = min(eye_height_m, wall.extent_m[1] - MARGIN_M - half_height)
+    x, y, _ = wall.pos_m
+    in_x, in_y, _ = wall.inwards
+    return WorldGeom(
+        name,
+        "plane",
+        (half_width, half_height, max(half_width, half_height) / QUADS * 2),
+        (x + OFF_THE_WALL_M * in_x - along * in_y, y + OFF_THE_WALL_M * in_y + along * in_x, z),
+        wall.euler_rad,
+        name,
+        contype=UNTOUCHED,
+        conaffinity=UNTOUCHED,
+    )
 
 
 def trace_room(size_m: Vec3, furniture: Furniture, start: Placement) -> dict[str, Entry]:

@@ -13,9 +13,9 @@ from mimoc.actuation.spec import ActuationEntry
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Concatenated, Field, Term
 from mimoc.runtime.worlds import Worlds
+from mimoc.senses.custom import TermSense
 from mimoc.senses.proprioception.spec import ProprioceptionEntry
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.senses.term_sense import TermSense
 
 LIMIT_MARGIN_RAD = 0.035
 """Distance from its limit at which a joint begins to sense it (MIMo v2)."""

@@ -1,4 +1,4 @@
-"""The skin points of a body: where it senses touch."""
+"""The skin points of a body: where it senses touch, evenly over the exposed surface of its geoms."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence

@@ -5,7 +5,7 @@ import numpy as np
 
 from mimoc.bundle.io import Bundle
 from mimoc.runtime.term import Field
-from mimoc.senses.term_sense import TermSense
+from mimoc.senses.custom import TermSense
 from mimoc.senses.vestibular.spec import VestibularEntry
 
 MAX_ACCELERATION_M_S2 = 1e4

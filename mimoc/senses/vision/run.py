@@ -10,9 +10,8 @@ from gymnasium.spaces import Box
 from mimoc.bundle.io import Bundle
 from mimoc.render.averaging import average_down
 from mimoc.senses.sense import IntArray, Observation, Sample, Sense
-from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.eyes import Drawn, Eyes
-from mimoc.senses.vision.foveation import Pictures, foveate, source_weights
+from mimoc.senses.vision.foveation import Pictures, blur, contrast_gain, foveate, source_weights
 from mimoc.senses.vision.spec import VisionEntry
 
 Filter = Callable[[Pictures], Pictures]

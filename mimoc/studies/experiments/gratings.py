@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mimoc.senses.vision.blur import pixels_per_degree
+from mimoc.senses.vision.foveation import pixels_per_degree
 from mimoc.senses.vision.run import filters, perceive
 from mimoc.senses.vision.spec import VisionEntry, VisionSpec
 

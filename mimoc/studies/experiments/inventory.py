@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from mimoc.compiler.building import Builder
-from mimoc.mjcf.objects import FreeObject
 from mimoc.mjcf.scene import Keyframe, SceneTree
+from mimoc.mjcf.world import FreeObject
 from mimoc.scenes.footprint import reachable_floor
 from mimoc.studies.experiments.notebook import Cell
 from mimoc.toys.placing import ReachableFloor

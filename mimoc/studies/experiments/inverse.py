@@ -10,7 +10,7 @@ import numpy as np
 from mimoc.bundle.io import Bundle
 from mimoc.compiler import pipeline
 from mimoc.control import GAIN_SETS, ReachGains
-from mimoc.policies.reach_errors import ReachErrors, reach_errors
+from mimoc.policies.reach import ReachErrors, reach_errors
 from mimoc.quantities import Quantity
 from mimoc.render.plots.plot import Band, Line, Plot
 from mimoc.runtime.env import InfantEnv

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from mimoc.bundle.model import in_subtrees
-from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.validation.requests import ROOT, compile_infant, solid_extents
+from mimoc.compiler.variants import errors_at, quickly_aged
 from mimoc.delays.presets import PRESETS, given_keys
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import PAIRED_GROUPS, STRENGTH_GROUPS

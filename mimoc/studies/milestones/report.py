@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
+from mimoc.compiler.variants import errors_at, quickly_aged
 from mimoc.render.plots.milestones import AgeRow
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated

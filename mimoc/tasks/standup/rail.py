@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from mimoc.body import BodyTree
 from mimoc.body.stature import stature
 from mimoc.body.tree import Vec3
-from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom
-from mimoc.mjcf.materials import WorldMaterial
+from mimoc.mjcf.furniture import RAIL_RADIUS_M, Furniture, WorldGeom, WorldMaterial
 from mimoc.units import cm_to_m
 
 HALF_SPAN_IN_CHILDREN = 0.45

@@ -7,7 +7,7 @@ from support import store
 
 import mimoc
 from mimoc.compiler.explain import contents, entries_of, explain, find
-from mimoc.compiler.provenance.spec import who_percentiles
+from mimoc.compiler.provenance import who_percentiles
 
 SCENES = {
     "room": {"kind": "room", "seed": 7, "pose": "sitting", "toys": {"count": [3, 3]}},

@@ -18,7 +18,7 @@ from mimoc.noise.noise import Noise
 from mimoc.runtime.term import Field
 from mimoc.runtime.warp.noise import Chance
 from mimoc.schema.base import Model
-from mimoc.senses.term_sense import TermSense
+from mimoc.senses.custom import TermSense
 
 NOISE = {"motor": 0.2, "proprioception_deg": 2.0, "touch_n": 0.5}
 SENSES = {"proprioception": {"include": ["velocity", "torque", "limits", "actuation"]}, "vestibular": {}}

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import sici
 
-from mimoc.senses.vision.blur import blur, contrast_gain, pixels_per_degree
+from mimoc.senses.vision.foveation import blur, contrast_gain, pixels_per_degree
 
 SIZES_PX = [(64, 64), (96, 48), (50, 81)]
 FULL_SCALE = 255.0

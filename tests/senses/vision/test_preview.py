@@ -7,7 +7,7 @@ import mimoc
 from mimoc.bundle.model import load_posed
 from mimoc.compiler import building, loading
 from mimoc.errors import UnknownNameError
-from mimoc.senses.vision.blur import blur, contrast_gain
+from mimoc.senses.vision.foveation import blur, contrast_gain
 from mimoc.senses.vision.preview import BLANK_RANGE, is_blank, preview
 from mimoc.senses.vision.spec import VisionEntry
 

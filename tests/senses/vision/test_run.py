@@ -10,9 +10,8 @@ from mimoc.bundle.model import load_model, load_straight
 from mimoc.errors import RenderingError
 from mimoc.render import opengl, renderer
 from mimoc.render.body_camera import BodyCamera
-from mimoc.senses.vision.blur import blur, contrast_gain
 from mimoc.senses.vision.eyes import HIDDEN_GROUP
-from mimoc.senses.vision.foveation import foveate, source_weights
+from mimoc.senses.vision.foveation import blur, contrast_gain, foveate, source_weights
 from mimoc.senses.vision.run import average_down, bind, filters, perceive
 from mimoc.senses.vision.spec import VisionEntry
 

@@ -3,8 +3,8 @@
 import math
 
 from mimoc.body import BodyTree
-from mimoc.mjcf.materials import WorldMaterial
-from mimoc.mjcf.objects import FreeObject, ObjectGeom
+from mimoc.mjcf.furniture import WorldMaterial
+from mimoc.mjcf.world import FreeObject, ObjectGeom
 from mimoc.tasks.setup import TaskSetup, require
 from mimoc_nursery.kick.spec import KickEntry, KickSpec
 

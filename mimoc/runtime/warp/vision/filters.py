@@ -9,8 +9,7 @@ import warp as wp
 from mimoc.render.averaging import average_down
 from mimoc.runtime.warp.device_worlds import put_on
 from mimoc.senses.sense import FloatArray, IntArray
-from mimoc.senses.vision.blur import contrast_gain
-from mimoc.senses.vision.foveation import source_weights
+from mimoc.senses.vision.foveation import contrast_gain, source_weights
 from mimoc.senses.vision.spec import VisionEntry
 
 

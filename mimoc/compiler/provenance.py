@@ -1,4 +1,4 @@
-"""Where the values of a spec were written, what the numbers of its task are, and where others' kinds come from."""
+"""Where each number of a bundle comes from: of its spec, task and plug-ins, its world, its actuators and its child."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -11,7 +11,7 @@ from mimoc.body.parts import PARTS
 from mimoc.bundle.manifest import ChildEntry
 from mimoc.compiler.furnish import FurnishedScene
 from mimoc.fits.who import percentile
-from mimoc.mjcf.objects import FreeObject
+from mimoc.mjcf.world import FreeObject
 from mimoc.schema.infant import InfantSpec, to_data
 from mimoc.schema.source import Source
 from mimoc.tasks.base import TaskEntry

@@ -1,1 +1,0 @@
-"""Where each number of a bundle comes from."""
