@@ -351,7 +351,7 @@ def test_no_file_is_a_drawer_for_odds_and_ends():
         ("mimoc.scenes.crib.build", "from mimoc.fits import load_tables", "build may not import fits"),
         ("mimoc.scenes.crib.build", "def f():\n    from mimoc import compiler", "build may not import compiler"),
         ("mimoc.runtime.env", "CODE = 'mimoc.body.grow'", "runtime may not import body"),
-        ("mimoc.bundle.io", "import_module('mimoc.registration')", "bundle may not import mimoc"),
+        ("mimoc.bundle.io", "import_module('mimoc.notebook')", "bundle may not import mimoc"),
         ("mimoc.fits.tables", "import_module('yaml')", "yaml belongs to language"),
         ("mimoc.fits.tables", "import_module(f'yaml.{name}')", "yaml belongs to language"),
         ("mimoc.senses.touch", "KIND = SenseKind(build='mimoc.senses.vision.build')", "spec may not import build"),

@@ -1,4 +1,4 @@
-"""Composition of an infant with its poses from body, senses, actuators and appearance, before it is placed in its world."""
+"""Composition of an infant with its poses from body, senses, actuators and looks, before it is placed in its world."""
 
 from collections.abc import Mapping, Sequence
 

@@ -25,7 +25,7 @@ from mimoc.schema.infant import InfantSpec, as_written, read_spec
 
 
 def aged(spec: InfantSpec, age_months: float) -> InfantSpec:
-    """Return the spec of a spec's child at another age (`schema/same_child.py` says what changes).
+    """Return the spec of a spec's child at another age (`schema/infant.py` says what changes).
 
     Args:
         spec: The child.

@@ -1,4 +1,4 @@
-"""What is fixed to the world in MJCF, its materials, lights and rails, and the materials of the infant: SI units, angles in radians, every value decided."""
+"""What is fixed to the world in MJCF, and materials, lights and rails: SI units, angles in radians, all decided."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

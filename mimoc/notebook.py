@@ -1,0 +1,42 @@
+"""What notebooks show of a bundle instead of its `repr`."""
+
+import base64
+from html import escape
+
+from mimoc.bundle.io import Bundle
+from mimoc.compiler.provenance import AMONG, who_percentiles
+from mimoc.errors import RenderingError
+from mimoc.render.picture_files import encoded
+from mimoc.render.portrait import portrait
+
+PICTURE_PX = (320, 240)
+MEASURES = {
+    "length_cm": ("length", "cm"),
+    "weight_kg": ("weight", "kg"),
+    "head_circumference_cm": ("head circumference", "cm"),
+    "arm_circumference_cm": ("arm circumference", "cm"),
+}
+
+
+def bundle_html(bundle: Bundle) -> str:
+    """Return a picture of an infant, if one can be drawn here, and its measures with WHO's percentiles."""
+    child, percentiles = bundle.manifest.child, who_percentiles(bundle.manifest.child)
+    rows = [
+        (name, f"{value:.1f} {unit}", f"{percentiles[key]:.0f}" if key in percentiles else "")
+        for key, (name, unit) in MEASURES.items()
+        if (value := getattr(child, key)) is not None
+    ]
+    heading = ("", "", f"WHO percentile, {AMONG[child.sex]}")
+    table = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in (heading, *rows))
+    title = f"<b>{escape(bundle.manifest.name)}</b>, {child.age_months:g} months"
+    return f"<div>{title}<br>{_picture(bundle)}<table>{table}</table></div>"
+
+
+def _picture(bundle: Bundle) -> str:
+    """Return a portrait as an element that contains it; nothing where there is no OpenGL."""
+    try:
+        png = encoded(portrait(bundle, None, *PICTURE_PX), ".png")
+    except RenderingError:
+        return ""
+    data = base64.b64encode(png).decode()
+    return f'<img alt="{escape(bundle.manifest.name)}" src="data:image/png;base64,{data}">'
