@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
@@ -14,9 +15,7 @@ from typing import Any
 
 from mimoc.bundle.arrays import ARRAYS, Array, unpack_arrays
 from mimoc.bundle.files import remove_leftovers, swap_folders, unfinished_name
-from mimoc.bundle.later_files import LaterFiles
-from mimoc.bundle.manifest import Manifest
-from mimoc.bundle.manifest_text import read_manifest
+from mimoc.bundle.manifest import Manifest, read_manifest
 from mimoc.bundle.regular_files import (
     MOST_FILES,
     MOST_NESTED,
@@ -27,6 +26,34 @@ from mimoc.bundle.regular_files import (
 )
 from mimoc.bundle.shared_files import SharedFiles
 from mimoc.errors import BundleError
+
+
+class LaterFiles(Mapping[str, bytes]):
+    """Content by path, read-only."""
+
+    def __init__(self, arrays: Mapping[str, Array], make: Callable[[], Mapping[str, bytes]]):
+        """Promise some files.
+
+        Args:
+            arrays: What the file of the large arrays holds, read-only, rounded as it is in the file.
+            make: Returns all files.
+        """
+        self.arrays, self._make = arrays, make
+
+    def __getitem__(self, path: str) -> bytes:
+        """Return the content of a file."""
+        return self._all[path]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    @cached_property
+    def _all(self) -> Mapping[str, bytes]:
+        return self._make()
+
 
 MANIFEST, LOCK = "manifest.json", "lock.json"
 SHARED = "assets/"

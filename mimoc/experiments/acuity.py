@@ -8,7 +8,7 @@ from mimoc.compiler import building
 from mimoc.experiments.gratings import FOVY_DEG, Transfer, transfers
 from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.looks.pictures import encode_palette_png
-from mimoc.render.picture_grid import Picture, tile_pictures
+from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
 from mimoc.schema.infant import InfantSpec

@@ -16,7 +16,7 @@ from mimoc.experiments.strength_over_load import GROUPS, Strength, strengths
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
 from mimoc.milestones.search import SearchResult
-from mimoc.render.picture_grid import tile_pictures
+from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.age_rows import AgeRow, draw_age_rows
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png

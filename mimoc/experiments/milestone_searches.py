@@ -9,8 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from mimoc.bundle.files import make_folder, remove, write_file
-from mimoc.bundle.json_files import read_json_file
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, read_json_file
 from mimoc.milestones import Conditions, Outcome
 from mimoc.milestones.search import SearchResult, search, worker_pool
 from mimoc.schema.base import Model

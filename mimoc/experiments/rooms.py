@@ -12,10 +12,10 @@ from mimoc.compiler import building
 from mimoc.experiments.inventory import Inventory, take_inventory
 from mimoc.experiments.notebook import Notebook, markdown_table, page_texts
 from mimoc.looks.pictures import encode_palette_png
-from mimoc.render.overview import overview
-from mimoc.render.picture_grid import Picture, captioned_grid
+from mimoc.render.picture_files import Picture, captioned_grid
 from mimoc.render.plots.curves import Curve, Panel, draw_panels
 from mimoc.render.plots.figure import png
+from mimoc.render.portrait import overview
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
 from mimoc.toys.builtin import BUILTIN_TOYS

@@ -1,9 +1,11 @@
-"""The journal of one infant whose episodes are recorded."""
+"""The journal of one infant whose episodes are recorded, and the thread that writes them meanwhile."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from queue import Queue
+from threading import Thread
 from typing import Any
 
 import mujoco
@@ -16,11 +18,72 @@ from mimoc.recording.blocks import Block, Reading, reading_of
 from mimoc.recording.described import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
-from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import Journal
 from mimoc.runtime.physics_state import STATE, physics_of
 from mimoc.senses.sense import Observation
+
+Job = Callable[[], None]
+WAITING = 4
+"""Jobs that wait at most; who brings another one waits as well, so that memory does not grow."""
+
+
+class Writer:
+    """Does jobs one after the other in a thread of its own; after one has failed, none is done any more.
+
+    A forked process has no such thread, and writes nothing into the recording of the process that it comes from.
+    """
+
+    def __init__(self) -> None:
+        self._jobs: Queue[Job | None] = Queue(WAITING)
+        self._error: BaseException | None = None
+        self._thread = Thread(target=self._work, name="mimoc recording", daemon=True)
+        self._thread.start()
+
+    def __call__(self, job: Job) -> None:
+        """Have a job done, unless this process is a fork.
+
+        Raises:
+            MimocError: What one of the jobs before has raised.
+        """
+        self._check()
+        if self._thread.is_alive():
+            self._jobs.put(job)
+
+    def drain(self) -> None:
+        """Wait until all jobs are done.
+
+        Raises:
+            MimocError: What one of them has raised.
+        """
+        if self._thread.is_alive():
+            self._jobs.join()
+        self._check()
+
+    def close(self) -> None:
+        """Do what is left, and end the thread; closing twice is fine.
+
+        Raises:
+            MimocError: What one of the jobs has raised, unless it was raised before.
+        """
+        if self._thread.is_alive():
+            self._jobs.put(None)
+            self._thread.join()
+        self._check()
+
+    def _work(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            if self._error is None:
+                try:
+                    job()
+                except BaseException as error:
+                    self._error = error
+            self._jobs.task_done()
+
+    def _check(self) -> None:
+        if self._error is not None:
+            raise self._error
+
 
 NOTHING_YET = 0.0, False, False
 """Reward, terminated and truncated of what is observed before the first step."""

@@ -13,9 +13,8 @@ from gymnasium.vector import VectorEnv, VectorWrapper
 from mimoc.bundle import files
 from mimoc.errors import RecordingError
 from mimoc.recording.folder import EPISODES, digest, open_folder, versions
-from mimoc.recording.observer import Pace, RecordingObserver
+from mimoc.recording.observer import Pace, RecordingObserver, Writer
 from mimoc.recording.video import require_av
-from mimoc.recording.writer import Writer
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.many.vector_env import ManyInfants

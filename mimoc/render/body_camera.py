@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.render.averaging import average_down
 from mimoc.render.camera import (
     FOVY_DEG,
     FROM_THE_SIDE,
@@ -22,8 +21,7 @@ from mimoc.render.camera import (
     unobstructed_view,
 )
 from mimoc.render.markers import Markers, add_markers
-from mimoc.render.renderer import Picture, Renderer, Shown
-from mimoc.render.visual_settings import Setting, visual_settings
+from mimoc.render.renderer import Picture, Renderer, Setting, Shown, average_down, visual_settings
 
 STILL, MOVING = 3, 2
 """Supersampling of single pictures and of moving ones: they are drawn so many times larger and then averaged down,

@@ -13,7 +13,7 @@ from mimoc.compiler.variants import SpecVariants, spec_of
 from mimoc.errors import SpecError
 from mimoc.schema.infant import InfantSpec
 from mimoc.version import __version__
-from mimoc.viewer.appearance import describe_materials, describe_skins
+from mimoc.viewer.appearance import describe_materials, describe_skins, describe_surroundings
 from mimoc.viewer.growth import (
     AGES_MONTHS,
     SKIN_AGES_MONTHS,
@@ -26,7 +26,6 @@ from mimoc.viewer.growth import (
 from mimoc.viewer.packing import EncodedArrays, built, source
 from mimoc.viewer.physics import AGES_MONTHS as PHYSICS_AGES_MONTHS
 from mimoc.viewer.physics import describe_physics, engine
-from mimoc.viewer.surroundings import describe_surroundings
 
 Progress = Callable[[int, int], None]
 PROGRAM, LICENCES = "viewer.js", "LICENCES.txt"

@@ -15,10 +15,10 @@ from mimoc.recordings import chosen_episodes, replay_recording
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.expression import expression_of
 from mimoc.senses.sense import Observation
+from mimoc.viewer.appearance import bodies_around, describe_surroundings
 from mimoc.viewer.growth import Own, own_parts
 from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import describe, fill
-from mimoc.viewer.surroundings import bodies_around, describe_surroundings
 
 FRAMES = 3000
 """Frames of a page, at most: half a minute of every control step, or more of every other one and so on."""

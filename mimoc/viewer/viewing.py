@@ -16,10 +16,10 @@ from mimoc.compiler.pipeline import compiled
 from mimoc.errors import MimocError
 from mimoc.runtime.env import InfantEnv
 from mimoc.schema.infant import InfantSpec
+from mimoc.viewer.appearance import describe_surroundings
 from mimoc.viewer.growth import own_parts
 from mimoc.viewer.packing import EncodedArrays
 from mimoc.viewer.page import Progress, describe, fill, page_of
-from mimoc.viewer.surroundings import describe_surroundings
 
 if TYPE_CHECKING:  # What reads recordings needs an extra.
     from mimoc.recording.reading import ReadRecording

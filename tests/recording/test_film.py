@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from mimoc.errors import RenderingError
-from mimoc.recording.film import GAP_PX, VideoFrames
+from mimoc.recording.record import GAP_PX, VideoFrames
 from mimoc.render.camera import shows
 
 HEIGHT_PX = 2 * 32 + GAP_PX

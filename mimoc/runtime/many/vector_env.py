@@ -10,8 +10,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from mimoc.actuation.commands import numbers
-from mimoc.render.picture_grid import Picture, in_rows
-from mimoc.render.shared import SharedRenderers, sharing
+from mimoc.render.picture_files import Picture, in_rows
+from mimoc.render.renderer import SharedRenderers, sharing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE

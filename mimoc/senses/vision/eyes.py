@@ -8,9 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.render.renderer import Renderer, Shown
-from mimoc.render.shared import assets_of, shared_renderers
-from mimoc.render.visual_settings import Setting
+from mimoc.render.renderer import Renderer, Setting, Shown, assets_of, shared_renderers
 
 Drawn = npt.NDArray[np.uint8]
 """Shape (cameras, height, width, 3)."""
