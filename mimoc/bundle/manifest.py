@@ -213,12 +213,12 @@ class Manifest(Model):
 
     @model_validator(mode="after")
     def _all_times_are_whole_steps(self) -> Self:
-        delays = {f"delays.{name}": each for name, each in self.delays if isinstance(each, DelayEntry)}
+        delays = {f"delays.{name}": delay for name, delay in self.delays if isinstance(delay, DelayEntry)}
         times_ms = {
             "step_ms": self.step_ms,
             "noise.delay_jitter_ms": self.noise.delay_jitter_ms,
-            **{f"{name}.ms": each.ms for name, each in delays.items()},
-            **{f"{name}.legs_ms": each.legs_ms or 0.0 for name, each in delays.items()},
+            **{f"{name}.ms": delay.ms for name, delay in delays.items()},
+            **{f"{name}.legs_ms": delay.legs_ms or 0.0 for name, delay in delays.items()},
         }
         for name, time_ms in times_ms.items():
             try:

@@ -73,7 +73,7 @@ def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_mon
         MimocError: If it has other parts at some age.
     """
     parts = [own_parts(variant.model, variant.bundle.manifest) for variant in variants]
-    counts = {tuple(len(getattr(own, name)) for name in Own.__slots__) for own in parts}
+    counts = {tuple(len(getattr(infant, name)) for name in Own.__slots__) for infant in parts}
     if len(counts) > 1:
         raise MimocError(f"'{variants[0].bundle.manifest.name}' has other parts at other ages; a page cannot show that")
     models = [variant.model for variant in variants]
@@ -87,20 +87,20 @@ def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_mon
 
 def _skeleton(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
     """Return bodies and joints; numbers of bodies are those within the infant."""
-    model, own = models[0], parts[0]
-    number = {body: index for index, body in enumerate(own.bodies.tolist())}
+    model, infant = models[0], parts[0]
+    number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {
-            "names": [model.body(body).name for body in own.bodies],
-            "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in own.bodies])),
-            "quat": packed.put(model.body_quat[own.bodies]),
+            "names": [model.body(body).name for body in infant.bodies],
+            "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in infant.bodies])),
+            "quat": packed.put(model.body_quat[infant.bodies]),
             "pos": _by_age(packed, models, parts, "body_pos", "bodies"),
         },
         "joints": {
-            "names": [model.joint(joint).name for joint in own.joints],
-            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[own.joints]], int)),
-            "axis": packed.put(model.jnt_axis[own.joints]),
-            "reference": packed.put(model.qpos0[own.qpos[7:]]),
+            "names": [model.joint(joint).name for joint in infant.joints],
+            "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[infant.joints]], int)),
+            "axis": packed.put(model.jnt_axis[infant.joints]),
+            "reference": packed.put(model.qpos0[infant.qpos[7:]]),
             "pos": _by_age(packed, models, parts, "jnt_pos", "joints"),
             "range": _by_age(packed, models, parts, "jnt_range", "joints"),
         },
@@ -109,24 +109,24 @@ def _skeleton(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Se
 
 def _flesh(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
     """Return geoms and eyes, with the numbers of their bodies within the infant."""
-    model, own = models[0], parts[0]
+    model, infant = models[0], parts[0]
     return {
         "geoms": {
-            "names": [model.geom(geom).name for geom in own.geoms],
-            "body": packed.put(np.searchsorted(own.bodies, model.geom_bodyid[own.geoms])),
-            "type": packed.put(model.geom_type[own.geoms]),
-            "material": packed.put(model.geom_matid[own.geoms]),
-            "group": packed.put(model.geom_group[own.geoms]),
-            "solid": packed.put((model.geom_contype | model.geom_conaffinity)[own.geoms] != 0),
-            "quat": packed.put(model.geom_quat[own.geoms]),
+            "names": [model.geom(geom).name for geom in infant.geoms],
+            "body": packed.put(np.searchsorted(infant.bodies, model.geom_bodyid[infant.geoms])),
+            "type": packed.put(model.geom_type[infant.geoms]),
+            "material": packed.put(model.geom_matid[infant.geoms]),
+            "group": packed.put(model.geom_group[infant.geoms]),
+            "solid": packed.put((model.geom_contype | model.geom_conaffinity)[infant.geoms] != 0),
+            "quat": packed.put(model.geom_quat[infant.geoms]),
             "pos": _by_age(packed, models, parts, "geom_pos", "geoms"),
             "size": _by_age(packed, models, parts, "geom_size", "geoms"),
         },
         "eyes": {
-            "names": [model.camera(camera).name for camera in own.cameras],
-            "body": packed.put(np.searchsorted(own.bodies, model.cam_bodyid[own.cameras])),
-            "quat": packed.put(model.cam_quat[own.cameras]),
-            "fovy_deg": packed.put(model.cam_fovy[own.cameras]),
+            "names": [model.camera(camera).name for camera in infant.cameras],
+            "body": packed.put(np.searchsorted(infant.bodies, model.cam_bodyid[infant.cameras])),
+            "quat": packed.put(model.cam_quat[infant.cameras]),
+            "fovy_deg": packed.put(model.cam_fovy[infant.cameras]),
             "pos": _by_age(packed, models, parts, "cam_pos", "cameras"),
         },
     }
@@ -136,8 +136,8 @@ def _by_age(
     packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
 ) -> dict[str, Any]:
     """Return an array of a model at each age, of what is the infant's."""
-    found = [getattr(model, name)[getattr(own, kind)] for model, own in zip(models, parts, strict=True)]
-    return packed.put(np.stack(found))
+    arrays = [getattr(model, name)[getattr(infant, kind)] for model, infant in zip(models, parts, strict=True)]
+    return packed.put(np.stack(arrays))
 
 
 def describe_touch(
@@ -147,10 +147,10 @@ def describe_touch(
     if variants[0].bundle.manifest.senses.touch is None:
         return None
     senses = [bind_sense("touch", variant.bundle, variant.model) for variant in variants]
-    own = own_parts(variants[0].model, variants[0].bundle.manifest).bodies.tolist()
+    bodies = own_parts(variants[0].model, variants[0].bundle.manifest).bodies.tolist()
     return {
         "ages_months": list(ages_months),
-        "body": packed.put(np.array([own.index(body) for body in senses[0].receptors.bodies])),
+        "body": packed.put(np.array([bodies.index(body) for body in senses[0].receptors.bodies])),
         "points": packed.put_places(np.stack([sense.receptors.points_m for sense in senses])),
     }
 
@@ -161,7 +161,7 @@ def _poses(
     """Yield the poses that suit every age, with the numbers of root and hinges at each."""
     for pose in variants[0].bundle.manifest.poses:
         if all(pose in variant.bundle.manifest.poses for variant in variants):
-            keys = [variant.model.key(pose).qpos[own.qpos] for variant, own in zip(variants, parts, strict=True)]
+            keys = [variant.model.key(pose).qpos[infant.qpos] for variant, infant in zip(variants, parts, strict=True)]
             yield pose, packed.put(np.stack(keys))
 
 
@@ -190,7 +190,7 @@ def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) ->
     reference = children[0].sex or "mean"
     tables = fits.load_tables().who
     z_scores = [NormalDist().inv_cdf(share / 100) for share in PERCENTILES]
-    found = {}
+    measures = {}
     for name in INDICATORS:
         curves = [[tables[name].value(z, age, reference) for z in z_scores] for age in CURVE_AGES_MONTHS]
         values = [getattr(child, name) for child in children]
@@ -198,9 +198,9 @@ def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) ->
             tables[name].z_score(value, child.age_months, reference)
             for value, child in zip(values, children, strict=True)
         ]
-        found[name] = {
+        measures[name] = {
             "curves": packed.put(np.array(curves)),
             "child": packed.put(np.array(values)),
             "percentile": packed.put(np.array([percentile(z) for z in z_of])),
         }
-    return {"reference": reference, "percentiles": PERCENTILES, "ages_months": CURVE_AGES_MONTHS, "measures": found}
+    return {"reference": reference, "percentiles": PERCENTILES, "ages_months": CURVE_AGES_MONTHS, "measures": measures}

@@ -160,7 +160,7 @@ class LiveView:
         self._bodies = self._add_bodies(env.model)
         self._skins = self._add_skins(env.model)
         self._pause = self._server.gui.add_checkbox("Pause", initial_value=False)
-        self._told = self._server.gui.add_markdown("")
+        self._clock = self._server.gui.add_markdown("")
         root = env.data.body(env.manifest.root_body).xpos
         self._server.initial_camera.look_at = tuple(root)
         self._server.initial_camera.position = tuple(root + np.array(CAMERA_M))
@@ -194,7 +194,7 @@ class LiveView:
             for mesh, bodies in self._skins:
                 for bone, body in zip(mesh.bones, bodies, strict=True):
                     bone.position, bone.wxyz = data.xpos[body], data.xquat[body]
-        self._told.content = f"{data.time:.1f} s"
+        self._clock.content = f"{data.time:.1f} s"
 
     def close(self) -> None:
         """Stop serving; closing twice is fine."""
@@ -235,14 +235,14 @@ class LiveView:
 
     def _add_skins(self, model: mujoco.MjModel) -> list[tuple[Any, list[int]]]:
         """Add all skins, and return their meshes, each with the bodies that move it."""
-        found = []
+        skins = []
         for index in range(model.nskin):
             skin = skin_of(model, index)
             for colour, faces in coloured_faces(model, index, COLOURS):
                 used, renumbered = np.unique(faces, return_inverse=True)
                 movers = np.flatnonzero(skin.weights[used].any(axis=0))
                 mesh = self._server.scene.add_mesh_skinned(
-                    f"/skins/{model.skin(index).name}/{len(found)}",
+                    f"/skins/{model.skin(index).name}/{len(skins)}",
                     skin.vertices_m[used],
                     renumbered.reshape(-1, 3),
                     bone_wxyzs=skin.bind_quat[movers],
@@ -251,8 +251,8 @@ class LiveView:
                     color=colour,
                     side="double",
                 )
-                found.append((mesh, skin.bodies[movers].tolist()))
-        return found
+                skins.append((mesh, skin.bodies[movers].tolist()))
+        return skins
 
     def _ahead_s(self) -> float:
         """Return how far the simulation's clock is ahead of the wall's, but for a constant."""
