@@ -66,8 +66,8 @@ def describe_skins(
 def _layer(packed: EncodedArrays, models: Sequence[mujoco.MjModel], index: int, bodies: list[int]) -> dict[str, Any]:
     """Return one skin; its bones are bound to a pose of their own at each age."""
     model = models[0]
-    verts, faces, bones = (rows_of(model, kind, index) for kind in ("vert", "face", "bone"))
-    first, _ = model.skin_texcoordadr[index], model.skin_vertnum[index]
+    verts, faces, bones = (rows_of(model, kind, index) for kind in ("skin_vert", "skin_face", "skin_bone"))
+    first = model.skin_texcoordadr[index]
     texcoords = model.skin_texcoord[first : first + model.skin_vertnum[index]] if first >= 0 else None
     moved_by, weights = _strongest(skin_of(model, index).weights)
     return {
@@ -110,7 +110,8 @@ def describe_surroundings(
         parts: What is the infant's.
     """
     shown, bodies = _geoms(model, parts), bodies_around(model, parts)
-    meshes = np.unique(model.geom_dataid[shown][model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
+    mesh_of_geom = model.geom_dataid[shown]
+    meshes = np.unique(mesh_of_geom[model.geom_type[shown] == mujoco.mjtGeom.mjGEOM_MESH])
     rgba = np.where(model.geom_matid[shown, None] >= 0, 1.0, model.geom_rgba[shown])
     return {
         "bodies": {
@@ -123,17 +124,19 @@ def describe_surroundings(
             "body": packed.put(np.searchsorted(bodies, model.geom_bodyid[shown])),
             "type": packed.put(model.geom_type[shown]),
             "material": packed.put(model.geom_matid[shown]),
-            "mesh": packed.put(
-                np.where(
-                    np.isin(model.geom_dataid[shown], meshes), np.searchsorted(meshes, model.geom_dataid[shown]), -1
-                )
-            ),
+            "mesh": packed.put(np.where(np.isin(mesh_of_geom, meshes), np.searchsorted(meshes, mesh_of_geom), -1)),
             "rgba": packed.put(rgba),
             "pos": packed.put(model.geom_pos[shown]),
             "quat": packed.put(model.geom_quat[shown]),
             "size": packed.put(model.geom_size[shown]),
         },
-        "meshes": [_mesh(packed, model, int(mesh)) for mesh in meshes],
+        "meshes": [
+            {
+                "verts": packed.put(model.mesh_vert[rows_of(model, "mesh_vert", mesh)]),
+                "faces": packed.put(model.mesh_face[rows_of(model, "mesh_face", mesh)].astype(np.uint32)),
+            }
+            for mesh in meshes.tolist()
+        ],
     }
 
 
@@ -144,11 +147,3 @@ def bodies_around(model: mujoco.MjModel, parts: Own) -> IntArray:
 
 def _geoms(model: mujoco.MjModel, parts: Own) -> IntArray:
     return np.setdiff1d(np.flatnonzero(model.geom_group <= LAST_VISIBLE_GROUP), parts.geoms)
-
-
-def _mesh(packed: EncodedArrays, model: mujoco.MjModel, index: int) -> dict[str, Any]:
-    first, face = model.mesh_vertadr[index], model.mesh_faceadr[index]
-    return {
-        "verts": packed.put(model.mesh_vert[first : first + model.mesh_vertnum[index]]),
-        "faces": packed.put(model.mesh_face[face : face + model.mesh_facenum[index]].astype(np.uint32)),
-    }

@@ -1,6 +1,6 @@
 """An infant at all ages, as arrays that a page interpolates: its solids, joints, poses, eyes and skin points."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -19,6 +19,7 @@ from mimoc.senses.binding import bind_sense
 from mimoc.viewer.packing import EncodedArrays
 
 IntArray = npt.NDArray[np.intp]
+ByAge = Callable[[str, str], dict[str, Any]]
 
 AGES_MONTHS = (*(week / 4 for week in range(4)), *(half / 2 for half in range(2, 12)), *range(6, 19), 20.0, 22.0, 24.0)
 """Ages of which a page has the numbers, close together where children grow fastest. Between them it interpolates
@@ -76,40 +77,43 @@ def describe_growth(packed: EncodedArrays, variants: Sequence[Variant], ages_mon
     counts = {tuple(len(getattr(infant, name)) for name in Own.__slots__) for infant in parts}
     if len(counts) > 1:
         raise MimocError(f"'{variants[0].bundle.manifest.name}' has other parts at other ages; a page cannot show that")
-    models = [variant.model for variant in variants]
+    at_ages = list(zip([variant.model for variant in variants], parts, strict=True))
+
+    def by_age(name: str, kind: str) -> dict[str, Any]:
+        """Return an array of a model at each age, of what is the infant's."""
+        return packed.put(np.stack([getattr(model, name)[getattr(infant, kind)] for model, infant in at_ages]))
+
     return {
         "ages_months": list(ages_months),
-        **_skeleton(packed, models, parts),
-        **_flesh(packed, models, parts),
+        **_skeleton(packed, *at_ages[0], by_age),
+        **_flesh(packed, *at_ages[0], by_age),
         "poses": dict(_poses(packed, variants, parts)),
     }
 
 
-def _skeleton(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _skeleton(packed: EncodedArrays, model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
     """Return bodies and joints; numbers of bodies are those within the infant."""
-    model, infant = models[0], parts[0]
     number = {body: index for index, body in enumerate(infant.bodies.tolist())}
     return {
         "bodies": {
             "names": [model.body(body).name for body in infant.bodies],
             "parent": packed.put(np.array([number.get(model.body_parentid[body], -1) for body in infant.bodies])),
             "quat": packed.put(model.body_quat[infant.bodies]),
-            "pos": _by_age(packed, models, parts, "body_pos", "bodies"),
+            "pos": by_age("body_pos", "bodies"),
         },
         "joints": {
             "names": [model.joint(joint).name for joint in infant.joints],
             "body": packed.put(np.array([number[body] for body in model.jnt_bodyid[infant.joints]], int)),
             "axis": packed.put(model.jnt_axis[infant.joints]),
             "reference": packed.put(model.qpos0[infant.qpos[7:]]),
-            "pos": _by_age(packed, models, parts, "jnt_pos", "joints"),
-            "range": _by_age(packed, models, parts, "jnt_range", "joints"),
+            "pos": by_age("jnt_pos", "joints"),
+            "range": by_age("jnt_range", "joints"),
         },
     }
 
 
-def _flesh(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own]) -> dict[str, Any]:
+def _flesh(packed: EncodedArrays, model: mujoco.MjModel, infant: Own, by_age: ByAge) -> dict[str, Any]:
     """Return geoms and eyes, with the numbers of their bodies within the infant."""
-    model, infant = models[0], parts[0]
     return {
         "geoms": {
             "names": [model.geom(geom).name for geom in infant.geoms],
@@ -119,25 +123,17 @@ def _flesh(packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Seque
             "group": packed.put(model.geom_group[infant.geoms]),
             "solid": packed.put((model.geom_contype | model.geom_conaffinity)[infant.geoms] != 0),
             "quat": packed.put(model.geom_quat[infant.geoms]),
-            "pos": _by_age(packed, models, parts, "geom_pos", "geoms"),
-            "size": _by_age(packed, models, parts, "geom_size", "geoms"),
+            "pos": by_age("geom_pos", "geoms"),
+            "size": by_age("geom_size", "geoms"),
         },
         "eyes": {
             "names": [model.camera(camera).name for camera in infant.cameras],
             "body": packed.put(np.searchsorted(infant.bodies, model.cam_bodyid[infant.cameras])),
             "quat": packed.put(model.cam_quat[infant.cameras]),
             "fovy_deg": packed.put(model.cam_fovy[infant.cameras]),
-            "pos": _by_age(packed, models, parts, "cam_pos", "cameras"),
+            "pos": by_age("cam_pos", "cameras"),
         },
     }
-
-
-def _by_age(
-    packed: EncodedArrays, models: Sequence[mujoco.MjModel], parts: Sequence[Own], name: str, kind: str
-) -> dict[str, Any]:
-    """Return an array of a model at each age, of what is the infant's."""
-    arrays = [getattr(model, name)[getattr(infant, kind)] for model, infant in zip(models, parts, strict=True)]
-    return packed.put(np.stack(arrays))
 
 
 def describe_touch(
@@ -193,14 +189,10 @@ def describe_standards(packed: EncodedArrays, children: Sequence[ChildEntry]) ->
     measures = {}
     for name in INDICATORS:
         curves = [[tables[name].value(z, age, reference) for z in z_scores] for age in CURVE_AGES_MONTHS]
-        values = [getattr(child, name) for child in children]
-        z_of = [
-            tables[name].z_score(value, child.age_months, reference)
-            for value, child in zip(values, children, strict=True)
-        ]
+        z_of = [tables[name].z_score(getattr(child, name), child.age_months, reference) for child in children]
         measures[name] = {
             "curves": packed.put(np.array(curves)),
-            "child": packed.put(np.array(values)),
+            "child": packed.put(np.array([getattr(child, name) for child in children])),
             "percentile": packed.put(np.array([percentile(z) for z in z_of])),
         }
     return {"reference": reference, "percentiles": PERCENTILES, "ages_months": CURVE_AGES_MONTHS, "measures": measures}

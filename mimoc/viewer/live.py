@@ -14,7 +14,6 @@ from urllib.parse import parse_qs
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from mimoc.errors import MimocError, MissingExtraError
 from mimoc.mujoco_layout import LAST_VISIBLE_GROUP
@@ -57,7 +56,7 @@ class Access:
         def process(connection: Any, request: Any) -> Any:
             # Of a header that is sent twice, both values count, and so it is not what is expected.
             host, origin, cookies = (", ".join(request.headers.get_all(name)) for name in ("Host", "Origin", "Cookie"))
-            if _is_local(host) and origin in ("", f"http://{host}"):
+            if LOCAL_HOST.fullmatch(host) and origin in ("", f"http://{host}"):
                 if self._has_cookie(host, cookies):
                     return process_request(connection, request)
                 if self._use_token(request.path):
@@ -110,11 +109,6 @@ class Access:
         response.headers["Location"] = "/"
         response.headers["Set-Cookie"] = f"{_cookie_name(host)}={self._cookie}; Path=/; HttpOnly; SameSite=Strict"
         return response
-
-
-def _is_local(host: str) -> bool:
-    """Return whether a host, such as `localhost:8080`, is this machine."""
-    return LOCAL_HOST.fullmatch(host) is not None
 
 
 def _cookie_name(host: str) -> str:
@@ -282,11 +276,9 @@ def _colour(model: mujoco.MjModel, geom: int) -> tuple[int, int, int]:
     """Return the colour of a geom, 0 to 255; of a textured one, the mean of its texture."""
     material = model.geom_matid[geom]
     if material < 0:
-        return _whole(255 * model.geom_rgba[geom, :3])
-    pixels = texture_of(model, material)
-    return _whole(model.mat_rgba[material, :3] * (255 if pixels is None else pixels.mean(axis=(0, 1))))
-
-
-def _whole(rgb: npt.NDArray[Any]) -> tuple[int, int, int]:
+        rgb = 255 * model.geom_rgba[geom, :3]
+    else:
+        pixels = texture_of(model, material)
+        rgb = model.mat_rgba[material, :3] * (255 if pixels is None else pixels.mean(axis=(0, 1)))
     red, green, blue = np.rint(rgb).astype(int).tolist()
     return red, green, blue

@@ -60,6 +60,8 @@ def describe(
     sparse = [at(age) for age in SKIN_AGES_MONTHS]
     manifest = infant.manifest
     shown = at(manifest.child.age_months)
+    simulated_months = sorted({*PHYSICS_AGES_MONTHS, manifest.child.age_months}) if physics else []
+    simulated = [at(age, age in SKIN_AGES_MONTHS) for age in simulated_months]
     model, data = shown.model, posed(shown)
     return {
         "name": manifest.name,
@@ -75,7 +77,7 @@ def describe(
         "touch": describe_touch(packed, sparse, SKIN_AGES_MONTHS),
         "skins": describe_skins(packed, sparse, SKIN_AGES_MONTHS),
         **describe_materials(packed, model),
-        "physics": describe_physics(packed, _models(at, manifest.child.age_months)) if physics else None,
+        "physics": describe_physics(packed, simulated) if physics else None,
         "surroundings": describe_surroundings(packed, model, data, own_parts(model, manifest)),
     }
 
@@ -124,11 +126,6 @@ def fill(packed: EncodedArrays, data: Mapping[str, Any]) -> str:
     }
     parts = {name: part.replace("</script", "<\\/script") for name, part in parts.items()}
     return PLACE.sub(lambda place: parts.get(place[1], ""), source("page.html"))
-
-
-def _models(at: "_Ages", age_months: float) -> list[Variant]:
-    """Return the infants whose models a page has: that of its own age, too."""
-    return [at(age, age in SKIN_AGES_MONTHS) for age in sorted({*PHYSICS_AGES_MONTHS, age_months})]
 
 
 class _Ages:

@@ -1,13 +1,12 @@
 """Physics for a page: MuJoCo compiled for browsers, and the infant's models without what only shows."""
 
 import base64
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from mimoc.bundle.manifest import Manifest
 from mimoc.bundle.model import mjcf_of
 from mimoc.bundle.variants import Variant
 from mimoc.viewer.growth import own_parts
@@ -35,7 +34,9 @@ def describe_physics(packed: EncodedArrays, variants: Sequence[Variant]) -> dict
         "qpos": packed.put(parts.qpos),
         "around": [model.body(body).name for body in range(model.nbody)],
         "step_s": manifest.step_ms / 1000,
-        "commanded": packed.put(np.array(_commanded(manifest, variants[0]), int)),
+        "commanded": packed.put(
+            np.array([model.actuator(one.name).id for one in manifest.actuation.actuators if one.commanded], int)
+        ),
     }
 
 
@@ -50,21 +51,15 @@ def engine() -> Mapping[str, str]:
 
 
 def _model(packed: EncodedArrays, variant: Variant) -> dict[str, Any]:
+    """Return a model and the files that it refers to, bare: MJCF and meshes."""
     scene, files = mjcf_of(variant.bundle.files, variant.bundle.manifest.scene)
+    bare = {name: _bare(content.decode()) for name, content in files.items() if name.endswith(".xml")}
+    needed = {name: bare.get(name, files[name]) for name in files if name.endswith((".xml", ".obj", ".stl", ".msh"))}
     return {
         "age_months": variant.bundle.manifest.child.age_months,
         "scene": packed.put(np.frombuffer(_bare(scene), np.uint8)),
-        "files": {name: packed.put(np.frombuffer(content, np.uint8)) for name, content in _needed(files)},
+        "files": {name: packed.put(np.frombuffer(content, np.uint8)) for name, content in needed.items()},
     }
-
-
-def _needed(files: Mapping[str, bytes]) -> Iterator[tuple[str, bytes]]:
-    """Yield the files that the bare models refer to: MJCF and meshes."""
-    for name, content in files.items():
-        if name.endswith(".xml"):
-            yield name, _bare(content.decode())
-        elif name.endswith((".obj", ".stl", ".msh")):
-            yield name, content
 
 
 def _bare(mjcf: str) -> bytes:
@@ -75,8 +70,3 @@ def _bare(mjcf: str) -> bytes:
         for child in [element for element in parent if element.tag in SHOWN_ONLY]:
             parent.remove(child)
     return ElementTree.tostring(root)
-
-
-def _commanded(manifest: Manifest, variant: Variant) -> list[int]:
-    """Return the actuators that an action commands, in its order."""
-    return [variant.model.actuator(actuator.name).id for actuator in manifest.actuation.actuators if actuator.commanded]

@@ -117,16 +117,14 @@ def view(
     if (recording := _recording_of(shown)) is not None:
         from mimoc.viewer.replayed import page_of_recording
 
-        page = page_of_recording(recording, infant, episode, physics, progress)
-        made = View(page.text, page.difference)
+        made = View(*page_of_recording(recording, infant, episode, physics, progress))
     elif (infant, episode) != (None, None):
         raise MimocError("'infant' and 'episode' choose from a recording, and this is none; leave them out")
     elif isinstance(shown, gymnasium.Env) and isinstance(shown.unwrapped, InfantEnv):
         made = View(_page_of_env(shown.unwrapped, physics))
-    elif isinstance(shown, (Bundle, InfantSpec)):
-        made = View(page_of(compiled(shown), physics, progress))
-    elif isinstance(shown, (str, Path)):
-        made = View(page_of(compiled(Path(shown).expanduser()), physics, progress))
+    elif isinstance(shown, (Bundle, InfantSpec, str, Path)):
+        source = Path(shown).expanduser() if isinstance(shown, (str, Path)) else shown
+        made = View(page_of(compiled(source), physics, progress))
     else:
         kind = type(shown).__name__
         raise MimocError(f"a {kind} cannot be shown; give a bundle, a spec, a recording or an environment")
