@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from mimoc.errors import RecordingError
 from mimoc.senses.sense import Observation
 
 Array = npt.NDArray[Any]
@@ -35,7 +36,13 @@ class Reading:
 
 
 def reading_of(name: str, array: Array, layout: Sequence[str] = ()) -> Reading:
-    """Return how an array of an observation is kept."""
+    """Return how an array of an observation is kept.
+
+    Raises:
+        RecordingError: If it is not one of numbers.
+    """
+    if array.dtype.kind not in "biuf":
+        raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
     is_picture = array.dtype == np.uint8 and array.ndim == 3 and array.shape[-1] == 3
     kind = "picture" if is_picture else "sparse" if array.size > SPARSE_FROM else "dense"
     return Reading(name, array.shape, array.dtype.name, kind, tuple(layout) if len(layout) == array.size else ())

@@ -6,15 +6,14 @@ from functools import partial
 from pathlib import Path
 from queue import Queue
 from threading import Thread
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from mimoc.errors import RecordingError
 from mimoc.recording import frames, tables
-from mimoc.recording.blocks import Block, Reading, reading_of
+from mimoc.recording.blocks import Block, reading_of
 from mimoc.recording.described import Described
 from mimoc.recording.folder import TABLE, part_stem, with_extension, write_json
 from mimoc.recording.state_text import to_plain
@@ -93,16 +92,6 @@ SINCE_RESET = ("physics", "signals", "steps")
 """Parts of a state that a reset makes anew, and that it needs not know."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pace:
-    """How often something is kept of an episode."""
-
-    rows: int
-    """Rows of a part of its files."""
-    states_every: int
-    """Control steps from one complete state to the next."""
-
-
 @dataclass
 class _Episode:
     """An episode that is being recorded."""
@@ -131,7 +120,8 @@ class RecordingObserver(Journal):
         writer: Writer,
         stem_of: Callable[[int], Path],
         first: int,
-        pace: Pace,
+        part_rows: int,
+        states_every: int,
         about: Mapping[str, Any],
     ):
         """Begin with the next reset or step of an infant.
@@ -141,11 +131,12 @@ class RecordingObserver(Journal):
             writer: What does the writing.
             stem_of: Returns the path of the files of an episode by its number, without extension.
             first: Number of the first episode.
-            pace: How often something is kept.
+            part_rows: Rows of a part of the files of an episode.
+            states_every: Control steps from one complete state to the next.
             about: What the sidecar of each episode says, such as the number of the `infant`.
         """
         self._infant, self._writer, self._stem_of = infant, writer, stem_of
-        self._next, self._pace, self._about = first, pace, dict(about)
+        self._next, self._part_rows, self._states_every, self._about = first, part_rows, states_every, dict(about)
         self._episode: _Episode | None = None
         self._block: Block | None = None
         self._before: dict[str, Any] | None = None
@@ -189,7 +180,7 @@ class RecordingObserver(Journal):
         episode.steps += 1
         self._put(action, judged, observation)
         self._physics = self._physics_now()
-        if episode.steps % self._pace.states_every == 0:
+        if episode.steps % self._states_every == 0:
             episode.states.append({"step": episode.steps, "state": self._infant.get_state()})
         if judged[1] or judged[2]:
             self.end("terminated" if judged[1] else "truncated")
@@ -218,8 +209,7 @@ class RecordingObserver(Journal):
         self._next = number
 
     def _begin(self, reset: Mapping[str, Any] | None, observation: Observation, info: Mapping[str, Any]) -> None:
-        start = self._infant.get_state()
-        head = {**self._about, "reset": reset, "start": start}
+        head = {**self._about, "reset": reset, "start": self._infant.get_state()}
         self._episode, self._block = _Episode(self._next, head), None
         self._next += 1
         self._put(None, (*NOTHING_YET, info), observation)
@@ -233,8 +223,7 @@ class RecordingObserver(Journal):
             block = None
         if block is None:
             described = self._described
-            block = Block(described.readings, len(described.actions), self._pace.rows, episode.steps)
-            self._block = block
+            block = self._block = Block(described.readings, len(described.actions), self._part_rows, episode.steps)
         block.put(self._infant.data.time, action, judged, observation)
 
     def _write_part(self, **ended: str) -> None:
@@ -291,13 +280,11 @@ def _described(infant: InfantEnv) -> Described:
     for name, sense in infant.senses.items():
         layouts |= dict.fromkeys(sense.spaces, infant.layout(name))
     observation = {**infant.schedule.observe(), **infant.task.observe()}
-    readings = tuple(_reading(name, array, layouts.get(name, ())) for name, array in observation.items())
+    readings = tuple(reading_of(name, np.asarray(array), layouts.get(name, ())) for name, array in observation.items())
     actuators = tuple(infant.model.actuator(index).name for index in infant.actuation.actuators)
     return Described(readings, actuators, infant.manifest.step_ms)
 
 
-def _reading(name: str, array: Any, layout: Sequence[str]) -> Reading:
-    array = np.asarray(array)
-    if array.dtype.kind not in "biuf":
-        raise RecordingError(f"the observation '{name}' cannot be recorded: it is not an array of numbers")
-    return reading_of(name, array, layout)
+def spaces_of(infant: InfantEnv) -> Mapping[str, Any]:
+    """Return the space of each array of what an infant observes, by name."""
+    return cast("Any", infant.observation_space).spaces

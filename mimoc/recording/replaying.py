@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from operator import itemgetter
 from typing import Any
 
@@ -16,7 +15,7 @@ from mimoc.recording import frames, tables
 from mimoc.recording.blocks import Array, Block, Reading
 from mimoc.recording.described import OBSERVATION
 from mimoc.recording.folder import versions
-from mimoc.recording.observer import ACTION, NOTHING_YET
+from mimoc.recording.observer import ACTION, NOTHING_YET, spaces_of
 from mimoc.recording.reading import Episode, ReadRecording
 from mimoc.recording.record import Watch
 from mimoc.recording.state_text import is_same
@@ -209,8 +208,8 @@ def replay(
         try:
             for episode in same_infant:
                 _check_observations(env, episode)
-                report = partial(_told, progress, done, total)
-                yield Replayed(episode, _Replay(env, episode, watch, report)())
+                again = _Replay(env, episode, watch, lambda steps, before=done: progress(before + steps, total))
+                yield Replayed(episode, again())
                 done += episode.steps
         finally:
             env.close()
@@ -276,7 +275,9 @@ class _Replay:
                 check_physics(value, env.model)
                 set_physics(env.model, env.data, value)
             elif what == "action_dtype":
-                self._dtype = _number_type(value)
+                self._dtype = np.dtype(value)
+                if self._dtype.kind not in "biuf":
+                    raise ValueError(f"'{value}' is not a type of numbers")
 
     def _as_given(self, action: npt.NDArray[np.float64]) -> Any:
         """Return an action in the type of numbers in which it was given."""
@@ -325,17 +326,6 @@ def _in_a_line(error: Exception) -> str:
     return "".join(character for character in text[:_SHOWN] if character.isprintable())
 
 
-def _number_type(name: str) -> np.dtype[Any]:
-    dtype = np.dtype(name)
-    if dtype.kind not in "biuf":
-        raise ValueError(f"'{name}' is not a type of numbers")
-    return dtype
-
-
-def _told(progress: Callable[[int, int], None], before: int, total: int, steps: int) -> None:
-    progress(before + steps, total)
-
-
 def _other_scene(episode: Episode, seed: int) -> bool:
     """Return whether an episode is in another scene than its bundle, or comes from one."""
     with _damage_message(episode):
@@ -350,7 +340,7 @@ def _check_observations(env: InfantEnv, episode: Episode) -> None:
     Raises:
         RecordingError: If it does not.
     """
-    observed = {name: (space.shape, space.dtype.name) for name, space in _spaces(env).items()}
+    observed = {name: (space.shape, space.dtype.name) for name, space in spaces_of(env).items()}
     for reading in episode.described.readings:
         if observed.get(reading.name) != (reading.shape, reading.dtype):
             raise RecordingError(
@@ -359,8 +349,3 @@ def _check_observations(env: InfantEnv, episode: Episode) -> None:
             )
     if env.action_space.shape != np.shape(episode.described.actions):
         raise RecordingError(f"infant {episode.infant}, episode {episode.number}: it has other actuators now")
-
-
-def _spaces(env: InfantEnv) -> Any:
-    spaces: Any = env.observation_space
-    return spaces.spaces

@@ -46,7 +46,8 @@ def check_schema(schema: Any, described: Described) -> None:
     if len(set(names)) < len(names):
         raise UnusableFileError("it has two columns of one name")
     for field in schema:
-        kinds = [wanted[field.name]] if field.name in wanted else _optional(field.name)
+        optional = [pa.float64(), pa.bool_()] if field.name.startswith(OPTIONAL) else []
+        kinds = [wanted[field.name]] if field.name in wanted else optional
         if not kinds:
             raise UnusableFileError(f"the column {_shown(field.name)} is not one that mimoc writes")
         if field.nullable or field.type not in kinds:
@@ -61,7 +62,9 @@ def columns_of(described: Described) -> Mapping[str, Any]:
     columns |= dict.fromkeys(NUMBERS, pa.float64()) | dict.fromkeys(FLAGS, pa.bool_())
     for reading in described.readings:
         if reading.kind != "picture":
-            columns[OBSERVATION + reading.name] = _type_of(reading)
+            number = pa.from_numpy_dtype(np.dtype(reading.dtype))
+            is_sparse = reading.kind == "sparse"
+            columns[OBSERVATION + reading.name] = pairs_of(number) if is_sparse else lists_of(number, reading.size)
     return {name: kind for name, kind in columns.items() if has_numbers(kind)}
 
 
@@ -128,15 +131,6 @@ def _check_indices(table: Any, reading: Reading) -> None:
         )
 
 
-def _type_of(reading: Reading) -> Any:
-    number = pa.from_numpy_dtype(np.dtype(reading.dtype))
-    return pairs_of(number) if reading.kind == "sparse" else lists_of(number, reading.size)
-
-
-def _optional(name: str) -> list[Any]:
-    return [pa.float64(), pa.bool_()] if name.startswith(OPTIONAL) else []
-
-
 def _has_nulls(array: Any) -> bool:
     """Return whether an array has nulls, or the lists or pairs in it have."""
     if array.null_count:
@@ -169,7 +163,18 @@ def write_block(path: Path, block: Block, described: Described) -> None:
     Raises:
         OutputError: If the file cannot be written.
     """
-    write_table(path, _table(block, described))
+    rows = block.rows
+    columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
+    columns[ACTION] = _fixed(block.action[:rows])
+    columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
+    for reading in block.readings:
+        if reading.kind == "dense":
+            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
+        elif reading.kind == "sparse":
+            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
+    columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
+    fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
+    write_table(path, pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json})))
 
 
 def write_table(path: Path, table: Any) -> None:
@@ -251,21 +256,6 @@ def array_of(table: Any, name: str, reading: Reading | None = None) -> Array:
     return dense.reshape(len(column), *reading.shape)
 
 
-def _table(block: Block, described: Described) -> Any:
-    rows = block.rows
-    columns: dict[str, Any] = {STEP: pa.array(np.arange(block.first_step, block.first_step + rows, dtype=np.int32))}
-    columns[ACTION] = _fixed(block.action[:rows])
-    columns |= {name: pa.array(array[:rows]) for name, array in block.numbers.items()}
-    for reading in block.readings:
-        if reading.kind == "dense":
-            columns[OBSERVATION + reading.name] = _fixed(block.dense[reading.name][:rows])
-        elif reading.kind == "sparse":
-            columns[OBSERVATION + reading.name] = _listed(block.sparse[reading.name], rows)
-    columns = {name: column for name, column in columns.items() if has_numbers(column.type)}
-    fields = [pa.field(name, column.type, nullable=False) for name, column in columns.items()]
-    return pa.table([*columns.values()], schema=pa.schema(fields, {KEY: described.json}))
-
-
 def _listed(kept: Sparse, rows: int) -> Any:
     """Return rows of index and value of the numbers that are not zero."""
     end = kept.ends[rows]
@@ -277,15 +267,10 @@ def _listed(kept: Sparse, rows: int) -> Any:
 
 def _fixed(array: Array) -> Any:
     """Return an array of rows as lists of one length."""
-    kind = lists_of(pa.from_numpy_dtype(array.dtype), flat_size(array))
+    kind = lists_of(pa.from_numpy_dtype(array.dtype), int(np.prod(array.shape[1:])))
     if not has_numbers(kind):
         return pa.array([[]] * len(array), kind)
     return pa.FixedSizeListArray.from_arrays(pa.array(array.reshape(-1)), type=kind)
-
-
-def flat_size(array: Array) -> int:
-    """Return how many numbers a row has."""
-    return int(np.prod(array.shape[1:]))
 
 
 def _aligned(table: Any, schema: Any) -> Any:
@@ -323,24 +308,23 @@ def _read(path: Path, described: Described, first_step: int) -> Any:
         size = path.stat().st_size
         if described_by(file.schema_arrow) != described:
             raise UnusableFileError("it describes other columns than the recording")
-        _check_packed(file.metadata, size)
+        groups = [file.metadata.row_group(index) for index in range(file.metadata.num_row_groups)]
+        numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
+        _check_packed(numbers, MOST_RATIO * size)
         table = file.read()
         check_rows(table, described, first_step)
         dense = max((reading.size for reading in described.readings if reading.kind == "sparse"), default=0)
-        if 8 * dense * len(table) > max(SMALL_BYTES, MOST_DENSE_RATIO * size):
-            raise UnusableFileError("it would unpack to more than it can hold")
+        _check_packed(dense * len(table), MOST_DENSE_RATIO * size)
         return table
 
 
-def _check_packed(about: Any, size: int) -> None:
+def _check_packed(numbers: int, most_bytes: int) -> None:
     """Check that a file is not far smaller than what is read from it: numbers that change cannot be packed so well.
 
     Raises:
         UnusableFileError: If it is.
     """
-    groups = [about.row_group(index) for index in range(about.num_row_groups)]
-    numbers = sum(group.column(index).num_values for group in groups for index in range(group.num_columns))
-    if 8 * numbers > max(SMALL_BYTES, MOST_RATIO * size):
+    if 8 * numbers > max(SMALL_BYTES, most_bytes):
         raise UnusableFileError("it would unpack to more than it can hold")
 
 
