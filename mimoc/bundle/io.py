@@ -235,8 +235,7 @@ def _watch_for_replacement(folder: Path) -> Iterator[Callable[[], bool]]:
 def _read_folder(folder: Path) -> Bundle:
     try:
         with regular_files(folder) as opened:
-            lock = _read_lock(folder, opened)
-            files = _read_files(folder, opened, _locked_files(lock))
+            lock, files = _read_files(folder, opened)
     except OSError:
         if os.path.isfile(folder):  # Unlike a path's own method, also for paths that no file can have.
             raise BundleError(f"{folder}: there is no such folder, as this is a file; {_ADVICE_FOR_FILES}") from None
@@ -252,20 +251,16 @@ _ADVICE = "build one there with 'mimoc build SPEC -o OUT'"
 _ADVICE_FOR_FILES = "name the folder of a bundle, or a spec that ends in .yaml or .yml"
 
 
-def _read_lock(folder: Path, opened: RegularFiles) -> bytes:
+def _read_files(folder: Path, opened: RegularFiles) -> tuple[bytes, dict[str, bytes]]:
+    """Return a lock and the files that it lists, all of which must be there and have the digests that it says."""
     try:
-        content = opened.read(LOCK, MAX_LOCK_BYTES)
+        lock = opened.read(LOCK, MAX_LOCK_BYTES)
     except UnusableFileError:
-        raise _damaged(folder) from None
-    if content is None:
+        lock = b""
+    if lock is None:
         raise BundleError(f"{folder}: this is not a bundle, it has no {LOCK}; {_ADVICE}")
-    return content
-
-
-def _read_files(folder: Path, opened: RegularFiles, locked: Mapping[str, str] | None) -> dict[str, bytes]:
-    """Return the files that a lock lists, all of which must be there and have the digests that it says."""
-    if locked is None:
-        raise _damaged(folder)
+    if (locked := _locked_files(lock)) is None:
+        raise BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
     files, problems = dict[str, bytes](), list[str]()
     for name in sorted(locked):
         try:
@@ -280,11 +275,7 @@ def _read_files(folder: Path, opened: RegularFiles, locked: Mapping[str, str] | 
     problems += [f"{name} was changed" for name, digest in digests(files).items() if digest != locked[name]]
     if problems:
         raise BundleError(f"{folder}: {', '.join(problems)}; build it again with 'mimoc build --force'")
-    return files
-
-
-def _damaged(folder: Path) -> BundleError:
-    return BundleError(f"{folder}: {LOCK} is damaged; remove the folder and build it again")
+    return lock, files
 
 
 def _locked_files(content: bytes) -> dict[str, str] | None:

@@ -4,18 +4,10 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn, Protocol
+from typing import Any, NoReturn
 from xml.parsers import expat
 
 from mimoc.errors import BundleError
-
-
-class Values(Protocol):
-    """What the values of an attribute may be."""
-
-    def allow(self, values: Iterable[str]) -> bool:
-        """Return whether all of some values are allowed."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +51,10 @@ class Shaped:
     def allow(self, values: Iterable[str]) -> bool:
         """Return whether all of some values have the shape."""
         return all(map(self.shape.fullmatch, values))
+
+
+Values = Words | Text | Shaped
+"""What the values of an attribute may be."""
 
 
 def _words(words: str) -> Words:
@@ -255,12 +251,17 @@ def read_mjcf(file: str, content: bytes) -> Mjcf:
     if len(content) > MOST_BYTES:
         raise BundleError(f"{file}: it has more than {MOST_BYTES >> 20} MB, which no infant needs")
     if beyond := _BEYOND_ELEMENTS.search(content):
-        raise BundleError(f"{file}:{_line(content, beyond.start())}: mimoc writes nothing but elements")
+        line = content.count(b"\n", 0, beyond.start()) + 1
+        raise BundleError(f"{file}:{line}: mimoc writes nothing but elements")
     reader = _Reader(file)
     reader.read(content)
     if not all(values.allow(given) for values, given in reader.given.items()):
         _Reader(file, at_once=True).read(content)
-    _check_amounts(file, reader.counts)
+    for name, most in MOST.items():
+        if (number := reader.counts[name]) > most:
+            raise BundleError(f"{file}: {number:,} times <{name}>, where at most {most:,} may be")
+    if (number := reader.counts.total()) > MOST_ELEMENTS:
+        raise BundleError(f"{file}: {number:,} elements, where at most {MOST_ELEMENTS:,} may be")
     return Mjcf(reader.counts, reader.references)
 
 
@@ -300,8 +301,8 @@ class _Reader:
             if name not in sinks:
                 self._refuse(f"{name[:_SHOWN]!r} is not an attribute that mimoc gives <{element}>")
             sinks[name](value)
-        if self._at_once:
-            self._check(element, attributes)
+            if self._at_once and not ELEMENTS[element][name].allow([value]):
+                self._refuse(f"{name}={value[:_SHOWN]!r} is not what mimoc writes there")
         if element in REFERRING and "file" in attributes:
             self.references[attributes["file"]] = element
         elif element == "general":
@@ -312,11 +313,6 @@ class _Reader:
             self._refuse(f"<{element[:_SHOWN]}> is not an element that mimoc writes")
         self._sinks[element] = {name: self.given[values].append for name, values in ELEMENTS[element].items()}
         return self._sinks[element]
-
-    def _check(self, element: str, attributes: dict[str, str]) -> None:
-        for name, value in attributes.items():
-            if not ELEMENTS[element][name].allow([value]):
-                self._refuse(f"{name}={value[:_SHOWN]!r} is not what mimoc writes there")
 
     def _check_muscle(self, attributes: dict[str, str]) -> None:
         """MuJoCo finds the lengths of a muscle that does not give them by simulating it, which takes long."""
@@ -333,20 +329,8 @@ class _Reader:
         raise BundleError(f"{self._file}:{self._parser.CurrentLineNumber}: {reason}")
 
 
-def _check_amounts(file: str, counts: Counter[str]) -> None:
-    many = [name for name, most in MOST.items() if counts[name] > most]
-    if many:
-        raise BundleError(f"{file}: {counts[many[0]]:,} times <{many[0]}>, where at most {MOST[many[0]]:,} may be")
-    if counts.total() > MOST_ELEMENTS:
-        raise BundleError(f"{file}: {counts.total():,} elements, where at most {MOST_ELEMENTS:,} may be")
-
-
 def _is_rising(numbers: list[str]) -> bool:
     try:
         return float(numbers[0]) < float(numbers[1])
     except ValueError:
         return False
-
-
-def _line(content: bytes, place: int) -> int:
-    return content.count(b"\n", 0, place) + 1

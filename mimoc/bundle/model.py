@@ -2,7 +2,7 @@
 
 import logging
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, get_args
@@ -35,7 +35,7 @@ def check_names(manifest: Model, model: mujoco.MjModel) -> None:
     missing = []
     for where, kind, name in names_in(manifest):
         if (kind, name) not in known:
-            index = _found(model, kind, name)
+            index = -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
             known[kind, name] = index >= 0 and (kind not in fitting or index in fitting[kind])
         if not known[kind, name]:
             missing.append(f"{where}: the model has no {kind} {name[:60]!r}")
@@ -91,26 +91,16 @@ def _has_sections(annotation: Any) -> bool:
     return any(map(_has_sections, get_args(annotation)))
 
 
-def _found(model: mujoco.MjModel, kind: NameKind, name: str) -> int:
-    return -1 if "\0" in name else mujoco.mj_name2id(model, _OBJECTS[kind], name)
-
-
 def _fitting(model: mujoco.MjModel) -> dict[NameKind, set[int]]:
     """Return, for kinds of names that not every object of a type will do for, those that do."""
-    joints, equalities = (kinds.tolist() for kinds in (model.jnt_type, model.eq_type))
-    sensors = zip(model.sensor_dim.tolist(), model.sensor_objtype.tolist(), strict=True)
-    return {
-        "hinge": _indices(joints, mujoco.mjtJoint.mjJNT_HINGE),
-        "free joint": _indices(joints, mujoco.mjtJoint.mjJNT_FREE),
-        "sensor of three numbers": _indices(sensors, (3, int(mujoco.mjtObj.mjOBJ_SITE))),
-        "lock": _indices(equalities, mujoco.mjtEq.mjEQ_JOINT),
-        "weld": _indices(equalities, mujoco.mjtEq.mjEQ_WELD),
+    masks: dict[NameKind, npt.NDArray[np.bool_]] = {
+        "hinge": model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE,
+        "free joint": model.jnt_type == mujoco.mjtJoint.mjJNT_FREE,
+        "sensor of three numbers": (model.sensor_dim == 3) & (model.sensor_objtype == mujoco.mjtObj.mjOBJ_SITE),
+        "lock": model.eq_type == mujoco.mjtEq.mjEQ_JOINT,
+        "weld": model.eq_type == mujoco.mjtEq.mjEQ_WELD,
     }
-
-
-def _indices(kinds: Iterable[Any], wanted: Any) -> set[int]:
-    wanted = wanted if isinstance(wanted, tuple) else int(wanted)
-    return {index for index, kind in enumerate(kinds) if kind == wanted}
+    return {kind: set(np.flatnonzero(mask).tolist()) for kind, mask in masks.items()}
 
 
 _OBJECTS: Mapping[NameKind, mujoco.mjtObj] = {
@@ -175,9 +165,7 @@ def prepare(model: mujoco.MjModel) -> None:
             stacklevel=2,
         )
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-    if (
-        model.ntree == 1
-    ):  # Faster, and the same to the bit; with other things that move, neither (benchmarks/resting.py).
+    if model.ntree == 1:  # Faster, and the same to the bit; if other things move, neither (benchmarks/resting.py).
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
     _keep_mujoco_quiet()
 
@@ -240,19 +228,6 @@ def load_posed(bundle: Bundle, pose: str | None = None) -> tuple[mujoco.MjModel,
     with bounded():
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-        begin(model, data)
-    return model, data
-
-
-def load_straight(bundle: Bundle) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Return the compiled scene of a bundle and its state with all joints at zero.
-
-    Raises:
-        ModelError: If MuJoCo rejects the model.
-    """
-    model = load_model(bundle)
-    with bounded():
-        data = mujoco.MjData(model)
         begin(model, data)
     return model, data
 
