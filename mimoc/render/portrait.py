@@ -77,24 +77,16 @@ class Move:
         return turned
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A model of infants side by side, and its state."""
-
-    model: mujoco.MjModel
-    data: mujoco.MjData
-    roots: list[str]
-    """Names of the root bodies, from the left."""
-    moves: list[Move]
-    """What takes each infant, and what belongs to it, from its own scene to its place."""
-
-
-def row_of(bundles: Sequence[Bundle], pose: str | None) -> Row:
+def row_of(bundles: Sequence[Bundle], pose: str | None) -> tuple[mujoco.MjModel, mujoco.MjData, list[str], list[Move]]:
     """Return infants side by side along y, all of which face +x, on a floor.
 
     Args:
         bundles: The infants, from the left.
         pose: A keyframe of all; else of each bundle its own.
+
+    Returns:
+        A model of all and its state; the names of their root bodies, from the left; and what takes each infant, and
+        what belongs to it, from its own scene to its place.
 
     Raises:
         UnknownNameError: If a bundle has no such pose.
@@ -111,7 +103,7 @@ def row_of(bundles: Sequence[Bundle], pose: str | None) -> Row:
     model.vis.map.shadowclip = max(model.vis.map.shadowclip, end_m / 2 + BESIDE_M)
     mujoco.mj_forward(model, data)
     roots = [prefix + bundle.manifest.root_body for prefix, bundle in zip(prefixes, bundles, strict=True)]
-    return Row(model, data, roots, moves)
+    return model, data, roots, moves
 
 
 def _to_place(model: mujoco.MjModel, data: mujoco.MjData, root: str, left_m: float) -> tuple[Move, float]:
@@ -146,11 +138,12 @@ def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
     prefixes = [f"{number}: " for number in range(len(bundles))]
     files: dict[str, bytes] = {}
     for bundle, prefix in zip(bundles, prefixes, strict=True):
-        files |= _textures(bundle) | {prefix + name: _renamed(skin, prefix) for name, skin in _skins(bundle).items()}
+        files |= _files(bundle, ".png")
+        files |= {prefix + name: _renamed(skin, prefix) for name, skin in _files(bundle, ".skn").items()}
     row = mujoco.MjSpec.from_string(FLOOR, assets=files)
     for bundle, prefix in zip(bundles, prefixes, strict=True):
-        infant = mujoco.MjSpec.from_string(_text(bundle, "infant.xml"), assets=_textures(bundle))
-        scene = mujoco.MjSpec.from_string(_text(bundle, bundle.manifest.scene), include=dict(bundle.files))
+        infant = mujoco.MjSpec.from_string(bundle.files["infant.xml"].decode(), assets=_files(bundle, ".png"))
+        scene = mujoco.MjSpec.from_string(bundle.files[bundle.manifest.scene].decode(), include=dict(bundle.files))
         for geom in infant.geoms:
             geom.group = scene.geom(geom.name).group  # Solids under a skin are in another one.
         infant.option, row.nuser_actuator = row.option, infant.nuser_actuator  # Where they differ, MuJoCo warns.
@@ -161,16 +154,8 @@ def _model_of(bundles: Sequence[Bundle]) -> tuple[mujoco.MjModel, list[str]]:
     return row.compile(), prefixes
 
 
-def _text(bundle: Bundle, name: str) -> str:
-    return bundle.files[name].decode()
-
-
-def _textures(bundle: Bundle) -> dict[str, bytes]:
-    return {name: file for name, file in bundle.files.items() if name.endswith(".png")}
-
-
-def _skins(bundle: Bundle) -> dict[str, bytes]:
-    return {name: file for name, file in bundle.files.items() if name.endswith(".skn")}
+def _files(bundle: Bundle, ending: str) -> dict[str, bytes]:
+    return {name: file for name, file in bundle.files.items() if name.endswith(ending)}
 
 
 def _renamed(skin: bytes, prefix: str) -> bytes:
@@ -277,14 +262,14 @@ def lineup(
         UnknownNameError: If a bundle has no such pose.
         RenderingError: If there is no OpenGL here.
     """
-    row = row_of(bundles, pose)
+    model, data, roots, moves = row_of(bundles, pose)
     drawn = None
     if markers is not None:
-        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, row.moves, strict=True))
+        drawn = join_markers(marker.moved(move.points_m) for marker, move in zip(markers, moves, strict=True))
     azimuth, _ = FROM_THE_FRONT
-    steepest = min(view_of_body(FROM_THE_FRONT, row.data, root)[1] for root in row.roots)
+    steepest = min(view_of_body(FROM_THE_FRONT, data, root)[1] for root in roots)
     view = framing.view((azimuth, steepest), azimuth)
-    return _picture(row.model, row.data, row.roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
+    return _picture(model, data, roots, (width, height), (view, ROW_FOVY_DEG), drawn, shown, framing)
 
 
 def _picture(

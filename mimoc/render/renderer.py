@@ -45,10 +45,6 @@ SPARE_GEOMS = 100
 """Room in a scene for what is drawn besides the model's geoms and sites."""
 
 
-def _no_settings(model: mujoco.MjModel) -> Iterable[Setting]:
-    return ()
-
-
 class Renderer:
     """Draws one model at a time into a buffer of its own.
 
@@ -65,7 +61,7 @@ class Renderer:
         model: mujoco.MjModel,
         width_px: int,
         height_px: int,
-        settings: Callable[[mujoco.MjModel], Iterable[Setting]] = _no_settings,
+        settings: Callable[[mujoco.MjModel], Iterable[Setting]] = lambda model: (),
         shown: Shown = "skin",
     ):
         """Open an OpenGL context.
@@ -82,7 +78,10 @@ class Renderer:
         """
         self.buffer = mujoco.MjrRect(0, 0, width_px, height_px)
         self._settings = settings
-        self._options, self._perturbation = _options(shown), mujoco.MjvPerturb()
+        self._options, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
+        if shown == "solids":
+            self._options.flags[mujoco.mjtVisFlag.mjVIS_SKIN] = False
+            self._options.geomgroup[SOLIDS_GROUP] = True
         self._gl, self._busy = open_context(width_px, height_px), Lock()
         with current(self._gl):
             self._load(model)
@@ -195,15 +194,6 @@ class Renderer:
             raise RenderingError(f"OpenGL cannot draw {pixels} here ({error}); choose smaller pictures") from None
 
 
-def _options(shown: Shown) -> mujoco.MjvOption:
-    """Return what MuJoCo draws."""
-    options = mujoco.MjvOption()
-    if shown == "solids":
-        options.flags[mujoco.mjtVisFlag.mjVIS_SKIN] = False
-        options.geomgroup[SOLIDS_GROUP] = True
-    return options
-
-
 def _free(context: mujoco.MjrContext, gl: Any) -> None:
     with suppress(RenderingError), current(gl):  # At exit, a thread that was left alone may be drawing with it.
         context.free()
@@ -252,22 +242,18 @@ class SharedRenderers:
         self._found.clear()
 
 
-_SHARED: ContextVar[SharedRenderers | None] = ContextVar("shared_renderers", default=None)
+SHARED: ContextVar[SharedRenderers | None] = ContextVar("shared_renderers", default=None)
+"""The renderers that eyes which are opened now share, or None for one of their own."""
 
 
 @contextmanager
 def sharing(renderers: SharedRenderers) -> Iterator[None]:
     """Let all eyes that are opened meanwhile draw with shared renderers from then on."""
-    before = _SHARED.set(renderers)
+    before = SHARED.set(renderers)
     try:
         yield
     finally:
-        _SHARED.reset(before)
-
-
-def shared_renderers() -> SharedRenderers | None:
-    """Return the renderers that eyes which are opened now share, or None for one of their own."""
-    return _SHARED.get()
+        SHARED.reset(before)
 
 
 def assets_of(model: mujoco.MjModel) -> bytes:
