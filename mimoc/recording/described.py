@@ -28,7 +28,7 @@ def compact_names(layout: Sequence[str]) -> list[Any]:
     if len(layout) < LONG:
         return list(layout)
     items: list[Any] = []
-    for prefix, names in groupby(layout, key=_prefix):
+    for prefix, names in groupby(layout, key=lambda name: (match := NUMBERED.match(name)) and match[1]):
         run = list(names)
         short = None if prefix is None else _run(prefix, run)
         items += run if short is None else [short]
@@ -37,14 +37,11 @@ def compact_names(layout: Sequence[str]) -> list[Any]:
 
 def expand_names(layout: Sequence[Any]) -> tuple[str, ...]:
     """Return the names of a layout as it stands in files."""
-    if sum(1 if isinstance(item, str) else _count(item) for item in layout) > MOST:
+    runs = [item for item in layout if not isinstance(item, str)]
+    numbered = sum(max(0, run["to"] + 1 - run["from"]) * len(run["ends"]) for run in runs)
+    if len(layout) - len(runs) + numbered > MOST:
         raise ValueError("a layout of more numbers than any infant has")
     return tuple(name for item in layout for name in ([item] if isinstance(item, str) else _names(item)))
-
-
-def _prefix(name: str) -> str | None:
-    match = NUMBERED.match(name)
-    return match and match[1]
 
 
 def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
@@ -54,10 +51,6 @@ def _run(prefix: str, names: Sequence[str]) -> dict[str, Any] | None:
     ends = [part[3] for part in takewhile(lambda part: part[2] == first, parts)]
     run = {"name": prefix, "from": int(first), "to": int(parts[-1][2]), "ends": ends}
     return run if _names(run) == list(names) else None
-
-
-def _count(run: Mapping[str, Any]) -> int:
-    return max(0, run["to"] + 1 - run["from"]) * len(run["ends"])
 
 
 def _names(run: Mapping[str, Any]) -> list[str]:

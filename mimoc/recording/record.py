@@ -13,7 +13,7 @@ import numpy as np
 from mimoc.errors import RenderingError
 from mimoc.recording.video import Video, check_video, open_video
 from mimoc.render.body_camera import BodyCamera
-from mimoc.render.camera import FROM_THE_SIDE, Shot, Spheres, shows, view_of_body
+from mimoc.render.camera import FROM_THE_SIDE, Shot, shows, view_of_body
 from mimoc.render.renderer import Picture, Shown, average_down
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import PolicyMaker, Run, Summary
@@ -60,11 +60,12 @@ class VideoFrames:
         root = env.manifest.root_body
         view = view_of_body(FROM_THE_SIDE, env.data, root)
         size_px = round(SHAPE * height_px), height_px
-        self._camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown)
-        self._camera.turn(env.data)
+        self.camera = BodyCamera(env.model, [root], *size_px, view, margin=SPACE, shown=shown)
+        """The camera outside."""
+        self.camera.turn(env.data)
         self.shot: Shot | None = None
         """Shot of the last frame."""
-        self._goal = self._camera.shot(env.data)
+        self._goal = self.camera.shot(env.data)
         """Shot that the camera is moving to."""
         self._time_s = 0.0
 
@@ -76,33 +77,23 @@ class VideoFrames:
         """
         self.shot = self._followed()
         self._time_s = self._env.data.time
-        outside = self._camera.render(self._env.data, shot=self.shot)
+        outside = self.camera.render(self._env.data, shot=self.shot)
         seen = [observation[camera] for camera in self._observed]
         if self._sharp:
             sharp = average_down(self._sharp(self._env.data).astype(np.float32), SHARP)
             seen = list(np.rint(sharp).astype(np.uint8))
         return _beside(outside, seen) if seen else outside
 
-    @property
-    def spheres(self) -> Spheres:
-        """What is to be in the picture now."""
-        return self._camera.spheres(self._env.data)
-
-    @property
-    def aspect(self) -> float:
-        """Width over height of the picture from outside."""
-        return self._camera.aspect
-
     def close(self) -> None:
         """Free the OpenGL contexts; closing twice is fine."""
-        self._camera.close()
+        self.camera.close()
         if self._sharp:
             self._sharp.close()
 
     def _followed(self) -> Shot:
         """Return the next shot: the previous one, unless the infant leaves it or becomes small in it."""
-        data, aspect = self._env.data, self.aspect
-        spheres, wanted, passed_s = self.spheres, self._camera.shot(data), data.time - self._time_s
+        data, aspect = self._env.data, self.camera.aspect
+        spheres, wanted, passed_s = self.camera.spheres(data), self.camera.shot(data), data.time - self._time_s
         if self.shot is None or passed_s < 0:  # A new episode: cut.
             self._goal = wanted
             return wanted
