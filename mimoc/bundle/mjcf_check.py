@@ -228,22 +228,15 @@ differ in them."""
 _SHOWN = 60
 
 
-@dataclass(frozen=True, slots=True)
-class Mjcf:
-    """What is in a file of MJCF that mimoc could have written."""
-
-    counts: Counter[str]
-    """How many there are of each element."""
-    references: dict[str, str]
-    """The element that refers to each other file, by the path of that."""
-
-
-def read_mjcf(file: str, content: bytes) -> Mjcf:
-    """Return what is in a file of MJCF.
+def read_mjcf(file: str, content: bytes) -> tuple[Counter[str], dict[str, str]]:
+    """Check that a file of MJCF is one that mimoc could have written.
 
     Args:
         file: Its name, for errors.
         content: The file.
+
+    Returns:
+        How many there are of each element, and the element that refers to each other file, by the path of that.
 
     Raises:
         BundleError: If mimoc writes no such thing; the message says where it is.
@@ -262,7 +255,7 @@ def read_mjcf(file: str, content: bytes) -> Mjcf:
             raise BundleError(f"{file}: {number:,} times <{name}>, where at most {most:,} may be")
     if (number := reader.counts.total()) > MOST_ELEMENTS:
         raise BundleError(f"{file}: {number:,} elements, where at most {MOST_ELEMENTS:,} may be")
-    return Mjcf(reader.counts, reader.references)
+    return reader.counts, reader.references
 
 
 class _Reader:

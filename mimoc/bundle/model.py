@@ -167,7 +167,10 @@ def prepare(model: mujoco.MjModel) -> None:
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     if model.ntree == 1:  # Faster, and the same to the bit; if other things move, neither (benchmarks/resting.py).
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
-    _keep_mujoco_quiet()
+    # MuJoCo's warnings go to Python's log; by default it prints them and writes MUJOCO_LOG.TXT. None is lost: each is
+    # counted in its `MjData`, and `info["unstable"]` reports the serious ones.
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(logging.getLogger(__name__).info)
 
 
 @contextmanager
@@ -256,15 +259,6 @@ def in_subtrees(model: mujoco.MjModel, roots: Sequence[int]) -> npt.NDArray[np.b
     return is_inside
 
 
-def _keep_mujoco_quiet() -> None:
-    """Redirect MuJoCo's warnings to Python's log; by default it prints them and writes MUJOCO_LOG.TXT.
-
-    No warning is lost: each is counted in its `MjData`, and `info["unstable"]` reports the serious ones.
-    """
-    if mujoco.get_mju_user_warning() is None:
-        mujoco.set_mju_user_warning(logging.getLogger(__name__).info)
-
-
 INFANT, SCENE = "infant.xml", "scene.xml"
 """The MJCF of a bundle; the second includes the first, or is complete by itself."""
 
@@ -285,10 +279,10 @@ def check_files(bundle: Bundle) -> None:
     if missing:
         raise BundleError(f"{bundle.path}: {' and '.join(missing)} are missing; build it again")
     try:
-        infant, scene = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
-        if infant.counts["include"]:
+        (elements, references), (_, others) = (read_mjcf(name, bundle.files[name]) for name in (INFANT, SCENE))
+        if elements["include"]:
             raise BundleError(f"only {SCENE} may include {INFANT}")
-        check_assets(bundle.files, {**infant.references, **scene.references})
+        check_assets(bundle.files, {**references, **others})
     except BundleError as error:
         raise BundleError(f"{bundle.path}: {error}; do not use it") from None
 

@@ -66,7 +66,7 @@ class Sparse:
         start = self.ends[row]
         end = self.ends[row + 1] = start + len(index)
         if end > len(self.index):
-            self._extend(end)
+            self.index, self.value = np.resize(self.index, 2 * end), np.resize(self.value, 2 * end)
         self.index[start:end] = index
         flat.take(index, out=self.value[start:end], mode="clip")
 
@@ -76,11 +76,6 @@ class Sparse:
         end = self.ends[rows]
         array[np.repeat(np.arange(rows), np.diff(self.ends[: rows + 1])), self.index[:end]] = self.value[:end]
         return array
-
-    def _extend(self, count: int) -> None:
-        """Make room for a number of numbers, and for more."""
-        self.index = np.resize(self.index, 2 * count)
-        self.value = np.resize(self.value, 2 * count)
 
 
 class Block:

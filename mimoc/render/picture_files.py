@@ -25,8 +25,6 @@ FORMATS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     ".tiff": _TIFF,
 }
 """Pillow's name of the format, and how it is to be written, by the end of a file's name."""
-
-
 OPAQUE = {".jpg", ".jpeg", ".bmp"}
 """Formats that have no transparent background."""
 
@@ -107,10 +105,8 @@ def captioned_grid(pictures: Sequence[Picture], captions: Sequence[str]) -> Pict
         pictures: All of one size.
         captions: One for each.
     """
-    captioned = [
-        tile_pictures([[picture]], columns=[caption]) for picture, caption in zip(pictures, captions, strict=True)
-    ]
-    return in_rows(captioned)
+    pairs = zip(pictures, captions, strict=True)
+    return in_rows([tile_pictures([[picture]], columns=[caption]) for picture, caption in pairs])
 
 
 def in_rows(pictures: Sequence[Picture]) -> Picture:

@@ -98,7 +98,7 @@ class _Film:
     expressions: list[str | None] = field(default_factory=list)
     around: list[Array] = field(default_factory=list)
     felt: list[tuple[Array, Array]] = field(default_factory=list)
-    """Skin points and the forces on them, as observed."""
+    """Skin points with any force, and its size, [N], as observed."""
     _own: Own | None = None
     _row: int = 0
 
@@ -119,7 +119,9 @@ class _Film:
         bodies = bodies_around(env.model, parts)
         self.around.append(np.concatenate([env.data.xpos[bodies], env.data.xquat[bodies]], axis=1))
         if "touch" in observation:
-            self.felt.append(_felt(observation["touch"], len(env.skin.bodies)))
+            forces_n = np.linalg.norm(observation["touch"].reshape(len(env.skin.bodies), -1), axis=1)
+            touched = np.flatnonzero(forces_n)
+            self.felt.append((touched, forces_n[touched]))
 
     def describe(self) -> dict[str, Any]:
         """Return what was kept; what is around the infant only if it moves."""
@@ -144,13 +146,6 @@ class _Film:
             if self.felt
             else None,
         }
-
-
-def _felt(observed: Array, points: int) -> tuple[Array, Array]:
-    """Return the skin points with any force, and its size, [N]."""
-    forces_n = np.linalg.norm(observed.reshape(points, -1), axis=1)
-    points_felt = np.flatnonzero(forces_n)
-    return points_felt, forces_n[points_felt]
 
 
 def _curves(packed: EncodedArrays, episode: Episode, rows: list[int]) -> Iterator[dict[str, Any]]:
