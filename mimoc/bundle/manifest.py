@@ -246,9 +246,6 @@ class Manifest(Model):
     __str__ = __repr__
 
 
-load_plugins()
-
-
 MANIFEST = "manifest.json"
 MOST_MANIFEST_BYTES = 2**22
 """4 MB; a room with fifty toys and an infant with ten fingers have 56 kB."""
@@ -311,3 +308,6 @@ def _problem(key: str, distribution: str) -> str | None:
         other = f"'{current}'" if current else "a script"
         return f"this bundle needs the {table.what} '{name}' from {source}, but here it comes from {other}"
     return None
+
+
+load_plugins()
