@@ -4,8 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar
 
-from mimoc.bundle.io import Bundle
-from mimoc.bundle.later_files import LaterFiles
+from mimoc.bundle.io import Bundle, LaterFiles
 from mimoc.bundle.model import load_model
 from mimoc.bundle.variants import Variant
 from mimoc.compiler.aged import aged, errors_at, quickly_aged

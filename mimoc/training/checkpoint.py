@@ -12,8 +12,7 @@ from stable_baselines3.common.buffers import DictReplayBuffer
 from stable_baselines3.common.vec_env import VecNormalize
 
 from mimoc.bundle.arrays import pack_arrays, unpack_arrays
-from mimoc.bundle.json_files import parse_json
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, parse_json
 from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.bounded import Count, NotNegative

@@ -8,7 +8,7 @@ from mimoc.compiler import building, loading
 from mimoc.render import body_camera
 from mimoc.render.body_camera import BodyCamera
 from mimoc.render.camera import CLEARANCE_M, planes_of, shows
-from mimoc.render.overview import overview
+from mimoc.render.portrait import overview
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 
-from mimoc.render.shared import sharing
+from mimoc.render.renderer import sharing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE

@@ -11,8 +11,8 @@ from gymnasium.vector.utils import batch_space
 
 from mimoc.actuation.binding import numbers_of
 from mimoc.delays.schedule import arrived
-from mimoc.render.picture_grid import Picture, in_rows
-from mimoc.render.shared import SharedRenderers, sharing
+from mimoc.render.picture_files import Picture, in_rows
+from mimoc.render.renderer import SharedRenderers, sharing
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE

@@ -8,7 +8,7 @@ from mimoc.compiler import building
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
-from mimoc.render.picture_grid import Picture, tile_pictures
+from mimoc.render.picture_files import Picture, tile_pictures
 from mimoc.render.plots.plot import Dots, Line, Plot
 from mimoc.schema.infant import InfantSpec
 from mimoc.senses.vision.acuity_by_age import PROFILES, acuity_at

@@ -9,7 +9,7 @@ from typing import TypeVar
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.quantities import Quantity
 from mimoc.quantities.child import AGE
-from mimoc.render.picture_grid import tile_pictures
+from mimoc.render.picture_files import tile_pictures
 from mimoc.render.plots.file import encode
 from mimoc.render.plots.milestones import AgeRow, rows_sheet
 from mimoc.render.plots.plot import Line, Plot

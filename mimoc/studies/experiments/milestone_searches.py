@@ -9,8 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from mimoc.bundle.files import make_folder, remove, write_file
-from mimoc.bundle.json_files import read_json_file
-from mimoc.bundle.regular_files import UnusableFileError
+from mimoc.bundle.regular_files import UnusableFileError, read_json_file
 from mimoc.schema.base import Model
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import Development

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from mimoc.compiler import building
 from mimoc.looks.pictures import encode_palette_png
 from mimoc.quantities import Quantity
-from mimoc.render.overview import overview
-from mimoc.render.picture_grid import Picture, captioned_grid
+from mimoc.render.picture_files import Picture, captioned_grid
 from mimoc.render.plots.plot import Dots, Line, Plot
+from mimoc.render.portrait import overview
 from mimoc.scenes.room.build import CLEARANCE_M
 from mimoc.schema.infant import InfantSpec
 from mimoc.studies.experiments.inventory import Inventory, take_inventory

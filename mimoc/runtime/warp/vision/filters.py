@@ -6,7 +6,7 @@ import numpy as np
 import torch
 import warp as wp
 
-from mimoc.render.averaging import average_down
+from mimoc.render.renderer import average_down
 from mimoc.runtime.warp.device_worlds import put_on
 from mimoc.senses.sense import FloatArray, IntArray
 from mimoc.senses.vision.blur import contrast_gain
