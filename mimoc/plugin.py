@@ -1,6 +1,7 @@
 """All that the author of a plug-in needs, in one place: `from mimoc.plugin import Entry, SenseKind, Spec, Term`.
 
-A name is imported from its home when it is first asked for, so that a record stays as light as its own modules.
+`dir(mimoc.plugin)` are the names. Each is imported from its home when it is first asked for, so that a record stays as
+light as its own modules.
 """
 
 from importlib import import_module
