@@ -1,17 +1,140 @@
-"""Sizes and places of the parts of a child: as they are built, and the volumes that masses and strength follow."""
+"""Sizes and places of the parts of a child: as they are built, and the volumes that masses and strength follow.
 
-from collections.abc import Callable, Mapping
+A spec scales single parts in length and girth; the proportions that result are checked. Besides age, strength and
+joints mature with the length of the child and the volumes of its parts.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
 
-from mimoc.body.anatomy import Sided
-from mimoc.body.dimensions import Dimensions
+from mimoc.body.anatomy import Anatomy, Sided
+from mimoc.body.dimensions import Dimensions, Shape
+from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
 from mimoc.body.parts.head import maturing_head_dimensions
+from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.proportions import proportions
-from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
-from mimoc.body.scaling import check_limbs, check_trunk, clear_arms, scale_part
+from mimoc.body.reference import HEIGHT, Reference, dimensions_of, mimos_dimensions, mimos_volumes
+from mimoc.body.sections import room_beside
+from mimoc.body.tree import Growth
+from mimoc.errors import GeometryError
 from mimoc.fits import Measurements
+from mimoc.geometry.rotations import Vec3
+from mimoc.units import deg_to_rad
+
+LIMBS = (
+    ("{side}_uarm1", "{side}_lower_arm"),
+    ("{side}_larm", "{side}_hand"),
+    ("{side}_upper_leg1", "{side}_lower_leg"),
+    ("{side}_lower_leg1", "{side}_foot"),
+)
+"""The solid of each long segment, and the part at whose joint it ends."""
+
+
+def check_limbs(dimensions: Dimensions) -> None:
+    """Check that limbs are longer than wide.
+
+    Raises:
+        GeometryError: If one is not.
+    """
+    for geom, end in LIMBS:
+        length_m, thickness_m = math.dist(dimensions.origins[end], (0, 0, 0)), 2 * dimensions.shapes[geom].size_m[0]
+        if thickness_m >= length_m:
+            raise GeometryError(f"a limb {length_m:.3f} m long cannot be {thickness_m:.3f} m thick")
+
+
+DEEPEST = 1.0
+"""Largest overlap of upper body and pelvis when the body stands, in radii of the pelvis: beyond it the upper body would
+begin below the middle of the pelvis. They do not touch each other, so up to there nothing pushes them apart."""
+
+
+def check_trunk(dimensions: Dimensions) -> None:
+    """Check that upper body and pelvis, which are separated by two joints, do not overlap too much.
+
+    Raises:
+        GeometryError: If they do.
+    """
+    pelvis, belly = dimensions.shapes["lb"], dimensions.shapes["ub1"]
+    on_belly = [
+        sum(axis) for axis in zip(*(dimensions.origins[body] for body in ("lower_body", "upper_body")), strict=True)
+    ]
+    x, _, z = (a + b - c for a, b, c in zip(on_belly, belly.pos_m, pelvis.pos_m, strict=True))
+    depth_m = pelvis.size_m[0] + belly.size_m[0] - math.hypot(x, z)
+    if depth_m > DEEPEST * pelvis.size_m[0]:
+        raise GeometryError(
+            f"the upper body would reach {depth_m:.3f} m into a pelvis {2 * pelvis.size_m[0]:.3f} m thick"
+        )
+
+
+PRESSED = 0.5
+"""How deep an upper arm at rest may be in the upper body, in its radii (D); contacts fling out deeper ones."""
+
+
+def clear_arms(dimensions: Dimensions) -> Dimensions:
+    """Return dimensions whose arms are moved outwards if they would be in the upper body by more than `PRESSED`."""
+    arm, ribs = dimensions.shapes["{side}_uarm1"], dimensions.shapes["ub2"]
+    x_m, y_m, z_m = dimensions.origins["{side}_upper_arm"]
+    chest_x_m, _, chest_z_m = dimensions.origins["chest"]
+    room_m = arm.pos_m[1] + room_beside(
+        outwards_m=-y_m - ribs.size_m[1],
+        above_m=z_m + chest_z_m - ribs.pos_m[2],
+        behind_m=x_m + chest_x_m - ribs.pos_m[0],
+        apart_m=ribs.size_m[0] + (1 - PRESSED) * arm.size_m[0],
+    )
+    if room_m >= 0:
+        return dimensions
+    outwards_m = -room_m / math.cos(deg_to_rad(REST_ABDUCTION_DEG))
+    return dimensions | Dimensions({"{side}_upper_arm": (x_m, y_m - outwards_m, z_m)})
+
+
+def scale_part(
+    dimensions: Dimensions, name: str, parts: Iterable[ReferencePart], length: float, girth: float
+) -> Dimensions:
+    """Return dimensions in which one part is scaled.
+
+    Args:
+        dimensions: Dimensions of one side.
+        name: The part, by its name with `{side}`.
+        parts: All parts of that side, to find those that are attached.
+        length: Factor along the part.
+        girth: Factor across it.
+    """
+    children = [part.name for part in parts if part.parent == name]
+    (part,) = (part for part in parts if part.name == name)
+    scale = (length, girth, girth) if part.runs_along_x else (girth, girth, length)
+    joints = [joint.name for joint in part.joints if joint.name in dimensions.anchors]
+    return dimensions | Dimensions(
+        origins={child: _times(dimensions.origins[child], scale) for child in children},
+        shapes={geom.name: _scale_solid(dimensions.shapes[geom.name], geom, scale) for geom in part.geoms},
+        anchors={joint: _times(dimensions.anchors[joint], scale) for joint in joints},
+    )
+
+
+def _scale_solid(solid: Shape, geom: ReferenceGeom, scale: Vec3) -> Shape:
+    x, y, z = _in_geom_frame(geom.euler_deg, scale)
+    if geom.type == "sphere":
+        size_m: tuple[float, ...] = (solid.size_m[0] * math.cbrt(x * y * z),)
+    elif geom.type in ("box", "ellipsoid"):
+        size_m = _times((solid.size_m[0], solid.size_m[1], solid.size_m[2]), (x, y, z))
+    else:
+        radius_m, half_m = solid.size_m
+        size_m = (radius_m * math.sqrt(x * y), half_m * z)
+    return Shape(size_m, _times(solid.pos_m, scale))
+
+
+def _in_geom_frame(euler_deg: Vec3, scale: Vec3) -> Vec3:
+    """Return scale factors along a body's axes as factors along a geom's axes, turned by at most a right angle."""
+    x, y, z = scale
+    turned: Mapping[Vec3, Vec3] = {ALONG_Y: (x, z, y), ALONG_X: (z, y, x)}
+    return turned.get(euler_deg, scale)
+
+
+def _times(vector: Vec3, scale: Vec3) -> Vec3:
+    x, y, z = (component * factor for component, factor in zip(vector, scale, strict=True))
+    return x, y, z
+
 
 SIDES = ("", "right", "left")
 
@@ -104,3 +227,51 @@ def _scaled(dimensions: Dimensions, parts: Sided, scales: Scales, side: str) -> 
         if part.name.format(side=side) in scales:
             dimensions = scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
     return clear_arms(dimensions)
+
+
+NECK = "neck"
+"""The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
+RelativeVolumes = Mapping[str, Mapping[str, float]]
+"""Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
+
+
+def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
+    """Return the volume v of each geom by the growth law of the paper, relative to 18 months."""
+    at_18 = reference.volumes_m3
+    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.published_m3[side].items()})
+
+
+def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, float]:
+    """Return the volume v that each joint's strength follows, by joint.
+
+    A joint without a motor has that of the joint that a tendon couples it to, as the second vertebra's joints, or else
+    of the part that it moves.
+    """
+    by_joint = {figures.joint.format(side=side): volumes[side][figures.driven_geom] for side, figures in anatomy.motors}
+    for _, _, ((first, _), (second, _)) in TENDONS:
+        by_joint.setdefault(second, by_joint[first])
+    for side, part in anatomy.parts:
+        for joint in part.joints:
+            by_joint.setdefault(joint.name.format(side=side), volumes[side][part.geoms[0].name])
+    return by_joint
+
+
+def maturation(child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference) -> Growth | None:
+    """Return what strength and joints mature with besides age; None by the published law, by which nothing does.
+
+    Args:
+        child: Measurements of the child.
+        volumes: The volumes of its geoms.
+        head_gain: Mass of head and neck, relative to the published law.
+        reference: What it is compared with.
+    """
+    if reference.anatomy.development == "published":
+        return None
+    length = child.published[HEIGHT] / reference.length_m
+    return Growth(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
+
+
+def heavier(group: str, growth: Growth) -> str:
+    """Return what is said of the neck's numbers, which grow with its heavier head."""
+    gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
+    return gain if group == NECK else ""
