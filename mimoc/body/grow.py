@@ -134,7 +134,7 @@ def _weigh(child: Measurements, reference: Reference) -> float:
 
 
 def _body(part: ReferencePart, side: str, shapes: Shapes, masses: Masses, joints: Mapping[str, Joint]) -> Body:
-    left, dimensions = side == "left", shapes.own[side]
+    left, dimensions = side == "left", shapes.built[side]
     return Body(
         name=part.name.format(side=side),
         parent=part.parent and part.parent.format(side=side),

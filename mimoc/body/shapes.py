@@ -152,7 +152,7 @@ T = TypeVar("T")
 class Shapes:
     """The shapes of a child's parts, by side: `right`, `left`, and empty for the middle."""
 
-    own: Mapping[str, Dimensions]
+    built: Mapping[str, Dimensions]
     """As they are built, by the child's law of development."""
     published_m3: Mapping[str, Volumes]
     """Of MIMo's solids with the child's measurements, by the growth law of the paper. They are never built."""
@@ -163,7 +163,7 @@ class Shapes:
 
     def of_sides(self, function: Callable[[str], T]) -> dict[str, T]:
         """Return what a function returns for each side, called once if both sides are alike."""
-        return _of_sides(function, alike=self.own["right"] is self.own["left"])
+        return _of_sides(function, alike=self.built["right"] is self.built["left"])
 
 
 def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_SCALES) -> Shapes:
@@ -184,7 +184,7 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
         dimensions = mimos_dimensions(child.published, side, anatomy)
         return mimos_volumes(_scaled(dimensions, anatomy.mimos_parts, scales, side), anatomy)
 
-    def own(child: Measurements, scales: Scales, side: str) -> Dimensions:
+    def built(child: Measurements, scales: Scales, side: str) -> Dimensions:
         dimensions = _scaled(shape(child, side, reference), anatomy.parts, scales, side)
         (check_limbs if side else check_trunk)(dimensions)
         return dimensions
@@ -193,8 +193,8 @@ def shape_parts(child: Measurements, reference: Reference, scales: Scales = NO_S
     before = child if anatomy.development == "published" else child.unreplaced
     changed = bool(scales) or before is not child
     usual_m3 = published_m3(before, NO_SCALES, "") if changed else volumes_m3[""]
-    usual = own(before, NO_SCALES, "") if changed else None
-    dimensions = _of_sides(lambda side: own(child, scales, side), alike=alike)
+    usual = built(before, NO_SCALES, "") if changed else None
+    dimensions = _of_sides(lambda side: built(child, scales, side), alike=alike)
     if alike:
         check_limbs(dimensions[""])
     return Shapes(dimensions, volumes_m3, usual or dimensions[""], usual_m3)

@@ -1,4 +1,4 @@
-"""Catching: hold a ball that falls on the open hand, whose size and mass are drawn anew for each episode."""
+"""Catching: hold a ball that falls on the open hand; its size and mass are drawn anew for each episode."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""Reaching: touch a ball that hangs before the infant, whose head and eyes follow it."""
+"""Reaching: touch a ball that hangs before the infant.
+
+Head and eyes follow the ball, so that proprioception encodes its position.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

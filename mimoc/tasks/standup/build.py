@@ -47,14 +47,8 @@ class Rail:
     @property
     def furniture(self) -> Furniture:
         """The bar and its posts."""
-        bar = WorldGeom(
-            "rail",
-            "capsule",
-            (self.radius_m, self.half_span_m),
-            (self.x_m, 0.0, self.height_m),
-            _ALONG_Y,
-            WOOD.name,
-        )
+        middle, size = (self.x_m, 0.0, self.height_m), (self.radius_m, self.half_span_m)
+        bar = WorldGeom("rail", "capsule", size, middle, _ALONG_Y, WOOD.name)
         return Furniture((bar, self._post("left", 1.0), self._post("right", -1.0)), (WOOD,))
 
     @property
@@ -63,10 +57,8 @@ class Rail:
         return (self.x_m, self.half_span_m, POST_RADIUS_M), (self.x_m, -self.half_span_m, POST_RADIUS_M)
 
     def _post(self, name: str, side: float) -> WorldGeom:
-        place = (self.x_m, side * self.half_span_m, self.height_m / 2)
-        return WorldGeom(
-            f"rail_post_{name}", "cylinder", (POST_RADIUS_M, self.height_m / 2), place, _UPRIGHT, WOOD.name
-        )
+        middle, size = (self.x_m, side * self.half_span_m, self.height_m / 2), (POST_RADIUS_M, self.height_m / 2)
+        return WorldGeom(f"rail_post_{name}", "cylinder", size, middle, _UPRIGHT, WOOD.name)
 
 
 def half_span(tree: BodyTree) -> float:

@@ -7,19 +7,10 @@ from mimoc.errors import ToyError, UnknownToysError
 from mimoc.toys.choosing import Toybox
 from mimoc.toys.model import Part, ToyModel
 from mimoc.toys.spec import ToysSpec
+from mimoc.toys.toys4k import dataset
 from mimoc.toys.toys4k.cache import MeshCache, key_of
 from mimoc.toys.toys4k.convex import has_coacd
-from mimoc.toys.toys4k.dataset import (
-    Toys4K,
-    category_of,
-    choose,
-    expand_root,
-    find_toys,
-    is_named_as_toys4k,
-    legible,
-    read_mesh,
-    unknown,
-)
+from mimoc.toys.toys4k.dataset import Toys4K, find_toys
 from mimoc.toys.toys4k.processing import Shape, process
 
 DENSITY_KG_M3 = 300.0
@@ -40,21 +31,23 @@ def load_toy(toys: Toys4K, name: str, cache: MeshCache | None = None) -> ToyMode
         ToyError: If the object does not exist or its mesh cannot be used; the error names the object.
     """
     if name not in toys.objects:
-        raise ToyError(unknown(toys, [name]).get(name, f"'{name}' is a category; name one of its objects"), name)
+        raise ToyError(
+            dataset.unknown(toys, [name]).get(name, f"'{name}' is a category; name one of its objects"), name
+        )
     path = toys.objects[name]
-    file = legible(path.relative_to(toys.root).as_posix())
+    file = dataset.legible(path.relative_to(toys.root).as_posix())
     try:
-        shape = _shape(read_mesh(path, toys.root), path.suffix[1:].lower(), cache)
+        shape = _shape(dataset.read_mesh(path, toys.root), path.suffix[1:].lower(), cache)
     except ToyError as error:
         raise ToyError(f"'{name}' ({file}) {error}; exclude it with 'subset', or repair the file", name) from None
     return ToyModel(
         name=name,
-        category=category_of(name),
+        category=dataset.category_of(name),
         parts=(Part(shape.looks),),
         solids=shape.solids,
         volume=shape.volume,
         density_kg_m3=DENSITY_KG_M3,
-        source=f"{file} of {SOURCE if is_named_as_toys4k(name) else OWN_SOURCE}",
+        source=f"{file} of {SOURCE if dataset.is_named_as_toys4k(name) else OWN_SOURCE}",
     )
 
 
@@ -78,8 +71,8 @@ def build(spec: ToysSpec, folder: Path) -> Toybox:
         ToyError: If there are no toys.
         UnknownToysError: If some of the selected names do not exist.
     """
-    toys = find_toys(expand_root(str(spec.root), folder))
-    if wrong := unknown(toys, spec.subset):
+    toys = find_toys(dataset.expand_root(str(spec.root), folder))
+    if wrong := dataset.unknown(toys, spec.subset):
         raise UnknownToysError(wrong)
     notes = () if has_coacd() else (HULLS_ONLY,)
-    return Toybox(choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)
+    return Toybox(dataset.choose(toys, spec.subset), cache(partial(load_toy, toys, cache=MeshCache())), notes)
