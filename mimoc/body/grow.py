@@ -11,11 +11,12 @@ from mimoc.body.anatomy import Anatomy, assemble
 from mimoc.body.dimensions import Dimensions, mirror, mirror_turn
 from mimoc.body.joints import match_damping, passive_joints
 from mimoc.body.masses import Masses, weigh_parts
+from mimoc.body.maturation import maturation, relative_volumes
 from mimoc.body.measurements import measure_individual
 from mimoc.body.part import ReferenceGeom, ReferencePart
 from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.reference import Reference, reference_body
-from mimoc.body.shapes import NO_SCALES, Scales, Shapes, maturation, relative_volumes, shape_parts
+from mimoc.body.shapes import NO_SCALES, Scales, Shapes, shape_parts
 from mimoc.body.strength import at_strength_of_age, motor_torques, scale_strength
 from mimoc.body.tree import Body, BodyTree, Geom, Joint, Tendon, prune
 from mimoc.fits import Measurements, measure

@@ -17,10 +17,11 @@ from dataclasses import dataclass, replace
 from mimoc.body.anatomy import Anatomy
 from mimoc.body.decay import Decay
 from mimoc.body.dimensions import mirror, mirror_turn
+from mimoc.body.maturation import NECK, heavier
 from mimoc.body.origins import AGE_KEY, CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceJoint
 from mimoc.body.reference import Reference
-from mimoc.body.shapes import NECK, Shapes, heavier
+from mimoc.body.shapes import Shapes
 from mimoc.body.tree import BodyTree, Growth, Joint
 from mimoc.geometry.rotations import Vec3
 

@@ -1,7 +1,6 @@
 """Sizes and places of the parts of a child: as they are built, and the volumes that masses and strength follow.
 
-A spec scales single parts in length and girth; the proportions that result are checked. Besides age, strength and
-joints mature with the length of the child and the volumes of its parts.
+A spec scales single parts in length and girth; the proportions that result are checked.
 """
 
 import math
@@ -10,15 +9,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeVar
 
-from mimoc.body.anatomy import Anatomy, Sided
+from mimoc.body.anatomy import Sided
 from mimoc.body.dimensions import Dimensions, Shape
 from mimoc.body.part import ALONG_X, ALONG_Y, REST_ABDUCTION_DEG, ReferenceGeom, ReferencePart
 from mimoc.body.parts.head import maturing_head_dimensions
-from mimoc.body.parts.trunk import TENDONS
 from mimoc.body.proportions import proportions
-from mimoc.body.reference import HEIGHT, Reference, dimensions_of, mimos_dimensions, mimos_volumes
+from mimoc.body.reference import Reference, dimensions_of, mimos_dimensions, mimos_volumes
 from mimoc.body.sections import room_beside
-from mimoc.body.tree import Growth
 from mimoc.errors import GeometryError
 from mimoc.fits import Measurements
 from mimoc.geometry.rotations import Vec3
@@ -227,51 +224,3 @@ def _scaled(dimensions: Dimensions, parts: Sided, scales: Scales, side: str) -> 
         if part.name.format(side=side) in scales:
             dimensions = scale_part(dimensions, part.name, of_side, *scales[part.name.format(side=side)])
     return clear_arms(dimensions)
-
-
-NECK = "neck"
-"""The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
-RelativeVolumes = Mapping[str, Mapping[str, float]]
-"""Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
-
-
-def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
-    """Return the volume v of each geom by the growth law of the paper, relative to 18 months."""
-    at_18 = reference.volumes_m3
-    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.published_m3[side].items()})
-
-
-def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, float]:
-    """Return the volume v that each joint's strength follows, by joint.
-
-    A joint without a motor has that of the joint that a tendon couples it to, as the second vertebra's joints, or else
-    of the part that it moves.
-    """
-    by_joint = {figures.joint.format(side=side): volumes[side][figures.driven_geom] for side, figures in anatomy.motors}
-    for _, _, ((first, _), (second, _)) in TENDONS:
-        by_joint.setdefault(second, by_joint[first])
-    for side, part in anatomy.parts:
-        for joint in part.joints:
-            by_joint.setdefault(joint.name.format(side=side), volumes[side][part.geoms[0].name])
-    return by_joint
-
-
-def maturation(child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference) -> Growth | None:
-    """Return what strength and joints mature with besides age; None by the published law, by which nothing does.
-
-    Args:
-        child: Measurements of the child.
-        volumes: The volumes of its geoms.
-        head_gain: Mass of head and neck, relative to the published law.
-        reference: What it is compared with.
-    """
-    if reference.anatomy.development == "published":
-        return None
-    length = child.published[HEIGHT] / reference.length_m
-    return Growth(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
-
-
-def heavier(group: str, growth: Growth) -> str:
-    """Return what is said of the neck's numbers, which grow with its heavier head."""
-    gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
-    return gain if group == NECK else ""

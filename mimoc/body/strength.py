@@ -19,10 +19,10 @@ from math import prod
 
 from mimoc.body import origins
 from mimoc.body.decay import Decay
+from mimoc.body.maturation import NECK, RelativeVolumes, heavier
 from mimoc.body.origins import CONSTANT, LAW, LAW_KEY, LENGTH_KEY, REFERENCE, Origin
 from mimoc.body.part import ReferenceMotor
 from mimoc.body.reference import Reference
-from mimoc.body.shapes import NECK, RelativeVolumes, heavier
 from mimoc.body.tree import BodyTree, Growth, Motor
 from mimoc.schema.names import PAIRED_GROUPS
 

@@ -1,0 +1,57 @@
+"""What the strength and the joints of a child mature with besides age: its length, and the volumes of its parts."""
+
+from collections.abc import Mapping
+
+from mimoc.body.anatomy import Anatomy
+from mimoc.body.parts.trunk import TENDONS
+from mimoc.body.reference import HEIGHT, Reference
+from mimoc.body.shapes import Shapes
+from mimoc.body.tree import Growth
+from mimoc.fits import Measurements
+
+NECK = "neck"
+"""The group whose load is the head, which is heavier by the law `maturing`: its strength and joints grow with it."""
+RelativeVolumes = Mapping[str, Mapping[str, float]]
+"""Volumes v relative to the average child of 18 months, by side, then by geom with `{side}`."""
+
+
+def relative_volumes(shapes: Shapes, reference: Reference) -> RelativeVolumes:
+    """Return the volume v of each geom by the growth law of the paper, relative to 18 months."""
+    at_18 = reference.volumes_m3
+    return shapes.of_sides(lambda side: {name: v / at_18[name] for name, v in shapes.published_m3[side].items()})
+
+
+def _volumes_of_joints(volumes: RelativeVolumes, anatomy: Anatomy) -> dict[str, float]:
+    """Return the volume v that each joint's strength follows, by joint.
+
+    A joint without a motor has that of the joint that a tendon couples it to, as the second vertebra's joints, or else
+    of the part that it moves.
+    """
+    by_joint = {figures.joint.format(side=side): volumes[side][figures.driven_geom] for side, figures in anatomy.motors}
+    for _, _, ((first, _), (second, _)) in TENDONS:
+        by_joint.setdefault(second, by_joint[first])
+    for side, part in anatomy.parts:
+        for joint in part.joints:
+            by_joint.setdefault(joint.name.format(side=side), volumes[side][part.geoms[0].name])
+    return by_joint
+
+
+def maturation(child: Measurements, volumes: RelativeVolumes, head_gain: float, reference: Reference) -> Growth | None:
+    """Return what strength and joints mature with besides age; None by the published law, by which nothing does.
+
+    Args:
+        child: Measurements of the child.
+        volumes: The volumes of its geoms.
+        head_gain: Mass of head and neck, relative to the published law.
+        reference: What it is compared with.
+    """
+    if reference.anatomy.development == "published":
+        return None
+    length = child.published[HEIGHT] / reference.length_m
+    return Growth(length, _volumes_of_joints(volumes, reference.anatomy), head_gain)
+
+
+def heavier(group: str, growth: Growth) -> str:
+    """Return what is said of the neck's numbers, which grow with its heavier head."""
+    gain = f" x {growth.head_gain:.6g}, by which head and neck are heavier than by the published law (D)"
+    return gain if group == NECK else ""
