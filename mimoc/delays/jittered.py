@@ -4,7 +4,7 @@ from collections import deque
 from typing import Any
 
 from mimoc.delays.signals import Mask, check_controls
-from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.noise import NoiseStreams
 from mimoc.random_streams import whole_between
 from mimoc.senses.sense import FloatArray, IntArray, Sample
 from mimoc.state_form import check_form, checked_list, demand

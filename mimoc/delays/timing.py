@@ -8,8 +8,8 @@ import numpy as np
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples, Wander
 from mimoc.delays.signals import DelayedCommands, DelayedSamples, Mask
 from mimoc.delays.spec import MOTOR, DelayEntry
+from mimoc.noise.noise import NoiseStreams
 from mimoc.noise.spec import NoiseEntry
-from mimoc.noise.streams import NoiseStreams
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
 

@@ -1,7 +1,7 @@
 """Rails for a child to hold on to: how high and how thick they are."""
 
 from mimoc.body import BodyTree
-from mimoc.body.stature import stature
+from mimoc.body.kinematics import stature
 from mimoc.units import cm_to_m
 
 RAIL_IN_CHILDREN = 0.43 / 0.82

@@ -19,7 +19,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.journal import UNTOLD
 from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.senses.custom import CustomSense
-from mimoc.tasks.binding import CustomTask
+from mimoc.tasks.task import CustomTask
 
 PART_ROWS = 1000
 """Control steps in a part of an episode: what a kill can lose."""

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mimoc.delays.jittered import Wander
-from mimoc.noise.streams import NoiseStreams
+from mimoc.noise.noise import NoiseStreams
 
 LONG = 30_000
 

@@ -11,9 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mimoc
-from mimoc.noise.low_pass import LowPass, Smooth
-from mimoc.noise.motor import MotorNoise
-from mimoc.noise.noise import Draw, Noise
+from mimoc.noise.noise import Draw, LowPass, MotorNoise, Noise, Smooth
 from mimoc.noise.spec import NoiseEntry
 from mimoc.runtime.array_library import NUMPY
 from mimoc.runtime.term import stack_terms

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from mimoc.kinds import function_of
-from mimoc.noise.motor import bind_motor_noise
-from mimoc.noise.noise import Draw, Noise, bind_noise
+from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise
 from mimoc.noise.spec import NoiseEntry, noise_keys
 from mimoc.quantities import QUANTITIES
 from mimoc.runtime.env import InfantEnv

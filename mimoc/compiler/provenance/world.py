@@ -6,7 +6,7 @@ from mimoc.body.origins import Entry
 from mimoc.compiler.furnish import FurnishedScene
 from mimoc.mjcf.objects import FreeObject
 from mimoc.schema.infant import InfantSpec
-from mimoc.toys.provenance import mass_entry, trace_toys
+from mimoc.toys.objects import mass_entry, trace_toys
 
 
 def trace_world(spec: InfantSpec, furnished: FurnishedScene) -> dict[str, Entry]:

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Mapping
 
+from mimoc.body.kinematics import Stature, stature
 from mimoc.body.measurements import targets
-from mimoc.body.stature import Stature, stature
 from mimoc.compiler.child import child_of
 from mimoc.schema.infant import InfantSpec
 from mimoc.schema.names import unsided

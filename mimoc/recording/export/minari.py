@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from mimoc.actuation.commands import command_range
+from mimoc.actuation.binding import command_range
 from mimoc.errors import MissingExtraError, counted
 from mimoc.recording.blocks import Reading
 from mimoc.recording.reading import Episode, ReadRecording

@@ -18,8 +18,7 @@ from mimoc.runtime.warp.device_worlds import put_on
 from mimoc.runtime.warp.needs import DeviceError
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import IntArray
-from mimoc.tasks.binding import CustomTask
-from mimoc.tasks.task import NO_REWARD, Change, Judgement, Task
+from mimoc.tasks.task import NO_REWARD, Change, CustomTask, Judgement, Task
 
 
 class DeviceTask:

@@ -12,8 +12,7 @@ import torch
 import warp as wp
 
 from mimoc.delays.spec import MOTOR
-from mimoc.noise.motor import bind_motor_noise
-from mimoc.noise.noise import Draw, Noise, bind_noise, noise_amount
+from mimoc.noise.noise import Draw, Noise, bind_motor_noise, bind_noise, noise_amount
 from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.warp.device_worlds import put_on, term_of_worlds, where_worlds

@@ -13,8 +13,7 @@ from support.devices import DEVICE
 import mimoc
 from mimoc.kinds import NoiseOption, SenseKind
 from mimoc.mjcf.placed import Placed
-from mimoc.noise.low_pass import LowPass
-from mimoc.noise.noise import Noise
+from mimoc.noise.noise import LowPass, Noise
 from mimoc.runtime.term import Field
 from mimoc.runtime.warp.noise import Chance
 from mimoc.schema.base import Model
