@@ -18,8 +18,8 @@ from mimoc.quantities.outcome import (
     UNFINISHED,
     UNFINISHED_RETURN,
 )
+from mimoc.render.plots.drawing import draw_svg
 from mimoc.render.plots.plot import Dots, Line, Plot
-from mimoc.render.plots.svg import draw_svg
 from mimoc.reporting import words
 from mimoc.reporting.infant import infant_sections
 from mimoc.reporting.infant.sources import Sources

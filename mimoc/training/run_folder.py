@@ -20,8 +20,8 @@ from mimoc.bundle.regular_files import UnusableFileError, read_regular_file
 from mimoc.errors import BundleError, MimocError, OutputError, TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.bounded import Plain, bounded
-from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
+from mimoc.training.policies import MOST_BYTES
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 

@@ -26,15 +26,12 @@ from mimoc.schema.infant import InfantSpec
 from mimoc.training.agents import has_learnt, make_agent, start_interval
 from mimoc.training.checkpoint import Progress, pack, read_progress, restore
 from mimoc.training.curve import Curve, Row
-from mimoc.training.growth import growth_of, growth_settings, seek
 from mimoc.training.hyperparameters import Number
-from mimoc.training.learnable import check_learnable, episode_limit
 from mimoc.training.policies import pack_policy
-from mimoc.training.recorder import Recorder, RewardWatch
 from mimoc.training.run_folder import CURVE, PICTURE, POLICY, STATE, RunFolder, open_run_folder
-from mimoc.training.settings import Settings
-from mimoc.training.tracking import tracked
-from mimoc.training.vector_env import make_vector_env
+from mimoc.training.settings import Settings, check_learnable, episode_limit
+from mimoc.training.tracking import Recorder, RewardWatch, tracked
+from mimoc.training.vector_env import growth_of, growth_settings, make_vector_env, seek
 from mimoc.units import ms_to_s
 
 Source = Bundle | InfantSpec | str | Path

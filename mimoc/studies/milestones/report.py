@@ -7,7 +7,7 @@ from typing import Any, Literal
 from mimoc.compiler.aged import errors_at, quickly_aged
 from mimoc.compiler.availability import refuse_unavailable
 from mimoc.compiler.child import child_of
-from mimoc.render.plots.milestones import AgeRow
+from mimoc.render.plots.growth import AgeRow
 from mimoc.rounding import rounded
 from mimoc.schema.infant import InfantSpec, validated
 from mimoc.studies.milestones.infant import Conditions
