@@ -26,9 +26,8 @@ from mimoc.reporting.infant.sources import Sources
 from mimoc.reporting.infant.who import introduce
 from mimoc.reporting.page import Block, Cell, Code, Details, Drawings, Page, Section, Text, Tile, Tiles, number, table
 from mimoc.training.curve import Curve
-from mimoc.training.hyperparameters import HYPERPARAMETERS
 from mimoc.training.run_folder import TrainingRun, read_run_bundle, read_training_run
-from mimoc.training.settings import Settings
+from mimoc.training.settings import HYPERPARAMETERS, Settings
 from mimoc.version import __version__
 
 NAMES = {

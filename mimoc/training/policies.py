@@ -25,8 +25,7 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.rollout import Policy, PolicyMaker
 from mimoc.senses.sense import Observation
 from mimoc.training.agents import make_policy, set_weights, weights_of
-from mimoc.training.hyperparameters import complete
-from mimoc.training.settings import Settings
+from mimoc.training.settings import Settings, complete
 from mimoc.training.vector_env import normalized_names, statistics
 
 MOST_BYTES = 2**29

@@ -1,4 +1,4 @@
-"""An infant's growth over WHO's standards, as in figure 2 of the paper, and its measurements over AnthroKids'; and ages in rows."""
+"""An infant's growth over WHO's standards and AnthroKids' (figure 2 of the paper), and milestones by age in rows."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -15,11 +15,10 @@ from mimoc.render.plots.growth import AgeRow, rows_sheet
 from mimoc.render.plots.plot import Line, Plot
 from mimoc.schema.names import Development
 from mimoc.studies.experiments.effort import GROUPS, Strength, strengths
-from mimoc.studies.experiments.milestone_searches import Case, forget_searches, run_searches
 from mimoc.studies.experiments.notebook import Cell, Notebook, Progress, markdown_table, page_texts
 from mimoc.studies.experiments.resting import FALLING_S, LEANS, LYING_S, Rest, Sitter, caption, rest, try_to_sit
 from mimoc.studies.milestones import MILESTONES, TRIALS, WINDOWS, Conditions
-from mimoc.studies.milestones.search import SearchResult
+from mimoc.studies.milestones.search import Case, SearchResult, forget_searches, run_searches
 
 LAWS: tuple[Development, ...] = ("maturing", "published")
 VARIATIONS: Mapping[str, Conditions] = {
