@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -294,17 +294,9 @@ def _strength_plot(found: Sequence[Strength], law: str) -> Plot:
     return Plot(AGE, y, tuple(lines), title=law, level=1.0)
 
 
-def _rest_cells(found: Rest) -> tuple[Cell, ...]:
-    return (
-        found.development,
-        found.age_months,
-        found.hip_deg,
-        found.knee_deg,
-        found.elbow_deg,
-        found.head_upright_deg,
-        found.head_back_deg,
-        *found.slumps_deg,
-    )
+def _rest_cells(rested: Rest) -> tuple[Cell, ...]:
+    *numbers, slumps_deg = astuple(rested)
+    return *numbers, *slumps_deg
 
 
 def _write_sitters(notebook: Notebook, sitters: Sequence[Sequence[Sitter]]) -> None:

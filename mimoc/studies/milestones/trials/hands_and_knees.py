@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant, rise_deg
+from mimoc.studies.milestones.infant import SIDES, FloatArray, TrialInfant, bisect, rise_deg
 from mimoc.studies.milestones.trial import Attempt, Trial, steady
 
 HELD_S = 10.0
@@ -17,7 +17,6 @@ against the ends of their range, and arms would need hardly any strength."""
 THIGHS_DEG = (0.0, 20.0)
 """Forward slants of the thighs that are tried."""
 ROCKING_HZ, ROCKING_DEG = 0.5, 10.0
-BISECTIONS = 12
 
 
 def _still(infant: TrialInfant) -> Iterator[Attempt]:
@@ -68,14 +67,12 @@ def kneel(infant: TrialInfant, elbow_deg: float, thigh_deg: float) -> mujoco.MjD
     The pitch of the trunk that brings hands and knees to the floor together is found by bisection.
     """
     data = mujoco.MjData(infant.model)
-    low, high = 50.0, 110.0
-    for _ in range(BISECTIONS):
-        pitch_deg = (low + high) / 2
+
+    def are_hands_down(pitch_deg: float) -> bool:
         infant.place(data, pitch_deg, _kneeling_angles(pitch_deg, elbow_deg, thigh_deg))
-        if infant.lowest_m(data, "left_hand") > infant.lowest_m(data, "left_lower_leg"):
-            low = pitch_deg
-        else:
-            high = pitch_deg
+        return infant.lowest_m(data, "left_hand") <= infant.lowest_m(data, "left_lower_leg")
+
+    bisect(50.0, 110.0, are_hands_down)
     return data
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, TrialInfant, elevation_deg
+from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, elevation_deg
 from mimoc.studies.milestones.trial import Attempt, Trial, steady
 from mimoc.units import deg_to_rad
 
@@ -18,7 +18,6 @@ MOST_LAG_DEG = 20.0
 SUPINE_S, SUPINE_HELD_S = 3.0, 1.0
 SUPINE_RAISED_DEG = 45.0
 """How far the face has to be turned forward from straight up."""
-BISECTIONS = 12
 
 
 def _prone(infant: TrialInfant) -> Iterator[Attempt]:
@@ -42,14 +41,12 @@ def _prone(infant: TrialInfant) -> Iterator[Attempt]:
 def _on_forearms(infant: TrialInfant) -> mujoco.MjData:
     """Return an infant on thighs and forearms, which carry the chest; the pitch of its trunk is found by bisection."""
     data = mujoco.MjData(infant.model)
-    low, high = 30.0, 95.0
-    for _ in range(BISECTIONS):
-        pitch_deg = (low + high) / 2
+
+    def are_forearms_down(pitch_deg: float) -> bool:
         infant.place(data, pitch_deg, {"{side}_hip1": 88.0 - pitch_deg, **FOREARMS_DEG})
-        if infant.lowest_m(data, "left_lower_arm") > infant.lowest_m(data, "left_upper_leg"):
-            low = pitch_deg
-        else:
-            high = pitch_deg
+        return infant.lowest_m(data, "left_lower_arm") <= infant.lowest_m(data, "left_upper_leg")
+
+    bisect(30.0, 95.0, are_forearms_down)
     return data
 
 

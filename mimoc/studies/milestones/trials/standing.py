@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import mujoco
 import numpy as np
 
-from mimoc.studies.milestones.infant import SIDES, TrialInfant, tilt_deg
+from mimoc.studies.milestones.infant import SIDES, TrialInfant, bisect, tilt_deg
 from mimoc.studies.milestones.trial import PUSHES, Attempt, Trial, steady
 
 STANDING_S = 10.0
@@ -51,18 +51,13 @@ def stance(infant: TrialInfant, knee_deg: float, lean: float) -> mujoco.MjData:
     data = mujoco.MjData(infant.model)
     knee = min(max(knee_deg, infant.range_deg("left_knee")[0]), infant.range_deg("left_knee")[1])
     hip = min(knee_deg / 2, infant.range_deg("left_hip1")[1])
-    low, high = infant.range_deg("left_foot1")
-    for _ in range(BISECTIONS):
-        ankle = (low + high) / 2
+
+    def leans_too_far(ankle: float) -> bool:
         infant.place(data, ankle + knee - hip, _standing_angles(hip, knee, ankle))
-        if _lean(infant, data) > lean:
-            high = ankle
-        else:
-            low = ankle
+        return _lean(infant, data) > lean
+
+    bisect(*infant.range_deg("left_foot1"), leans_too_far)
     return data
-
-
-BISECTIONS = 12
 
 
 def _standing_angles(hip: float, knee: float, ankle: float) -> Mapping[str, float]:
