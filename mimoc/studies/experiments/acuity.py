@@ -110,7 +110,7 @@ def run(notebook: Notebook) -> Path:
     notebook.write_table(
         "gratings.csv",
         ("age_months", "acuity_cpd", "frequency_cpd", "law", "measured"),
-        ((each.age_months, each.acuity_cpd, each.frequency_cpd, each.law, each.measured) for each in measured),
+        ((item.age_months, item.acuity_cpd, item.frequency_cpd, item.law, item.measured) for item in measured),
     )
     notebook.write_plots("csf.png", [_csf_plot(measured), _profile_plot()])
     return notebook.write_page(
@@ -161,10 +161,10 @@ def _profile_rows() -> Iterator[tuple[float, ...]]:
 def _csf_plot(measured: Sequence[Transfer]) -> Plot:
     lines, dots = [], []
     for age_months in PAPER_MONTHS:
-        found = [each for each in measured if each.age_months == age_months]
-        acuity_cpd, label = found[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
+        results = [item for item in measured if item.age_months == age_months]
+        acuity_cpd, label = results[0].acuity_cpd, f"{age_months:g} month{'s' * (age_months != 1)}"
         lines.append(Line((0, acuity_cpd), (1, 0), label))
-        dots.append(Dots([each.frequency_cpd for each in found], [each.measured for each in found], label))
+        dots.append(Dots([item.frequency_cpd for item in results], [item.measured for item in results], label))
     return Plot(
         x=Quantity("frequency_cpd", "Spatial frequency", "cycles/degree"),
         y=Quantity("contrast", "Remaining contrast"),
@@ -194,7 +194,7 @@ def _sections(measured: Sequence[Transfer], size_px: int) -> tuple[str, str]:
     compared = TEXTS["compared"].format(
         table=_acuity_table(),
         count=len(measured),
-        error=max(abs(each.measured - each.law) for each in measured),
+        error=max(abs(item.measured - item.law) for item in measured),
         fovy=FOVY_DEG,
         size=size_px,
         shown=size_px / (2 * FOVY_DEG),

@@ -219,7 +219,7 @@ def run(notebook: Notebook) -> Path:
     varied = [name for name in names if name in VARIED_NAMES]
     total = len(LAWS) * (2 * len(months) + len(sitting) + len(names)) + len(VARIATIONS) * len(varied)
     count = _counter(notebook.progress, total)
-    strong = [each for law in LAWS for age in months for each in count(list(strengths(law, age)))]
+    strong = [item for law in LAWS for age in months for item in count(list(strengths(law, age)))]
     _write_strength(notebook, strong)
     resting = [count(rest(law, age)) for law in LAWS for age in months]
     notebook.write_table("rest.csv", REST_HEADINGS, map(_rest_cells, resting))
@@ -230,11 +230,11 @@ def run(notebook: Notebook) -> Path:
         processes = 1 if quick else os.cpu_count() or 1
         return run_searches(cases, notebook.folder, processes, lambda: count(None))
 
-    found = searched([Case(law, name, tuple(ages[law]), Conditions()) for law in LAWS for name in names])
-    _write_milestones(notebook, found)
-    sensitivity = _sensitivity({case: result for case, result in found.items() if case.trial in varied}, searched)
+    measured = searched([Case(law, name, tuple(ages[law]), Conditions()) for law in LAWS for name in names])
+    _write_milestones(notebook, measured)
+    sensitivity = _sensitivity({case: result for case, result in measured.items() if case.trial in varied}, searched)
     _write_sensitivity(notebook, sensitivity)
-    page = _write_page(notebook, Findings(found, strong, resting, sensitivity))
+    page = _write_page(notebook, Findings(measured, strong, resting, sensitivity))
     forget_searches(notebook.folder)
     return page
 
@@ -257,38 +257,38 @@ def _sensitivity(
 ) -> list[Varied]:
     """Return the ages of milestones under other conditions, searched for from the usual ages of `maturing` on."""
     cases = {
-        (case.trial, name): replace(case, conditions=conditions, near_months=found.youngest_months)
-        for case, found in usual.items()
-        if case.development == "maturing" and found.youngest_months is not None
+        (case.trial, name): replace(case, conditions=conditions, near_months=measured.youngest_months)
+        for case, measured in usual.items()
+        if case.development == "maturing" and measured.youngest_months is not None
         for name, conditions in VARIATIONS.items()
     }
-    found = searched(list(cases.values()))
-    return [Varied(trial, name, found[case].youngest_months) for (trial, name), case in cases.items()]
+    measured = searched(list(cases.values()))
+    return [Varied(trial, name, measured[case].youngest_months) for (trial, name), case in cases.items()]
 
 
-def _write_strength(notebook: Notebook, found: Sequence[Strength]) -> None:
+def _write_strength(notebook: Notebook, measured: Sequence[Strength]) -> None:
     rows = (
         (
-            each.development,
-            each.age_months,
-            each.actuator,
-            "positive" if each.direction > 0 else "negative",
-            each.torque_nm,
-            each.moment_nm,
-            each.ratio,
+            item.development,
+            item.age_months,
+            item.actuator,
+            "positive" if item.direction > 0 else "negative",
+            item.torque_nm,
+            item.moment_nm,
+            item.ratio,
         )
-        for each in found
+        for item in measured
     )
     notebook.write_table("strength.csv", STRENGTH_HEADINGS, rows)
-    notebook.write_plots("strength.png", [_strength_plot(found, law) for law in LAWS])
+    notebook.write_plots("strength.png", [_strength_plot(measured, law) for law in LAWS])
 
 
-def _strength_plot(found: Sequence[Strength], law: str) -> Plot:
+def _strength_plot(measured: Sequence[Strength], law: str) -> Plot:
     lines = []
     for group, motor in GROUPS.items():
-        own = [each for each in found if each.development == law and (each.actuator, each.direction) == motor]
-        at_18 = next(each.ratio for each in own if each.age_months == COMPARED_MONTHS)
-        ages, ratios = [each.age_months for each in own], [each.ratio / at_18 for each in own]
+        of_motor = [item for item in measured if item.development == law and (item.actuator, item.direction) == motor]
+        at_18 = next(item.ratio for item in of_motor if item.age_months == COMPARED_MONTHS)
+        ages, ratios = [item.age_months for item in of_motor], [item.ratio / at_18 for item in of_motor]
         lines.append(Line(ages, ratios, group, "marked"))
     y = Quantity("ratio", "Torque / gravity moment, relative to 18 months")
     return Plot(AGE, y, tuple(lines), title=law, level=1.0)
@@ -300,17 +300,17 @@ def _rest_cells(rested: Rest) -> tuple[Cell, ...]:
 
 
 def _write_sitters(notebook: Notebook, sitters: Sequence[Sequence[Sitter]]) -> None:
-    captioned = [[tile_pictures([[each.picture]], columns=[caption(each)]) for each in row] for row in sitters]
+    captioned = [[tile_pictures([[item.picture]], columns=[caption(item)]) for item in row] for row in sitters]
     notebook.write_picture("sitting.png", encode_palette_png(tile_pictures(captioned, rows=LAWS), COLOURS))
 
 
-def _write_milestones(notebook: Notebook, found: Mapping[Case, SearchResult]) -> None:
-    notebook.write_table("attempts.csv", ATTEMPT_HEADINGS, _attempts(found))
-    names = dict.fromkeys(case.trial for case in found)
+def _write_milestones(notebook: Notebook, measured: Mapping[Case, SearchResult]) -> None:
+    notebook.write_table("attempts.csv", ATTEMPT_HEADINGS, _attempts(measured))
+    names = dict.fromkeys(case.trial for case in measured)
     rows = [
         AgeRow(
             name,
-            {case.development: result.youngest_months for case, result in found.items() if case.trial == name},
+            {case.development: result.youngest_months for case, result in measured.items() if case.trial == name},
             (window.youngest_months, window.oldest_months) if (window := WINDOWS.get(name)) else (),
         )
         for name in names
@@ -322,19 +322,19 @@ def _rows_png(rows: Sequence[AgeRow]) -> bytes:
     return encode(rows_sheet(rows, "real infants", ages_months=(0.0, OLDEST_SHOWN_MONTHS)))
 
 
-def _attempts(found: Mapping[Case, SearchResult]) -> Iterator[tuple[Cell, ...]]:
-    for case, result in found.items():
+def _attempts(measured: Mapping[Case, SearchResult]) -> Iterator[tuple[Cell, ...]]:
+    for case, result in measured.items():
         for age_months, outcome in result.outcomes.items():
             success = "yes" if outcome.success else "no"
-            told = (success, outcome.seconds, outcome.reason, outcome.strategy)
-            yield case.development, case.trial, age_months, *told
+            cells = (success, outcome.seconds, outcome.reason, outcome.strategy)
+            yield case.development, case.trial, age_months, *cells
 
 
-def _write_sensitivity(notebook: Notebook, found: Sequence[Varied]) -> None:
-    rows = ((each.trial, each.condition, each.youngest_months) for each in found)
+def _write_sensitivity(notebook: Notebook, measured: Sequence[Varied]) -> None:
+    rows = ((item.trial, item.condition, item.youngest_months) for item in measured)
     notebook.write_table("sensitivity.csv", SENSITIVITY_HEADINGS, rows)
     shown = [
-        AgeRow(name, {each.condition: each.youngest_months for each in found if each.trial == name})
-        for name in dict.fromkeys(each.trial for each in found)
+        AgeRow(name, {item.condition: item.youngest_months for item in measured if item.trial == name})
+        for name in dict.fromkeys(item.trial for item in measured)
     ]
     notebook.write_picture("sensitivity.png", _rows_png(shown))

@@ -234,32 +234,32 @@ def _write_tables(notebook: Notebook, learners: Sequence[GrowingLearner], steps:
     notebook.write_table(
         "learning.csv",
         ("schedule", "seed", "steps", "age_months", "episodes", "success_rate", "time_s", "episode_return"),
-        (row for each in learners for row in _learning_rows(each, schedule_of(each.schedule, each.seed, steps))),
+        (row for item in learners for row in _learning_rows(item, schedule_of(item.schedule, item.seed, steps))),
     )
     notebook.write_table(
         "checks.csv",
         ("schedule", "seed", "steps", "ball", "success", "time_s", "episode_return"),
         (
-            (each.schedule, each.seed, done, *_outcome(reach))
-            for each in learners
-            for done, reaches in each.checks.items()
+            (item.schedule, item.seed, done, *_outcome(reach))
+            for item in learners
+            for done, reaches in item.checks.items()
             for reach in reaches
         ),
     )
     notebook.write_table(
         "reaches.csv",
         ("schedule", "seed", "ball", "success", "time_s", "episode_return"),
-        ((each.schedule, each.seed, *_outcome(reach)) for each in learners for reach in each.reaches),
+        ((item.schedule, item.seed, *_outcome(reach)) for item in learners for reach in item.reaches),
     )
     notebook.write_table(
         "final.csv",
         ("schedule", "seed", "balls", "success_rate", "time_s", "time_over_checkpoints_s", "episode_return"),
         (
             (
-                *(each.schedule, each.seed, len(each.reaches), each.success_rate(), each.time_s()),
-                *(each.time_over_checkpoints_s(), each.episode_return()),
+                *(item.schedule, item.seed, len(item.reaches), item.success_rate(), item.time_s()),
+                *(item.time_over_checkpoints_s(), item.episode_return()),
             )
-            for each in learners
+            for item in learners
         ),
     )
 
@@ -293,8 +293,8 @@ TIME_TO_TOUCH = Quantity("time_s", "Time to touch", "s")
 def _age_plot(learners: Sequence[GrowingLearner], steps: int) -> Plot:
     done = np.arange(0, steps, max(1, steps // 500))
     lines = tuple(
-        Line(done / 1000, [schedule_of(each.schedule, each.seed, steps)(int(step)) for step in done], each.schedule)
-        for each in learners
+        Line(done / 1000, [schedule_of(item.schedule, item.seed, steps)(int(step)) for step in done], item.schedule)
+        for item in learners
     )
     return Plot(THOUSANDS, AGE, lines, title=f"Schedules (seed {learners[0].seed})")
 
@@ -302,14 +302,14 @@ def _age_plot(learners: Sequence[GrowingLearner], steps: int) -> Plot:
 def _learning_plot(groups: Mapping[str, Sequence[GrowingLearner]]) -> Plot:
     parts = []
     for schedule, group in groups.items():
-        steps, found_s = zip(*(binned_times_s(each.training.curve) for each in group), strict=True)
+        steps, found_s = zip(*(binned_times_s(item.training.curve) for item in group), strict=True)
         parts.append(_with_band(schedule, steps[0], found_s))
     return _time_plot(parts, "Learning, at the age of the moment")
 
 
 def _check_plot(groups: Mapping[str, Sequence[GrowingLearner]], untrained_s: float) -> Plot:
     parts = [
-        _with_band(schedule, list(group[0].checks), [list(each.check_times_s().values()) for each in group])
+        _with_band(schedule, list(group[0].checks), [list(item.check_times_s().values()) for item in group])
         for schedule, group in groups.items()
     ]
     return _time_plot(parts, f"Tested at {AGES_MONTHS[1]:g} months", untrained_s)
@@ -322,13 +322,13 @@ def _time_plot(parts: Sequence[tuple[Line, Band]], title: str, level: float | No
 
 def _with_band(label: str, steps: npt.ArrayLike, values: npt.ArrayLike) -> tuple[Line, Band]:
     """Return the mean over seeds, with a band from the least to the greatest."""
-    found, thousands = np.asarray(values), np.asarray(steps) / 1000
-    return Line(thousands, found.mean(axis=0), label), Band(thousands, found.min(axis=0), found.max(axis=0), label)
+    times, thousands = np.asarray(values), np.asarray(steps) / 1000
+    return Line(thousands, times.mean(axis=0), label), Band(thousands, times.min(axis=0), times.max(axis=0), label)
 
 
 def _final_plot(groups: Mapping[str, Sequence[GrowingLearner]]) -> Plot:
     dots = tuple(
-        Dots([each.time_s() for each in group], [100 * each.success_rate() for each in group], schedule)
+        Dots([item.time_s() for item in group], [100 * item.success_rate() for item in group], schedule)
         for schedule, group in groups.items()
     )
     title = f"After training, at {AGES_MONTHS[1]:g} months"

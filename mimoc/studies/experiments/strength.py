@@ -200,21 +200,21 @@ class Trial:
 def run(notebook: Notebook) -> Path:
     """Let infants of many ages lift the head and a leg, and return the path of the report."""
     by_age = [Trial(age) for age in (PAPER_MONTHS if notebook.quick else MONTHS)]
-    by_size = {(each, size): Trial(age_of(each, size)) for each in BEHAVIOURS for size in REFERENCE_S[each.name]}
+    by_size = {(item, size): Trial(age_of(item, size)) for item in BEHAVIOURS for size in REFERENCE_S[item.name]}
     muscles = [Trial(age, "muscle", strength) for strength in (None, FULL_SIZE_MONTHS) for age in PAPER_MONTHS]
-    found = _run_all([*by_age, *by_size.values(), *muscles], notebook.progress)
-    torque = [effort for trial in by_age for effort in found[trial]]
-    muscle = [effort for trial in muscles for effort in found[trial]]
+    results = _run_all([*by_age, *by_size.values(), *muscles], notebook.progress)
+    torque = [effort for trial in by_age for effort in results[trial]]
+    muscle = [effort for trial in muscles for effort in results[trial]]
     shown = [effort for effort in torque if effort.age_months in PAPER_MONTHS]
     notebook.write_table("strength.csv", HEADINGS, map(_summary, torque))
     notebook.write_table("muscles.csv", HEADINGS, map(_summary, muscle))
     notebook.write_table("curves.csv", CURVE_HEADINGS, _samples(shown))
-    notebook.write_plots("strength.png", [_plot(shown, each) for each in BEHAVIOURS])
+    notebook.write_plots("strength.png", [_plot(shown, item) for item in BEHAVIOURS])
     sized = [
-        (size, REFERENCE_S[each.name][size], effort)
-        for (each, size), trial in by_size.items()
-        for effort in found[trial]
-        if effort.behaviour == each
+        (size, REFERENCE_S[item.name][size], effort)
+        for (item, size), trial in by_size.items()
+        for effort in results[trial]
+        if effort.behaviour == item
     ]
     return _write_page(notebook, Findings(torque, shown, sized, muscle))
 
@@ -236,12 +236,12 @@ def _strength_nm(behaviour: Behaviour, age_months: float) -> float:
 
 
 def _run_all(trials: Sequence[Trial], progress: Progress) -> Mapping[Trial, list[Effort]]:
-    found: dict[Trial, list[Effort]] = {}
+    results: dict[Trial, list[Effort]] = {}
     for done, trial in enumerate(trials, start=1):
-        if trial not in found:
-            found[trial] = list(efforts(trial.age_months, trial.model, trial.strength_age_months))
+        if trial not in results:
+            results[trial] = list(efforts(trial.age_months, trial.model, trial.strength_age_months))
         progress(done, len(trials))
-    return found
+    return results
 
 
 def _summary(effort: Effort) -> tuple[Cell, ...]:
@@ -257,19 +257,19 @@ def _summary(effort: Effort) -> tuple[Cell, ...]:
     )
 
 
-def _samples(found: Iterable[Effort]) -> Iterator[tuple[Cell, ...]]:
-    for effort in found:
+def _samples(results: Iterable[Effort]) -> Iterator[tuple[Cell, ...]]:
+    for effort in results:
         for time_s, angle_deg in zip(effort.time_s, effort.angle_deg, strict=True):
             yield effort.behaviour.name, effort.age_months, time_s, angle_deg
 
 
-def _plot(found: Iterable[Effort], behaviour: Behaviour) -> Plot:
+def _plot(results: Iterable[Effort], behaviour: Behaviour) -> Plot:
     return Plot(
         x=Quantity("time_s", "Time", "s"),
         y=Quantity("angle_deg", "Angle", "deg"),
         lines=tuple(
             Line(effort.time_s, effort.angle_deg, f"{effort.age_months:g} months")
-            for effort in found
+            for effort in results
             if effort.behaviour == behaviour
         ),
         title=behaviour.name.capitalize(),
