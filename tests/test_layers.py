@@ -106,7 +106,7 @@ LAYERS = {
         "gymnasium mujoco warp mujoco_warp torch array_api_compat",
     ),
     "measuring": layer(
-        "quantities.measuring quantities.run_contact quantities.run_motion",
+        "quantities.measuring quantities.run_motion",
         "errors kinds quantities bundle terms runtime",
         "mujoco",
     ),

@@ -14,8 +14,7 @@ from stable_baselines3.common.vec_env import VecNormalize, VecTransposeImage
 from stable_baselines3.ppo import MultiInputPolicy as PPOPolicy
 from stable_baselines3.sac import MultiInputPolicy as SACPolicy
 
-from mimoc.training.hyperparameters import Number
-from mimoc.training.settings import Settings
+from mimoc.training.settings import Number, Settings
 
 _PASSED_ON = {
     "ppo": ("learning_rate", "gamma", "batch_size", "clip_range", "ent_coef", "gae_lambda", "n_epochs", "n_steps"),

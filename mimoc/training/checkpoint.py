@@ -17,9 +17,8 @@ from mimoc.errors import TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.bounded import Count, NotNegative
 from mimoc.training.agents import agent_state, restore_agent
-from mimoc.training.archives import Archive
 from mimoc.training.curve import Curve
-from mimoc.training.policies import DAMAGED, OF_TORCH, SCALE, WEIGHTS
+from mimoc.training.policies import DAMAGED, OF_TORCH, SCALE, WEIGHTS, Archive
 from mimoc.training.vector_env import set_statistics, statistics
 
 STATE, CURVE, REPLAY = "state.json", "curve.csv", "replay.npz"

@@ -19,8 +19,8 @@ from mimoc.bundle.regular_files import UnusableFileError, one_line, read_json_fi
 from mimoc.errors import BundleError, MimocError, OutputError, TrainingError
 from mimoc.schema.base import Model
 from mimoc.schema.bounded import Plain, bounded
-from mimoc.training.archives import MOST_BYTES
 from mimoc.training.curve import Curve
+from mimoc.training.policies import MOST_BYTES
 from mimoc.training.settings import Settings
 from mimoc.version import __version__
 
