@@ -11,7 +11,6 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.many.growing import GrowingInfants
 from mimoc.runtime.many.vector_env import ManyInfants
 
 RESET_IN_THE_SAME_STEP = AutoresetMode.SAME_STEP
@@ -60,8 +59,7 @@ class InfantVecEnv(VecEnv):
 
     def seek(self, steps_done: int) -> None:
         """Let growing infants go on as after a number of control steps of each; a reset must follow."""
-        if isinstance(self.infants, GrowingInfants):
-            self.infants.seek(steps_done)
+        self.infants.seek(steps_done)
 
     def close(self) -> None:
         """Close all infants; closing twice is fine."""

@@ -21,7 +21,6 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvObs, VecEnvStepR
 
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing_env import Growing
-from mimoc.runtime.many.growing import GrowingInfants
 from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.training.growth import Growth
 from mimoc.training.sb3_infants import RESET_IN_THE_SAME_STEP, InfantVecEnv
@@ -114,9 +113,8 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
 def _together(
     openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None, limit: int | None
 ) -> VecEnv:
-    if growth is None:
-        return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit))
-    return InfantVecEnv(GrowingInfants(openers, growth.schedule, threads, RESET_IN_THE_SAME_STEP, limit))
+    schedule = growth and growth.schedule
+    return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
 
 
 def _apart(

@@ -1,12 +1,20 @@
-"""Arrays on a device: flat views of MuJoCo Warp's, and what actions come in and observations go out as."""
+"""Arrays on a device: views of MuJoCo Warp's for terms, without a copy, and what comes in and goes out of it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
+import array_api_compat.torch as array_library
+import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 
 from mimoc.errors import UnknownNameError
+from mimoc.runtime.many.gymnasium_forms import mixture_error
+from mimoc.runtime.term import Put, Term, differing_field, stack_terms
+from mimoc.runtime.warp.contacts import PressingGroups
+from mimoc.runtime.worlds import Worlds
 
 
 def flat(array: wp.array) -> wp.array:
@@ -42,13 +50,9 @@ def taken(values: Any, shape: tuple[int, ...]) -> wp.array:
     return values if isinstance(values, wp.array) else wp.from_dlpack(values)
 
 
-def _as_torch(array: wp.array) -> Any:
-    return wp.to_torch(array)
-
-
 KINDS: Mapping[str, Callable[[wp.array], Any]] = {
     "numpy": lambda array: array.numpy().copy(),
-    "torch": _as_torch,
+    "torch": lambda array: wp.to_torch(array),
     "warp": lambda array: array,
 }
 """What observations and rewards can be given as: copies for NumPy, else the environment's own memory."""
@@ -63,3 +67,48 @@ def giver(arrays: str) -> Callable[[wp.array], Any]:
     if arrays not in KINDS:
         raise UnknownNameError("kind of arrays", arrays, KINDS)
     return KINDS[arrays]
+
+
+def device_worlds(data: mjw.Data) -> Worlds:
+    """Return the worlds of some data, for as long as its arrays keep their places in memory."""
+    return Worlds(array_library, lambda field: wp.to_torch(getattr(data, field)), PressingGroups(data))
+
+
+def put_on(device: wp.Device) -> Put:
+    """Return what moves NumPy's arrays to a device: real numbers with 32 bits, whole ones with 64, as torch indexes."""
+    place = wp.device_to_torch(device)
+
+    def put(values: np.ndarray) -> torch.Tensor:
+        kind = {"f": torch.float32, "b": torch.bool}.get(values.dtype.kind, torch.int64)
+        return torch.as_tensor(values, dtype=kind, device=place)
+
+    return put
+
+
+def term_of_worlds(what: str, terms: Sequence[Term], body: wp.array) -> Term:
+    """Return the term of all worlds, on their device.
+
+    Args:
+        what: What it is of, for errors.
+        terms: Of the different bodies.
+        body: Which of them lives in each world, shape (worlds,).
+
+    Raises:
+        MixtureError: If they look at different addresses.
+    """
+    for number, term in enumerate(terms):
+        if field := differing_field([terms[0], term]):
+            raise mixture_error(f"0 and {number}", f"the field '{field}' of the term of {what}")
+    return stack_terms([terms[index] for index in body.numpy()], put_on(body.device))
+
+
+def where_worlds(chosen: torch.Tensor, new: torch.Tensor, former: torch.Tensor) -> torch.Tensor:
+    """Return the new values of chosen worlds, shape (worlds,), and the former ones of others, shape (worlds, ...)."""
+    return torch.where(chosen.reshape(-1, *[1] * (former.ndim - 1)), new, former)
+
+
+@contextmanager
+def present(device: wp.Device) -> Iterator[None]:
+    """Let a device be Warp's present one, where torch works on Warp's stream, so that each waits for the other."""
+    with wp.ScopedDevice(device), torch.cuda.stream(wp.stream_to_torch(device)) if device.is_cuda else nullcontext():
+        yield

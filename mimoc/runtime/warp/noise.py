@@ -16,7 +16,7 @@ from mimoc.noise.motor import bind_motor_noise
 from mimoc.noise.noise import Draw, Noise, bind_noise, noise_amount
 from mimoc.noise.spec import noise_keys
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp.device_worlds import put_on, term_of_worlds, where_worlds
+from mimoc.runtime.warp.arrays import put_on, term_of_worlds, where_worlds
 
 PLACES = 1 << 23
 """How many random numbers a channel has at a time."""
@@ -37,14 +37,12 @@ class Chance:
 
     def advance(self) -> None:
         """Go on to other numbers."""
-        wp.launch(_advance, self.steps.shape, [], [self.steps])
+        wp.to_torch(self.steps).add_(1)
 
     def restart(self, seeds: Mapping[int, int]) -> None:
         """Begin again in worlds that get a new seed."""
-        values, steps = self.seeds.numpy(), self.steps.numpy()
-        values[list(seeds)], steps[list(seeds)] = [seed % SEEDS for seed in seeds.values()], 0
-        self.seeds.assign(values)
-        self.steps.assign(steps)
+        known, steps, worlds = wp.to_torch(self.seeds), wp.to_torch(self.steps), list(seeds)
+        known[worlds], steps[worlds] = known.new_tensor([seed % SEEDS for seed in seeds.values()]), 0
 
     def normals(self, first: int, shape: Sequence[int]) -> torch.Tensor:
         """Return random numbers with mean 0 and standard deviation 1 of shape (worlds, ...), from a first place on."""
@@ -125,12 +123,6 @@ def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: C
 def motor_noise(infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> NoisyCommands | None:
     """Return the commands with their noise, or None if no infant has any."""
     return NoisyCommands(infants, body, chance) if any(infant.manifest.noise.motor for infant in infants) else None
-
-
-@wp.kernel(enable_backward=False)
-def _advance(steps: wp.array[int]):
-    world = wp.tid()
-    steps[world] = steps[world] + 1
 
 
 @wp.kernel(enable_backward=False)

@@ -14,9 +14,8 @@ from mimoc.model_fields import rows_by_name
 from mimoc.runtime.constraints import Constraints
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Put
-from mimoc.runtime.warp.arrays import flat, put
+from mimoc.runtime.warp.arrays import flat, put, put_on, where_worlds
 from mimoc.runtime.warp.bodies import batched_fields
-from mimoc.runtime.warp.device_worlds import put_on, where_worlds
 from mimoc.runtime.warp.touch import Feeling
 from mimoc.runtime.warp.vision.sight import VISION, Sight
 from mimoc.senses.sense import FloatArray, IntArray
@@ -125,7 +124,7 @@ def seen_at(starts: Starts, sight: Sight, body_of_world: IntArray, model: mjw.Mo
         starts.restore(put(chosen, wp.int32), model, data)
         mjw.kinematics(model, data)
         mjw.camlight(model, data)
-        pictures = sight.look(data).numpy().copy()  # On the CPU it is the same memory again.
+        pictures = sight(data).cpu().numpy()
         seen |= {start: picture for start, picture in zip(chosen.tolist(), pictures, strict=True) if start >= 0}
     for array, values in zip(changed, former, strict=True):
         wp.copy(array, values)

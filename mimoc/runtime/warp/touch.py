@@ -4,6 +4,7 @@ from typing import Any
 
 import mujoco_warp as mjw
 import numpy as np
+import torch
 import warp as wp
 from gymnasium.spaces import Box
 
@@ -44,6 +45,7 @@ class Feeling:
             points_m, is_nearest = np.zeros((len(touches), len(places), 3)), True
         self.bodies = np.repeat(places, self.width)
         """The body in which each number is felt, shape (n,), of which `width` make a force."""
+        self._sample = wp.zeros((setup.body.shape[0], len(self.bodies)), dtype=float)
         box = touches[0].spaces["touch"]
         self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
@@ -52,12 +54,13 @@ class Feeling:
         self._range, self._points = put(np.stack([first, last], 1), wp.vec2i), put(points_m, wp.vec3)
         self._scales = put([touch.receptors.scale_per_m[:, 0] for touch in touches])
 
-    def __call__(self, model: mjw.Model, data: mjw.Data, sample: wp.array) -> None:
-        """Write what is felt now, shape (worlds, n)."""
-        sample.zero_()
+    def __call__(self, data: mjw.Data) -> torch.Tensor:
+        """Return what is felt now, shape (worlds, n), in memory that the next call writes to."""
+        self._sample.zero_()
         skin = [self._body, self._geoms, self._range, self._points, self._scales]
         inputs = [contacts_of(data), *skin, self._quantity, self._sharing, data.xpos, data.xmat]
-        wp.launch(_share, (data.naconmax, 2), inputs, [sample])
+        wp.launch(_share, (data.naconmax, 2), inputs, [self._sample])
+        return wp.to_torch(self._sample)
 
     def start(self, sample: FloatArray) -> FloatArray:
         """Return what it tells of a sample of all points of one infant."""

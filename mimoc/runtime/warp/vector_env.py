@@ -16,12 +16,10 @@ from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
-from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, chosen, covering, seeds_of
-from mimoc.runtime.many.matching import check_mixture
-from mimoc.runtime.warp.arrays import giver, put, taken
+from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, check_mixture, chosen, covering, seeds_of
+from mimoc.runtime.warp.arrays import giver, present, put, taken
 from mimoc.runtime.warp.capacity import Capacity
-from mimoc.runtime.warp.device_worlds import present
-from mimoc.runtime.warp.needs import DeviceError, check_infant, find_device
+from mimoc.runtime.warp.signals import DeviceError, check_infant, find_device
 from mimoc.runtime.warp.starts import Starts
 from mimoc.runtime.warp.vision.sight import VISION, ClosedEyes
 from mimoc.runtime.warp.worlds import Worlds
@@ -193,21 +191,15 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         """
         raise DeviceError(f"infants on device '{self.device}' keep their ages; give each its own, or leave out device")
 
-    def get_state(self) -> NoReturn:
-        """States cannot be saved on a device.
+    def get_state(self, *states: Any) -> NoReturn:
+        """States cannot be saved or restored on a device.
 
         Raises:
             DeviceError: Always.
         """
         raise DeviceError(f"states of infants on device '{self.device}' cannot be saved or restored; leave out device")
 
-    def set_state(self, states: Any) -> NoReturn:
-        """States cannot be restored on a device.
-
-        Raises:
-            DeviceError: Always.
-        """
-        self.get_state()
+    set_state = get_state
 
     def close_extras(self, **kwargs: Any) -> None:
         """Close the infants that drew the starts."""

@@ -6,10 +6,9 @@ import warp as wp
 from support.devices import DEVICE
 
 import mimoc
-from mimoc.runtime.many.matching import MixtureError
-from mimoc.runtime.warp.vision.filters import Filters
-from mimoc.runtime.warp.vision.sight import ClosedEyes
-from mimoc.runtime.warp.vision.textures import flat_picture
+from mimoc.runtime.many.gymnasium_forms import MixtureError
+from mimoc.runtime.warp.vision.eyes import flat_picture
+from mimoc.runtime.warp.vision.sight import ClosedEyes, Filters
 from mimoc.senses.vision.run import filters, perceive
 from mimoc.senses.vision.spec import VisionEntry
 
