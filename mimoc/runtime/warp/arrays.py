@@ -17,14 +17,9 @@ from mimoc.runtime.warp.contacts import PressingGroups
 from mimoc.runtime.worlds import Worlds
 
 
-def flat(array: wp.array) -> wp.array:
-    """Return the 32-bit numbers of an array as rows, shape (its first axis, the rest), in the same memory."""
-    assert array.is_contiguous
-    numbers = array.size * wp.types.type_size_in_bytes(array.dtype) // 4
-    shape = (array.shape[0], numbers // max(array.shape[0], 1))
-    view = wp.array(ptr=array.ptr, dtype=wp.float32, shape=shape, device=array.device)
-    view.owner = array  # Which is kept as long as its view.
-    return view
+def flat(array: wp.array) -> torch.Tensor:
+    """Return the numbers of an array as rows, shape (its first axis, the rest), in the same memory."""
+    return wp.to_torch(array).view(array.shape[0], -1)
 
 
 def put(values: Any, dtype: Any = wp.float32) -> wp.array:

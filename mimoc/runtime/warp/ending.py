@@ -174,7 +174,7 @@ class DeviceTask:
 
     def _change(self, field: wp.array, rows: torch.Tensor, change: Change) -> None:
         """Write new values to rows of a field of the model, shape (worlds, rows, ...), where they change."""
-        numbers = wp.to_torch(flat(field))
+        numbers = flat(field)
         stride = numbers.shape[1] // field.shape[1]
         columns = torch.arange(stride, device=rows.device) if change.column is None else change.column
         places = (stride * rows[:, None] + columns).flatten()

@@ -77,7 +77,7 @@ class Line:
             self._parts.append(Part(_rows(mask, device), torch.as_tensor(slots, device=device), worlds_by_rest, ring))
 
     def send(self, clock: torch.Tensor, values: torch.Tensor, rest: int | None = None) -> None:
-        """Send values, shape (worlds, n): all, or those whose delay is *rest* physics steps over whole control steps."""
+        """Send values, shape (worlds, n), or those whose delay is *rest* physics steps over whole control steps."""
         for part, rows in self._due(rest):
             slots = (clock % part.slots)[rows]
             part.ring[slots, self._worlds[rows]] = values[:, part.columns][rows]

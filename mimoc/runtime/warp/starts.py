@@ -62,7 +62,7 @@ class Starts:
         """Put worlds into their starts; -1 leaves a world as it is."""
         start = wp.to_torch(chosen).long()
         for name, table in self.fields.items():
-            table.write(start, wp.to_torch(flat(_field(name, model, data))))
+            table.write(start, flat(_field(name, model, data)))
         for name, values in memory.items():
             self.memory[name].write(start, values)
 
