@@ -134,7 +134,7 @@ RUN_MODULES = {
     "vision.blur vision.foveation vision.preview touch.preview touch.noise proprioception.noise",
     "tasks": "binding task gaze catch.resizable_ball",
     "actuation": "binding commands",
-    "delays": "schedule signals jittered timing carried",
+    "delays": "schedule signals jittered timing transfer",
     "noise": "streams low_pass noise motor",
 }
 """Modules in the folders of kinds that run, besides each `run.py`; those that are neither specs nor these build."""

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from mimoc.actuation.binding import Actuation
 from mimoc.bundle.model import in_subtrees, out_of_memory
-from mimoc.delays.carried import carry_commands, carry_samples
 from mimoc.delays.jittered import JitteredCommands, JitteredSamples
 from mimoc.delays.timing import Commands, Samples, Timing
+from mimoc.delays.transfer import transfer_commands, transfer_samples
 from mimoc.noise.motor import NoisyMotors, bind_motor_noise
 from mimoc.noise.noise import noise_of
 from mimoc.noise.streams import NoiseStreams
@@ -191,8 +191,8 @@ class Schedule:
             data: Its state now.
         """
         for name, delayed in self._samples.items():
-            carry_samples(delayed, former._samples[name])
-        carry_commands(self._commands, former._commands)
+            transfer_samples(delayed, former._samples[name])
+        transfer_commands(self._commands, former._commands)
         for name, noise in self._noisy.items():
             if name in former._noisy:
                 noise.state = former._noisy[name].state

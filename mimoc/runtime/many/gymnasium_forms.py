@@ -59,7 +59,7 @@ def options_of(options: Mapping[str, Any] | None, count: int) -> list[dict[str, 
     return options_by_infant
 
 
-def chosen(options: Mapping[str, Any] | None, count: int) -> list[int]:
+def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
     """Return the infants that are reset: all, or those of the option `reset_mask`, a boolean array of shape (n,).
 
     Raises:
@@ -78,11 +78,11 @@ def chosen(options: Mapping[str, Any] | None, count: int) -> list[int]:
     return np.flatnonzero(mask).tolist()
 
 
-def covering(spaces: Sequence[Dict]) -> Dict:
+def union_space(spaces: Sequence[Dict]) -> Dict:
     """Return the space that holds what any of some infants observes: bounds may depend on strength, and so on age."""
     if all(space == spaces[0] for space in spaces):
         return spaces[0]
-    return Dict({name: _covering([space[name] for space in spaces]) for name in spaces[0]})
+    return Dict({name: _union([space[name] for space in spaces]) for name in spaces[0]})
 
 
 def batch_of(spaces: Sequence[Dict]) -> Space:
@@ -92,7 +92,7 @@ def batch_of(spaces: Sequence[Dict]) -> Space:
     return batch_differing_spaces(list(spaces))
 
 
-def _covering(spaces: Sequence[Space]) -> Space:
+def _union(spaces: Sequence[Space]) -> Space:
     first = spaces[0]
     if not isinstance(first, Box):
         return first

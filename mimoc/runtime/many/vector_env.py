@@ -21,13 +21,13 @@ from mimoc.runtime.many.gymnasium_forms import (
     Infos,
     batch_of,
     check_mixture,
-    chosen,
-    covering,
     joined_infos,
     options_of,
+    reset_indices,
     seeds_of,
+    union_space,
 )
-from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.physics import ThreadedPhysics
 from mimoc.runtime.many.senses import BatchSense
 from mimoc.senses.sense import FloatArray, Observation
 
@@ -75,11 +75,13 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self.single_action_space = infants[0].action_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         spaces: list[Any] = [infant.observation_space for infant in infants]
-        self.single_observation_space = covering(spaces)
+        self.single_observation_space = union_space(spaces)
         self.observation_space = batch_of(spaces)
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
         self._schedule, self.steps_done = schedule, np.zeros(self.num_envs, int)
-        self._physics = Physics([infant.model for infant in infants], [infant.data for infant in infants], threads)
+        self._physics = ThreadedPhysics(
+            [infant.model for infant in infants], [infant.data for infant in infants], threads
+        )
         self._bind()
         self.closed = False
 
@@ -113,7 +115,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             ValueError: If a seed is not a non-negative integer, or a list has not one value for each infant.
         """
         count = self.num_envs
-        which = chosen(options, count)
+        which = reset_indices(options, count)
         observation, infos = self.reset_each(seeds_of(seed, count), options_of(options, count), which)
         return observation, joined_infos(infos, self.num_envs)
 
@@ -125,7 +127,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         for infant in range(self.num_envs) if which is None else which:
             _, infos[infant] = self._reset_one(infant, seeds[infant], options[infant])
             self._ended[infant] = False
-        self._follow()
+        self._refresh_models()
         return self._observe(), infos
 
     def step(self, actions: npt.NDArray[np.float32]) -> Stepped:
@@ -152,7 +154,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         for infant in np.flatnonzero(~self._ended).tolist():
             self._grow_one(infant, self._age_due(infant))
             self.steps_done[infant] += 1
-        self._follow()
+        self._refresh_models()
         going = [infant for infant in self._order if not self._ended[infant]]
         observed = [infant for infant in going if self.infants[infant].journal.keeps]
         for infant in observed:
@@ -168,7 +170,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
                 truncated[infant] = True
         for infant in anew:
             infos[infant] = self._reset_one(infant)[1]
-        self._follow()
+        self._refresh_models()
         observation = self._observe()
         for readings in observation.values():
             for infant in unstable:
@@ -194,7 +196,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         """
         for infant, options in enumerate(options_of({AGE: to}, self.num_envs)):
             self._grow_one(infant, options)
-        self._follow()
+        self._refresh_models()
         return self._observe()
 
     def seek(self, steps_done: int) -> None:
@@ -259,10 +261,10 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
             self._set_states(states)
         except Exception:
             self._set_states(before)
-            self._follow()
+            self._refresh_models()
             raise
         self._ended[:] = False
-        self._follow()
+        self._refresh_models()
         return self._observe()
 
     def _set_states(self, states: Sequence[dict[str, Any]]) -> None:
@@ -288,7 +290,7 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         self._delayed = {name: [schedule.samples[name] for schedule in schedules] for name in self._senses}
         self._control_step = ControlStep(self.infants, self._physics, self._senses)
 
-    def _follow(self) -> None:
+    def _refresh_models(self) -> None:
         """Take over what infants have now that got another model, in another scene or by growing."""
         pairs = enumerate(zip(self.infants, self._physics.models, self._physics.datas, strict=True))
         changed = [

@@ -22,12 +22,12 @@ def flat(array: wp.array) -> torch.Tensor:
     return wp.to_torch(array).view(array.shape[0], -1)
 
 
-def put(values: Any, dtype: Any = wp.float32) -> wp.array:
+def to_device(values: Any, dtype: Any = wp.float32) -> wp.array:
     """Return a copy of values on Warp's present device."""
     return wp.array(np.ascontiguousarray(values), dtype=dtype)
 
 
-def taken(values: Any, shape: tuple[int, ...]) -> wp.array:
+def from_library(values: Any, shape: tuple[int, ...]) -> wp.array:
     """Return an array of 32-bit numbers of any library that knows DLPack, or NumPy's, as one of Warp's.
 
     Raises:
@@ -53,7 +53,7 @@ KINDS: Mapping[str, Callable[[wp.array], Any]] = {
 """What observations and rewards can be given as: copies for NumPy, else the environment's own memory."""
 
 
-def giver(arrays: str) -> Callable[[wp.array], Any]:
+def to_library(arrays: str) -> Callable[[wp.array], Any]:
     """Return what turns an array of Warp's into one of a library.
 
     Raises:

@@ -13,11 +13,11 @@ from gymnasium.vector import AutoresetMode
 from mimoc.model_fields import rows_by_name
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.term import Term, differing_field, stack_terms
-from mimoc.runtime.warp.arrays import flat, put, put_on
+from mimoc.runtime.warp.arrays import flat, put_on, to_device
 from mimoc.runtime.warp.bodies import batched_fields
 from mimoc.runtime.warp.capacity import LENGTH, is_losing, report
 from mimoc.runtime.warp.signals import DeviceError
-from mimoc.runtime.warp.starts import Starts
+from mimoc.runtime.warp.starts import InitialStates
 from mimoc.runtime.worlds import Worlds, worlds_of_one
 from mimoc.senses.sense import IntArray
 from mimoc.tasks.binding import CustomTask
@@ -29,7 +29,7 @@ NEVER = 2**31 - 1
 BITS_32 = 2**32 - 1
 
 
-class Ending:
+class EpisodeEnds:
     """What comes of each control step; arrays have the shape (worlds,) if nothing else is said."""
 
     def __init__(
@@ -46,7 +46,7 @@ class Ending:
         """
         worlds, self._body, self._names = body.shape[0], wp.to_torch(body).long(), terms
         limits = [min(NEVER if limit is None else limit for limit in (env.max_steps, max_steps)) for env in infants]
-        self._limits = wp.to_torch(put(limits, wp.int32))[self._body]
+        self._limits = wp.to_torch(to_device(limits, wp.int32))[self._body]
         self.terms = wp.zeros((worlds, len(terms)), dtype=float)
         self.reward = wp.zeros(worlds, dtype=float)
         self.success, self.terminated, self.truncated, self.unstable, self.ended, self.steps, self.episode = (
@@ -67,7 +67,7 @@ class Ending:
         wp.to_torch(self.episode)[list(worlds)] = 0
 
     def judge(
-        self, judgement: Judgement, data: mjw.Data, actions: wp.array, mode: AutoresetMode, first: Starts
+        self, judgement: Judgement, data: mjw.Data, actions: wp.array, mode: AutoresetMode, first: InitialStates
     ) -> None:
         """Add up rewards, find what ends, and choose where to begin again.
 
@@ -99,7 +99,7 @@ class Ending:
         """Count from the start again in worlds that begin an episode."""
         wp.to_torch(self.steps).masked_fill_(wp.to_torch(chosen) >= 0, 0)
 
-    def _start_of(self, starts: Starts) -> torch.Tensor:
+    def _start_of(self, starts: InitialStates) -> torch.Tensor:
         """Return a start for each world by chance, which depends on its seed and the number of its episode alone."""
         first, count = wp.to_torch(starts.first)[self._body], wp.to_torch(starts.count)[self._body]
         return first + _hash(_hash(wp.to_torch(self.seeds).long()) + wp.to_torch(self.episode)) % count

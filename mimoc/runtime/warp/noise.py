@@ -24,7 +24,7 @@ SEEDS = 2**31
 """How many different seeds worlds can have."""
 
 
-class Chance:
+class CounterRandom:
     """The random numbers of all worlds."""
 
     def __init__(self, seeds: wp.array):
@@ -54,7 +54,7 @@ class Chance:
 class DeviceNoise:
     """The noise of one signal of all worlds, with its state."""
 
-    def __init__(self, signal: str, noises: Sequence[Noise], body: wp.array, chance: Chance):
+    def __init__(self, signal: str, noises: Sequence[Noise], body: wp.array, chance: CounterRandom):
         """Disturb a signal.
 
         Args:
@@ -94,7 +94,7 @@ class DeviceNoise:
 class NoisyCommands:
     """The commands of all worlds, and the noise with which they drive actuators."""
 
-    def __init__(self, infants: Sequence[InfantEnv], body: wp.array, chance: Chance):
+    def __init__(self, infants: Sequence[InfantEnv], body: wp.array, chance: CounterRandom):
         """Disturb the commands in each physics step; see `DeviceNoise`."""
         noises = [bind_motor_noise(infant.manifest.noise, infant.actuation) for infant in infants]
         self._noise, self._timestep_s = DeviceNoise(MOTOR, noises, body, chance), infants[0].model.opt.timestep
@@ -112,7 +112,7 @@ class NoisyCommands:
         controls.index_copy_(1, self._actuators, self._noise(self.commanded, self._timestep_s))
 
 
-def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> DeviceNoise | None:
+def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: CounterRandom) -> DeviceNoise | None:
     """Return the noise of a sense of some different bodies, or None if none has any."""
     if not any(noise_amount(sense, infant.manifest.noise) for infant in infants):
         return None
@@ -120,7 +120,7 @@ def noise_of(sense: str, infants: Sequence[InfantEnv], body: wp.array, chance: C
     return DeviceNoise(sense, noises, body, chance)
 
 
-def motor_noise(infants: Sequence[InfantEnv], body: wp.array, chance: Chance) -> NoisyCommands | None:
+def motor_noise(infants: Sequence[InfantEnv], body: wp.array, chance: CounterRandom) -> NoisyCommands | None:
     """Return the commands with their noise, or None if no infant has any."""
     return NoisyCommands(infants, body, chance) if any(infant.manifest.noise.motor for infant in infants) else None
 

@@ -30,7 +30,7 @@ from mimoc.kinds import Code, function_of
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.timing import timing_of
 from mimoc.runtime.warp.arrays import device_worlds, put_on, term_of_worlds
-from mimoc.runtime.warp.noise import Chance, noise_of
+from mimoc.runtime.warp.noise import CounterRandom, noise_of
 from mimoc.senses import SENSES
 from mimoc.senses.custom import CustomSense
 from mimoc.senses.sense import IntArray, Sense
@@ -147,7 +147,7 @@ class TermReader:
 class DeviceSense:
     """A sense of all infants."""
 
-    def __init__(self, name: str, setup: DeviceSetup, chance: Chance):
+    def __init__(self, name: str, setup: DeviceSetup, chance: CounterRandom):
         """Set up what reads it, its delays, and its noise, which draws from *chance*."""
         device = device_part(name, setup.infants[0].senses[name])
         self.read: DeviceReader = function_of(device, "bind")(setup) if device else TermReader(name, setup)

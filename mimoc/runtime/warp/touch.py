@@ -9,7 +9,7 @@ import warp as wp
 from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
-from mimoc.runtime.warp.arrays import put
+from mimoc.runtime.warp.arrays import to_device
 from mimoc.runtime.warp.contacts import Contacts, contacts_of, force_of, presses
 from mimoc.runtime.warp.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray
@@ -24,7 +24,7 @@ KINDS = ("bodies", "points")
 """How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
 
 
-class Feeling:
+class TouchReader:
     """Touch of all infants: forces at places on the skin, which share them as `Receptors` does."""
 
     def __init__(self, setup: DeviceSetup):
@@ -50,9 +50,9 @@ class Feeling:
         self.spaces = {"touch": Box(box.low.flat[0], box.high.flat[0], self.bodies.shape, np.float32)}
         self._quantity, self._sharing = QUANTITIES[entry.quantity], wp.vec2i(self.width, int(is_nearest))
         first, last = (np.searchsorted(places, np.arange(model.nbody), side) for side in ("left", "right"))
-        self._geoms = put(skin_body_of_geoms(skin, model), wp.int32)
-        self._range, self._points = put(np.stack([first, last], 1), wp.vec2i), put(points_m, wp.vec3)
-        self._scales = put([touch.receptors.scale_per_m[:, 0] for touch in touches])
+        self._geoms = to_device(skin_body_of_geoms(skin, model), wp.int32)
+        self._range, self._points = to_device(np.stack([first, last], 1), wp.vec2i), to_device(points_m, wp.vec3)
+        self._scales = to_device([touch.receptors.scale_per_m[:, 0] for touch in touches])
 
     def __call__(self, data: mjw.Data) -> torch.Tensor:
         """Return what is felt now, shape (worlds, n), in memory that the next call writes to."""
@@ -69,7 +69,7 @@ class Feeling:
         return sums.ravel()
 
 
-bind = Feeling
+bind = TouchReader
 
 
 @wp.func

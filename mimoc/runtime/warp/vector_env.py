@@ -16,17 +16,17 @@ from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
-from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, check_mixture, chosen, covering, seeds_of
-from mimoc.runtime.warp.arrays import giver, present, put, taken
+from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, check_mixture, reset_indices, seeds_of, union_space
+from mimoc.runtime.warp.arrays import from_library, present, to_device, to_library
 from mimoc.runtime.warp.capacity import Capacity
 from mimoc.runtime.warp.signals import DeviceError, check_infant, find_device
-from mimoc.runtime.warp.starts import Starts
-from mimoc.runtime.warp.vision.sight import VISION, ClosedEyes
-from mimoc.runtime.warp.worlds import Worlds
+from mimoc.runtime.warp.starts import InitialStates
+from mimoc.runtime.warp.vision.sight import VISION, NoVision
+from mimoc.runtime.warp.worlds import DeviceSimulation
 from mimoc.senses.sense import Sense
 
 STARTS = 256
-"""Starts that are drawn of each infant whose episodes begin with chance."""
+"""InitialStates that are drawn of each infant whose episodes begin with chance."""
 
 
 class StartingInfant(InfantEnv):
@@ -34,7 +34,7 @@ class StartingInfant(InfantEnv):
 
     def _bind(self, former: Mapping[str, Sense] = MappingProxyType({})) -> None:
         """Bind everything but vision."""
-        super()._bind({VISION: ClosedEyes(), **former})
+        super()._bind({VISION: NoVision(), **former})
 
 
 @closable()
@@ -93,20 +93,20 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         for infant in infants:
             check_infant(infant)
         self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
-        self._give, self.autoreset_mode = giver(arrays), AutoresetMode(autoreset_mode)
+        self._give, self.autoreset_mode = to_library(arrays), AutoresetMode(autoreset_mode)
         self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
         which = np.arange(self.num_envs) % len(infants)
         with present(self.device):
             room = contacts, constraints
-            self.worlds = Worlds(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
-        self._starts: dict[str | None, Starts] = {None: self.worlds.default_starts}
+            self.worlds = DeviceSimulation(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
+        self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
         self._is_settled = True
         """Whether what the device reports of the last step has been dealt with."""
         self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
         spaces: list[Any] = [self.worlds.spaces[index] for index in which]
         self.single_action_space = infants[0].action_space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.single_observation_space = covering(spaces)
+        self.single_observation_space = union_space(spaces)
         self.observation_space = batch_of(spaces)
 
     def reset(
@@ -132,10 +132,10 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         seeds = seeds_of(seed, self.num_envs)
         if isinstance(seed, (int, np.integer)):
             self._np_random, self._np_random_seed = seeding.np_random(int(seed))
-        which = chosen(options, self.num_envs)
+        which = reset_indices(options, self.num_envs)
         with present(self.device):
             starts = self._starts_in(options.get("pose"))
-            self.worlds.begin(starts, put(self._choices(starts, seeds, which), wp.int32))
+            self.worlds.begin(starts, to_device(self._choices(starts, seeds, which), wp.int32))
             ended = self.worlds.ended.ended.numpy()
             ended[which] = 0
             self.worlds.ended.ended.assign(ended)
@@ -162,7 +162,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
             raise gymnasium.error.ResetNeeded(f"the episodes of infants {infants} have ended; reset them")
         entering = self.worlds.actions
         with present(self.device):
-            wp.copy(entering, taken(actions, entering.shape))
+            wp.copy(entering, from_library(actions, entering.shape))
             self.worlds.step()
             self._is_settled = False
             ended = self.worlds.ended
@@ -206,7 +206,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         for infant in self.infants:
             infant.close()
 
-    def _choices(self, starts: Starts, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
+    def _choices(self, starts: InitialStates, seeds: Sequence[int | None], which: Sequence[int]) -> np.ndarray:
         """Return the start of each infant that is reset, -1 for others."""
         body = np.arange(self.num_envs) % len(self.infants)
         first, counts = starts.first.numpy()[body], starts.count.numpy()[body]
@@ -220,7 +220,7 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         self.worlds.seed(given)
         return choices
 
-    def _starts_in(self, pose: str | None) -> Starts:
+    def _starts_in(self, pose: str | None) -> InitialStates:
         """Return the starts in a pose, which are drawn when they are first asked for."""
         if pose not in self._starts:
             for infant in self.infants:

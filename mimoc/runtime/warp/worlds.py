@@ -13,13 +13,13 @@ from gymnasium.vector import AutoresetMode
 
 from mimoc.delays.spec import MOTOR
 from mimoc.runtime.env import InfantEnv
-from mimoc.runtime.warp.arrays import device_worlds, put, put_on, term_of_worlds
+from mimoc.runtime.warp.arrays import device_worlds, put_on, term_of_worlds, to_device
 from mimoc.runtime.warp.bodies import batched_data, batched_model, enlarged
 from mimoc.runtime.warp.capacity import COUNTS, FLAGS, NOT_FINITE, OVERFLOWED, RARE, Capacity, Room, lack
-from mimoc.runtime.warp.ending import DeviceTask, Ending
-from mimoc.runtime.warp.noise import Chance, motor_noise
+from mimoc.runtime.warp.ending import DeviceTask, EpisodeEnds
+from mimoc.runtime.warp.noise import CounterRandom, motor_noise
 from mimoc.runtime.warp.signals import DeviceError, DeviceSense, DeviceSetup, Line, delays_of, space_of
-from mimoc.runtime.warp.starts import Starts, changed_rows, drawn, seen_at
+from mimoc.runtime.warp.starts import InitialStates, changed_rows, sample_initial_states, seen_at
 from mimoc.runtime.warp.vision.sight import VISION
 from mimoc.senses.sense import IntArray
 from mimoc.units import to_steps
@@ -28,7 +28,7 @@ NO_MEMORY = "Failed to allocate"
 """What Warp says when the memory of a device does not do."""
 
 
-class Worlds:
+class DeviceSimulation:
     """Everything on the device, and what happens there; all arrays keep their place in memory until the room grows."""
 
     def __init__(
@@ -54,13 +54,13 @@ class Worlds:
         """Whether physics steps are captured as graphs, and those of some numbers of steps."""
         present, models = self.room.present, [infant.model for infant in infants]
         self.data = batched_data(models, body_of_world, present.contacts, present.constraints)
-        self.body = put(body_of_world, wp.int32)
+        self.body = to_device(body_of_world, wp.int32)
         self.task, self._seen_by_terms = DeviceTask(infants, body_of_world), device_worlds(self.data)
         self.clock = torch.zeros((), dtype=torch.int64, device=wp.device_to_torch(self._device))
         """Control steps so far."""
-        self.chance = Chance(put(np.arange(count), wp.int32))
+        self.chance = CounterRandom(to_device(np.arange(count), wp.int32))
         self._open_signals(touch)
-        self.ended = Ending(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
+        self.ended = EpisodeEnds(infants, self.body, self.task.terms, max_steps, self.chance.seeds)
         self.default_starts = self.starts(None)
 
     def _open_signals(self, touch: str) -> None:
@@ -90,10 +90,10 @@ class Worlds:
         }
         self.final = {name: wp.zeros_like(array) for name, array in self.observation.items()}
 
-    def starts(self, pose: str | None) -> Starts:
+    def starts(self, pose: str | None) -> InitialStates:
         """Return the starts of all bodies in a pose."""
         touch: Any = self.senses["touch"].read if "touch" in self.senses else None
-        starts = drawn(self._infants, self._most_starts, pose, self.model, touch)
+        starts = sample_initial_states(self._infants, self._most_starts, pose, self.model, touch)
         if VISION not in self.senses:
             return starts
         sight: Any = self.senses[VISION].read
@@ -105,7 +105,7 @@ class Worlds:
         self.chance.restart(seeds)
         self.ended.forget(seeds)
 
-    def begin(self, starts: Starts, chosen: wp.array) -> None:
+    def begin(self, starts: InitialStates, chosen: wp.array) -> None:
         """Start an episode in the worlds that a start is chosen for; -1 is none."""
         starts.restore(chosen, self.model, self.data, self.task.memory)
         start, begin = wp.to_torch(chosen).clamp(min=0).long(), wp.to_torch(chosen) >= 0

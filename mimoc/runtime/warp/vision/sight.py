@@ -95,7 +95,7 @@ SHARED = ("cameras", "width_px", "height_px", "supersample", "unseen")
 """What must be the same of all infants' vision."""
 
 
-class Sight:
+class VisionReader:
     """What all infants see."""
 
     def __init__(self, setup: DeviceSetup):
@@ -117,10 +117,10 @@ class Sight:
         return self._filters(self._eyes(data))
 
 
-bind = Sight
+bind = VisionReader
 
 
-class ClosedEyes(Sense):
+class NoVision(Sense):
     """The vision of a single environment which only draws starts: it needs no OpenGL and sees nothing."""
 
     @property

@@ -11,7 +11,7 @@ from mimoc.senses.sense import Sample
 Item = TypeVar("Item")
 
 
-def carry_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
+def transfer_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
     """Put the samples of a sense that are on their way into those with the delays of another age.
 
     The newest samples stay on their way, as many as the delay now has room for; the one before them has arrived. Where
@@ -33,8 +33,8 @@ def carry_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
             group.reset(before.arrived)
 
 
-def carry_commands(groups: Sequence[Commands], former: Sequence[Commands]) -> None:
-    """Put the commands that are on their way into those with the delays of another age; see `carry_samples`.
+def transfer_commands(groups: Sequence[Commands], former: Sequence[Commands]) -> None:
+    """Put the commands that are on their way into those with the delays of another age; see `transfer_samples`.
 
     Where there is room for more, actuators keep their controls for longer.
     """
