@@ -13,7 +13,6 @@ import warp as wp
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.many.gymnasium_forms import mixture_error
 from mimoc.runtime.term import Put, Term, differing_field, stack_terms
-from mimoc.runtime.warp.contacts import PressingGroups
 from mimoc.runtime.worlds import Worlds
 
 
@@ -62,6 +61,29 @@ def to_library(arrays: str) -> Callable[[wp.array], Any]:
     if arrays not in KINDS:
         raise UnknownNameError("kind of arrays", arrays, KINDS)
     return KINDS[arrays]
+
+
+class PressingGroups:
+    """Finds which groups of geoms press on which in all worlds; see `Worlds.pressing`."""
+
+    def __init__(self, data: mjw.Data):
+        """Read the contacts of some data."""
+        self._data, self._counts = data, dict[torch.Tensor, int]()
+
+    def __call__(self, group_of_geom: torch.Tensor) -> torch.Tensor:
+        """Return it, shape (worlds, g, g)."""
+        if group_of_geom not in self._counts:  # To count them, the CPU waits for the device.
+            self._counts[group_of_geom] = int(group_of_geom.max()) + 1
+        count, contact = self._counts[group_of_geom], self._data.contact
+        world, geoms, rows = map(wp.to_torch, (contact.worldid, contact.geom, contact.efc_address))
+        groups = group_of_geom[geoms.long().clamp(min=0)]
+        is_listed = torch.arange(len(world), device=world.device) < wp.to_torch(self._data.nacon)
+        presses = is_listed & (rows[:, 0] >= 0) & (groups >= 0).all(dim=1)  # Near misses have no rows of constraints.
+        pressing = torch.zeros(self._data.nworld * count**2 + 1, dtype=torch.bool, device=world.device)
+        place = (world.long() * count + groups[:, 0]) * count + groups[:, 1]
+        pressing[torch.where(presses, place, len(pressing) - 1)] = True  # The last one is of those that do not press.
+        pressing = pressing[:-1].view(-1, count, count)
+        return pressing | pressing.mT
 
 
 def device_worlds(data: mjw.Data) -> Worlds:

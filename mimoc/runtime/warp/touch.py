@@ -10,7 +10,6 @@ from gymnasium.spaces import Box
 
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.warp.arrays import to_device
-from mimoc.runtime.warp.contacts import Contacts, contacts_of, force_of, presses
 from mimoc.runtime.warp.signals import DeviceSetup
 from mimoc.senses.sense import FloatArray
 from mimoc.senses.touch.contacts import skin_body_of_geoms
@@ -22,6 +21,51 @@ QUANTITIES = {"force_vector": IN_BODY, "force_vector_global": IN_WORLD, "normal"
 
 KINDS = ("bodies", "points")
 """How touch can be told: by the sum of all forces on each body that has skin, or by the forces at all its points."""
+
+
+@wp.struct
+class Contacts:
+    """The contacts of all worlds, c of them at most."""
+
+    count: wp.array[int]
+    """How many there are, shape (1,)."""
+    world: wp.array[int]
+    """Shape (c,), as are all that follow."""
+    geoms: wp.array[wp.vec2i]
+    dist: wp.array[float]
+    pos: wp.array[wp.vec3]
+    frame: wp.array[wp.mat33]
+    dim: wp.array[int]
+    rows: wp.array2d[int]
+    """Rows of constraints, -1 for near misses, shape (c, rows)."""
+    force: wp.array2d[float]
+    """Forces of the constraints, shape (worlds, constraints)."""
+
+
+def contacts_of(data: mjw.Data) -> Any:
+    """Return the contacts of all worlds for kernels."""
+    contact, contacts = data.contact, Contacts()
+    contacts.count, contacts.world, contacts.geoms = data.nacon, contact.worldid, contact.geom
+    contacts.dist, contacts.pos, contacts.frame = contact.dist, contact.pos, contact.frame
+    contacts.dim, contacts.rows, contacts.force = contact.dim, contact.efc_address, data.efc.force
+    return contacts
+
+
+@wp.func
+def presses(contacts: Contacts, index: int) -> bool:
+    """Return whether a contact has a force; the others are near misses, or beyond the end of the list."""
+    return index < contacts.count[0] and contacts.rows[index, 0] >= 0
+
+
+@wp.func
+def force_of(contacts: Contacts, index: int) -> wp.vec3:
+    """Return the force of a contact, along its normal and two tangents."""
+    world = contacts.world[index]
+    force = wp.vec3(0.0, 0.0, 0.0)
+    for axis in range(3):
+        if axis < contacts.dim[index]:
+            force[axis] = contacts.force[world, contacts.rows[index, axis]]
+    return force
 
 
 class TouchReader:
