@@ -59,7 +59,7 @@ class ControlStep:
         self._is_plain = all(actuation.command is None for actuation in self._actuations)
         self._physics, self._senses = physics, senses
         self._segments: dict[int, tuple[Segment, ...]] = {}
-        self._stretches: list[BatchSegment] = []
+        self._merged: list[BatchSegment] = []
 
     def __call__(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> None:
         """Go through a control step of some infants.
@@ -72,12 +72,12 @@ class ControlStep:
         controls = self._controls(actions, infants)
         segments = {infant: schedules[infant].begin(controls[infant]) for infant in infants}
         if segments != self._segments:  # Without jitter, they are the same objects in each control step.
-            self._segments, self._stretches = segments, self._merge_segments(segments)
-        for stretch in self._stretches:
-            for infant, segment in stretch.begun:
+            self._segments, self._merged = segments, self._merge_segments(segments)
+        for merged in self._merged:
+            for infant, segment in merged.begun:
                 schedules[infant].command(segment, datas[infant])
-            with closing(self._physics.step(stretch.groups, stretch.physics_steps)) as stepped:
-                for samplings, _ in zip(stretch.samplings, stepped, strict=True):
+            with closing(self._physics.step(merged.groups, merged.physics_steps)) as stepped:
+                for samplings, _ in zip(merged.samplings, stepped, strict=True):
                     self._sample(samplings)
 
     def _controls(self, actions: npt.NDArray[Any], infants: Sequence[int]) -> FloatArray:
@@ -115,14 +115,14 @@ class ControlStep:
                 begun[time].append((infant, segment))
                 time += segment.physics_steps
                 due[time].append((infant, segment))
-        stretches = []
+        merged = []
         for start, end in pairwise(sorted({*begun, *due})):
             are_sampled = any(segment.samples for _, segment in due[end])
             count = min(GROUPS, len(segments) // LEAST) if self._physics.threads > 1 and are_sampled else 1
             groups = [part.tolist() for part in np.array_split(list(segments), max(count, 1))]
             samplings = [self._samplings([item for item in due[end] if item[0] in set(group)]) for group in groups]
-            stretches.append(BatchSegment(begun[start], end - start, groups, samplings))
-        return stretches
+            merged.append(BatchSegment(begun[start], end - start, groups, samplings))
+        return merged
 
     def _samplings(self, due: Sequence[tuple[int, Segment]]) -> list[Sampling]:
         """Return what is sampled at the ends of some segments: each sense of all infants that can be read together."""

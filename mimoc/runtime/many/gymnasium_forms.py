@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Box, Dict
+from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_differing_spaces, batch_space
 
 from mimoc.errors import MimocError
@@ -78,27 +79,34 @@ def reset_indices(options: Mapping[str, Any] | None, count: int) -> list[int]:
     return np.flatnonzero(mask).tolist()
 
 
-def union_space(spaces: Sequence[Dict]) -> Dict:
-    """Return the space that holds what any of some infants observes: bounds may depend on strength, and so on age."""
-    if all(space == spaces[0] for space in spaces):
+class InfantVectorEnv(VectorEnv[Any, Any, Any]):
+    """What vector environments of infants on the CPU and on a device have in common."""
+
+    def _describe(self, infants: Sequence[InfantEnv], spaces: Sequence[Any], mode: AutoresetMode) -> None:
+        """Say what is commanded and observed.
+
+        Args:
+            infants: The different ones; the first stands for all in what must be the same.
+            spaces: What each of all infants observes; bounds may depend on strength, and so on age.
+            mode: When an infant whose episode has ended is reset.
+        """
+        self.autoreset_mode, self.num_envs = mode, len(spaces)
+        self.metadata = {**infants[0].metadata, "autoreset_mode": mode}
+        self.single_action_space = infants[0].action_space
+        self.action_space = batch_space(self.single_action_space, len(spaces))
+        self.single_observation_space, self.observation_space = spaces[0], batch_space(spaces[0], len(spaces))
+        if any(space != spaces[0] for space in spaces):
+            unions = {name: _union([space[name] for space in spaces]) for name in spaces[0]}
+            self.single_observation_space = Dict(unions)
+            self.observation_space = batch_differing_spaces(list(spaces))
+
+
+def _union(spaces: Sequence[Any]) -> Space:
+    """Return the space that holds what any of some spaces holds."""
+    if not isinstance(spaces[0], Box):
         return spaces[0]
-    return Dict({name: _union([space[name] for space in spaces]) for name in spaces[0]})
-
-
-def batch_of(spaces: Sequence[Dict]) -> Space:
-    """Return the space of the observations of all infants, each within its own bounds."""
-    if all(space == spaces[0] for space in spaces):
-        return batch_space(spaces[0], len(spaces))
-    return batch_differing_spaces(list(spaces))
-
-
-def _union(spaces: Sequence[Space]) -> Space:
-    first = spaces[0]
-    if not isinstance(first, Box):
-        return first
-    boxes = [space for space in spaces if isinstance(space, Box)]
-    low, high = np.min([box.low for box in boxes], axis=0), np.max([box.high for box in boxes], axis=0)
-    return Box(low, high, dtype=first.dtype.type)
+    low, high = np.min([box.low for box in spaces], axis=0), np.max([box.high for box in spaces], axis=0)
+    return Box(low, high, dtype=spaces[0].dtype.type)
 
 
 def joined_infos(infos: Infos, count: int) -> dict[str, Any]:

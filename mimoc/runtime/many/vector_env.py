@@ -6,8 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import numpy.typing as npt
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
+from gymnasium.vector import AutoresetMode
 
 from mimoc.actuation.binding import numbers_of
 from mimoc.delays.schedule import arrived
@@ -18,14 +17,13 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import AGE
 from mimoc.runtime.many.control_step import ControlStep
 from mimoc.runtime.many.gymnasium_forms import (
+    InfantVectorEnv,
     Infos,
-    batch_of,
     check_mixture,
     joined_infos,
     options_of,
     reset_indices,
     seeds_of,
-    union_space,
 )
 from mimoc.runtime.many.physics import ThreadedPhysics
 from mimoc.runtime.many.senses import BatchSense
@@ -36,7 +34,7 @@ Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.b
 
 
 @closable("call", "get_attr", "seek")
-class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[Any]]):
+class ManyInfants(InfantVectorEnv):
     """Infants that live side by side, each in a world of its own.
 
     Infant i observes and earns, step for step and bit for bit, what it would alone with the same seed: `infants[i]` is
@@ -69,14 +67,8 @@ class ManyInfants(VectorEnv[Observation, npt.NDArray[np.float32], npt.NDArray[An
         with sharing(self._renderers):
             infants = self.infants = tuple(open_infant() for open_infant in openers)
         check_mixture(infants)
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = infants[0].render_mode
-        self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
-        self.single_action_space = infants[0].action_space
-        self.action_space = batch_space(self.single_action_space, self.num_envs)
-        spaces: list[Any] = [infant.observation_space for infant in infants]
-        self.single_observation_space = union_space(spaces)
-        self.observation_space = batch_of(spaces)
+        self._describe(infants, [infant.observation_space for infant in infants], AutoresetMode(autoreset_mode))
         self._ended, self._max_steps = np.zeros(self.num_envs, bool), max_episode_steps
         self._schedule, self.steps_done = schedule, np.zeros(self.num_envs, int)
         self._physics = ThreadedPhysics(

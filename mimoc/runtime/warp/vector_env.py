@@ -8,15 +8,14 @@ import gymnasium
 import numpy as np
 import warp as wp
 from gymnasium.utils import seeding
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
+from gymnasium.vector import AutoresetMode
 
 from mimoc.bundle.poses import pose_of
 from mimoc.errors import UnknownNameError
 from mimoc.runtime.closing import closable
 from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import options_given
-from mimoc.runtime.many.gymnasium_forms import RESET_MASK, batch_of, check_mixture, reset_indices, seeds_of, union_space
+from mimoc.runtime.many.gymnasium_forms import RESET_MASK, InfantVectorEnv, check_mixture, reset_indices, seeds_of
 from mimoc.runtime.warp.arrays import from_library, present, to_device, to_library
 from mimoc.runtime.warp.capacity import Capacity
 from mimoc.runtime.warp.signals import DeviceError, check_infant, find_device
@@ -38,7 +37,7 @@ class StartingInfant(InfantEnv):
 
 
 @closable()
-class WarpInfants(VectorEnv[Any, Any, Any]):
+class WarpInfants(InfantVectorEnv):
     """Infants that live side by side on a device, in worlds of MuJoCo Warp.
 
     They may be of different ages and measures. In numbers of 32 bits, each observes and earns what it would on the CPU;
@@ -93,21 +92,16 @@ class WarpInfants(VectorEnv[Any, Any, Any]):
         for infant in infants:
             check_infant(infant)
         self.infants, self.num_envs = tuple(infants), num_envs or len(infants)
-        self._give, self.autoreset_mode = to_library(arrays), AutoresetMode(autoreset_mode)
-        self.metadata = {**infants[0].metadata, "autoreset_mode": self.autoreset_mode}
+        self._give, mode = to_library(arrays), AutoresetMode(autoreset_mode)
         which = np.arange(self.num_envs) % len(infants)
         with present(self.device):
             room = contacts, constraints
-            self.worlds = DeviceSimulation(infants, which, room, touch, starts, self.autoreset_mode, max_episode_steps)
+            self.worlds = DeviceSimulation(infants, which, room, touch, starts, mode, max_episode_steps)
         self._starts: dict[str | None, InitialStates] = {None: self.worlds.default_starts}
         self._is_settled = True
         """Whether what the device reports of the last step has been dealt with."""
         self._everyone = self._flag(wp.full(self.num_envs, 1, dtype=int, device=self.device))
-        spaces: list[Any] = [self.worlds.spaces[index] for index in which]
-        self.single_action_space = infants[0].action_space
-        self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self.single_observation_space = union_space(spaces)
-        self.observation_space = batch_of(spaces)
+        self._describe(infants, [self.worlds.spaces[index] for index in which], mode)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
