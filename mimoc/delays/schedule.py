@@ -24,7 +24,7 @@ from mimoc.units import ms_to_s
 Item = TypeVar("Item")
 
 
-def carry_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
+def transfer_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
     """Put the samples of a sense that are on their way into those with the delays of another age.
 
     The newest samples stay on their way, as many as the delay now has room for; the one before them has arrived. Where
@@ -46,8 +46,8 @@ def carry_samples(groups: Sequence[Samples], former: Sequence[Samples]) -> None:
             group.reset(before.arrived)
 
 
-def carry_commands(groups: Sequence[Commands], former: Sequence[Commands]) -> None:
-    """Put the commands that are on their way into those with the delays of another age; see `carry_samples`.
+def transfer_commands(groups: Sequence[Commands], former: Sequence[Commands]) -> None:
+    """Put the commands that are on their way into those with the delays of another age; see `transfer_samples`.
 
     Where there is room for more, actuators keep their controls for longer.
     """
@@ -253,8 +253,8 @@ class Schedule:
             data: Its state now.
         """
         for name, delayed in self._samples.items():
-            carry_samples(delayed, former._samples[name])
-        carry_commands(self._commands, former._commands)
+            transfer_samples(delayed, former._samples[name])
+        transfer_commands(self._commands, former._commands)
         for name, noise in self._noisy.items():
             if name in former._noisy:
                 noise.state = former._noisy[name].state

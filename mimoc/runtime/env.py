@@ -263,7 +263,8 @@ class InfantEnv(gymnasium.Env[Any, npt.NDArray[np.float32]]):
         verdict = NO_REWARD if unstable else self._task.judge(self.data, action, self.effort)
         truncated = self._task.steps is not None and self._steps >= self._task.steps
         info = {"is_success": verdict.success, "reward_terms": dict(verdict.reward_terms), "unstable": unstable}
-        return verdict.reward, verdict.terminated or unstable, truncated, info | {growing.AGE: self.age_months}
+        info[growing.AGE] = self.age_months
+        return verdict.reward, verdict.terminated or unstable, truncated, info
 
     def get_state(self) -> dict[str, Any]:
         """Return the complete state of the environment: physics, delayed signals, noise, task and random generator.

@@ -29,7 +29,6 @@ from mimoc.runtime.env import InfantEnv
 from mimoc.runtime.growing import check_same_body
 from mimoc.runtime.growing_env import Growing
 from mimoc.runtime.growth_schedule import GrowthSchedule, growth_schedule, read_ages
-from mimoc.runtime.many.growing import GrowingInfants
 from mimoc.runtime.many.vector_env import ManyInfants
 from mimoc.training.settings import Settings
 
@@ -80,8 +79,7 @@ class InfantVecEnv(DummyVecEnv):
 
     def seek(self, steps_done: int) -> None:
         """Let growing infants go on as after a number of control steps of each; a reset must follow."""
-        if isinstance(self.infants, GrowingInfants):
-            self.infants.seek(steps_done)
+        self.infants.seek(steps_done)
 
     def close(self) -> None:
         """Close all infants; closing twice is fine."""
@@ -255,9 +253,8 @@ def _running_statistics(env: VecNormalize) -> dict[str, Any]:
 def _together(
     openers: Sequence[Callable[[], InfantEnv]], growth: Growth | None, threads: int | None, limit: int | None
 ) -> VecEnv:
-    if growth is None:
-        return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit))
-    return InfantVecEnv(GrowingInfants(openers, growth.schedule, threads, RESET_IN_THE_SAME_STEP, limit))
+    schedule = growth and growth.schedule
+    return InfantVecEnv(ManyInfants(openers, threads, RESET_IN_THE_SAME_STEP, limit, schedule))
 
 
 def _apart(

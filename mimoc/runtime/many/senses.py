@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from mimoc.kinds import function_of
-from mimoc.runtime.many.physics import Physics
+from mimoc.runtime.many.physics import ThreadedPhysics
 from mimoc.runtime.term import differing_field, stack_terms
 from mimoc.runtime.worlds import Worlds
 from mimoc.senses import SENSES
@@ -25,7 +25,7 @@ SIZES = (
 class BatchSense:
     """A sense of n infants, which has the same name for all."""
 
-    def __init__(self, name: str, senses: Sequence[Sense], physics: Physics):
+    def __init__(self, name: str, senses: Sequence[Sense], physics: ThreadedPhysics):
         """Find out which infants can be read together: those with terms of equal addresses in models of equal size."""
         self._name, self._senses, self._physics = name, senses, physics
         self.kinds = _kinds(senses, physics.models)
