@@ -251,6 +251,18 @@ MOST_MANIFEST_BYTES = 2**22
 """4 MB; a room with fifty toys and an infant with ten fingers have 56 kB."""
 
 
+def to_data(manifest: Manifest) -> dict[str, Any]:
+    """Return what is written of a manifest; a sense from outside that the infant has not is left out.
+
+    So a bundle can be read where that sense is unknown.
+    """
+    data = manifest.model_dump()
+    unused = {name for name, entry in data["senses"].items() if entry is None and SENSES.distribution(name) != "mimoc"}
+    for section in ("senses", "delays"):
+        data[section] = {name: entry for name, entry in data[section].items() if name not in unused}
+    return data
+
+
 def read_manifest(content: bytes) -> Manifest:
     """Return the manifest that a file contains.
 

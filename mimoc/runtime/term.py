@@ -40,6 +40,19 @@ class Term:
 
     `term(worlds, ...)` returns what is measured of k infants, an array of shape (k, ...), or what a kind asks of its
     terms; what else a kind gives them has a leading axis of k, too.
+
+    Example:
+        >>> import mimoc
+        >>> from dataclasses import dataclass
+        >>> import numpy as np
+        >>> from mimoc.plugin import check_term
+        >>> @dataclass(frozen=True)
+        ... class Height(mimoc.Term):
+        ...     head: np.ndarray
+        ...     def __call__(self, worlds):
+        ...         return worlds.xp.take(worlds.xpos, self.head, axis=1)[..., 2]
+        >>> env = mimoc.make("nine_months.yaml").unwrapped
+        >>> check_term(Height(np.array([env.model.body("head").id])), env.model)
     """
 
     __call__: ClassVar[Callable[..., Any]]
