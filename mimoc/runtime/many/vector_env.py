@@ -6,7 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import numpy.typing as npt
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc.actuation.binding import numbers_of
 from mimoc.delays.schedule import arrived
@@ -34,7 +34,7 @@ Stepped = tuple[Observation, FloatArray, npt.NDArray[np.bool_], npt.NDArray[np.b
 
 
 @closable("call", "get_attr", "seek")
-class ManyInfants(InfantVectorEnv):
+class ManyInfants(InfantVectorEnv, VectorEnv[Any, Any, Any]):  # skrl looks for it among direct bases.
     """Infants that live side by side, each in a world of its own.
 
     Infant i observes and earns, step for step and bit for bit, what it would alone with the same seed: `infants[i]` is

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import warp as wp
 from gymnasium.utils import seeding
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorEnv
 
 from mimoc.bundle.model import pose_of
 from mimoc.errors import UnknownNameError
@@ -37,7 +37,7 @@ class StartingInfant(InfantEnv):
 
 
 @closable()
-class WarpInfants(InfantVectorEnv):
+class WarpInfants(InfantVectorEnv, VectorEnv[Any, Any, Any]):
     """Infants that live side by side on a device, in worlds of MuJoCo Warp.
 
     They may be of different ages and measures. In numbers of 32 bits, each observes and earns what it would on the CPU;
