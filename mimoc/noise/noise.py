@@ -98,7 +98,7 @@ class Draw:
 class Noise(Term):
     """A base for noise."""
 
-    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:  # pyright: ignore[reportIncompatibleMethodOverride] - It reads no worlds.
+    def __call__(self, draw: Draw, sample: Any, state: Any) -> tuple[Any, Any]:
         """Return the signal with noise as a new array, and the state of the noise then.
 
         Args:
