@@ -120,7 +120,9 @@ class ControlStep:
             are_sampled = any(segment.samples for _, segment in due[end])
             count = min(GROUPS, len(segments) // LEAST) if self._physics.threads > 1 and are_sampled else 1
             groups = [part.tolist() for part in np.array_split(list(segments), max(count, 1))]
-            samplings = [self._samplings([item for item in due[end] if item[0] in set(group)]) for group in groups]
+            samplings = [
+                self._samplings([item for item in due[end] if item[0] in members]) for members in map(set, groups)
+            ]
             merged.append(BatchSegment(begun[start], end - start, groups, samplings))
         return merged
 
