@@ -97,6 +97,19 @@ def stack_terms(terms: Sequence[T], put: Put = np.asarray) -> T:
     return replace(first, **{name: _stacked(values, put) for name, values in _fields(terms).items()})
 
 
+def take_rows(term: T, rows: Any) -> T:
+    """Return a stacked term of NumPy's of some of its infants, by their rows."""
+
+    def taken(value: Any) -> Any:
+        if isinstance(value, Term):
+            return take_rows(value, rows)
+        if isinstance(value, tuple):
+            return tuple(map(taken, value))
+        return value[rows] if is_amount(value) else value
+
+    return replace(term, **{field.name: taken(getattr(term, field.name)) for field in fields(term)})
+
+
 def differing_field(terms: Sequence[Term]) -> str | None:
     """Return a field for which terms cannot be stacked, as it is an address that is not equal; None if they can be."""
     if len({type(term) for term in terms}) > 1:
